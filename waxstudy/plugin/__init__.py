@@ -1,0 +1,67 @@
+"""What a plugin author imports: contracts, parameters, the hook marker, and the delay ring.
+
+A plugin is a module with a function `waxstudy_register(register)` marked `@hookimpl`, named in the entry-point
+group `waxstudy`; it calls `register(ComponentClass)` for each component it offers.
+"""
+
+from waxstudy.plugin.contracts import (
+    API_VERSION,
+    CHAIN,
+    ERROR,
+    KINDS,
+    LEVEL,
+    ROOM_OUTPUTS,
+    TEMPERATURE,
+    Actuator,
+    Block,
+    Component,
+    Controller,
+    Facade,
+    Finding,
+    FloatArray,
+    LinearRoom,
+    Modulator,
+    Port,
+    PublishedRow,
+    Reference,
+    Room,
+    Sensor,
+    Valve,
+    Weather,
+    WeatherRecord,
+)
+from waxstudy.plugin.hook import hookimpl
+from waxstudy.plugin.parameters import Parameters, parameter
+from waxstudy.plugin.ring import Ring, delayed
+
+__all__ = [
+    "API_VERSION",
+    "CHAIN",
+    "ERROR",
+    "KINDS",
+    "LEVEL",
+    "ROOM_OUTPUTS",
+    "TEMPERATURE",
+    "Actuator",
+    "Block",
+    "Component",
+    "Controller",
+    "Facade",
+    "Finding",
+    "FloatArray",
+    "LinearRoom",
+    "Modulator",
+    "Parameters",
+    "Port",
+    "PublishedRow",
+    "Reference",
+    "Ring",
+    "Room",
+    "Sensor",
+    "Valve",
+    "Weather",
+    "WeatherRecord",
+    "delayed",
+    "hookimpl",
+    "parameter",
+]

@@ -1,0 +1,226 @@
+"""The contracts: what a component of each kind declares and provides.
+
+A component is a class. It is never instantiated: it names its `Parameters`, and its functions take them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waxstudy.plugin.parameters import Parameters
+
+if TYPE_CHECKING:
+    from waxstudy.results.run import Run
+
+API_VERSION = "1.0"
+
+FloatArray = NDArray[np.float64]
+
+
+class Component:
+    """Anything that a plugin registers: a kind, a name, and documented parameters."""
+
+    kind: ClassVar[str]
+    name: ClassVar[str]
+    api_version: ClassVar[str] = API_VERSION
+    Parameters: ClassVar[type[Parameters]] = Parameters
+
+
+# --- blocks of the control chain -------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Port:
+    """An input or output of a block: what it is, its unit, and the range that the engine enforces."""
+
+    quantity: str
+    unit: str
+    low: float
+    high: float
+
+
+TEMPERATURE = Port("temperature", "C", -100.0, 150.0)
+ERROR = Port("setpoint minus reading", "K", -250.0, 250.0)
+LEVEL = Port("level", "1", 0.0, 1.0)
+
+
+@dataclass
+class NoState:
+    """State of a block that remembers nothing."""
+
+
+class Block(Component):
+    """One single-input single-output element of the chain.
+
+    `step(p, x, u, t, dt)` is a plain function: parameters `p` and state `x` by field name, input `u` held over
+    the step, time `t` at the start of the step [s], step `dt` [s]; it changes `x` in place and returns the output
+    at the end of the step. Text parameters with fixed choices (`Literal`) arrive as the index of the choice.
+    It must compile with numba and run unchanged in the interpreter.
+    """
+
+    input: ClassVar[Port] = LEVEL
+    output: ClassVar[Port] = LEVEL
+    State: ClassVar[type] = NoState
+    step: ClassVar[Callable[..., float]]
+    # labelled parameter sets worth showing or testing, e.g. one per product
+    examples: ClassVar[Mapping[str, Mapping[str, Any]]] = {"default": {}}
+
+    @classmethod
+    def start(cls, p: Any, dt: float) -> Any:
+        """Return the initial state for parameters `p` and step `dt` [s]."""
+        return cls.State()
+
+
+class Sensor(Block):
+    kind = "sensor"
+    input = output = TEMPERATURE
+
+
+class Controller(Block):
+    kind = "controller"
+    input = ERROR
+
+
+class Modulator(Block):
+    kind = "modulator"
+
+
+class Actuator(Block):
+    kind = "actuator"
+
+
+class Valve(Block):
+    kind = "valve"
+
+
+CHAIN = ("sensor", "controller", "modulator", "actuator", "valve")
+
+
+# --- weather ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Facade:
+    """A direction that the sun is asked for: azimuth from north, clockwise; tilt 90 is vertical."""
+
+    azimuth_deg: float
+    tilt_deg: float = 90.0
+
+
+@dataclass(frozen=True)
+class WeatherRecord:
+    """Weather in equal intervals, the first starting at 00:00 local standard time."""
+
+    interval_s: float
+    first_day: str  # ISO date
+    outdoor_C: FloatArray  # (n,) mean of each interval
+    irradiance_W_m2: Mapping[str, FloatArray]  # facade name -> (n,) global on the facade, mean of each interval
+
+    @property
+    def duration_s(self) -> float:
+        return self.interval_s * len(self.outdoor_C)
+
+
+class Weather(Component):
+    kind = "weather"
+
+    @classmethod
+    def load(cls, p: Any, facades: Mapping[str, Facade]) -> WeatherRecord:
+        """Return the record for parameters `p`; raise `ValueError` with a one-line reason if it cannot be had."""
+        raise NotImplementedError
+
+
+# --- room ------------------------------------------------------------------------------------------
+
+ROOM_OUTPUTS = (
+    "sensed_C",  # what the sensor is exposed to
+    "layer_C",  # floor in the plane of the pipes
+    "operative_C",
+    "air_C",
+    "floor_surface_C",
+    "floor_heat_W_m2",  # from the floor surface into the room
+)
+
+
+@dataclass(frozen=True)
+class LinearRoom:
+    """A room of capacities and conductances with one heated floor layer.
+
+    C dT/dt = -G T + B u + f q,   y = H T + D u
+
+    with node temperatures T [C], slow inputs u (constant over a weather interval) and the heat q [W] that the
+    water gives to the floor. G is symmetric and positive definite, so that every mode is real and stable.
+    """
+
+    floor_area_m2: float
+    nodes: Sequence[str]
+    capacity_J_K: FloatArray  # C (n,)
+    conductance_W_K: FloatArray  # G (n, n)
+    inputs: Sequence[str]
+    input_matrix: FloatArray  # B (n, m), W per unit of the input
+    floor_heat_share: FloatArray  # f (n,), sums to 1
+    output_matrix: FloatArray  # H (len(ROOM_OUTPUTS), n)
+    feedthrough: FloatArray  # D (len(ROOM_OUTPUTS), m)
+    air_nodes: FloatArray  # (n,) 1 where an ensemble member's air temperature applies at the start, else 0
+    facades: Mapping[str, Facade]
+    full_flow_L_h: float
+    # flow fraction (k,) -> heat to the floor per kelvin of supply minus layer temperature [W/K] (k,), 0 at 0
+    floor_conductance_W_K: Callable[[FloatArray], FloatArray]
+    # weather -> (inputs (intervals, m), supply water temperature [C] (intervals,))
+    drive: Callable[[WeatherRecord], tuple[FloatArray, FloatArray]]
+
+
+class Room(Component):
+    kind = "room"
+
+    @classmethod
+    def build(cls, p: Any) -> LinearRoom:
+        """Return the linear room for parameters `p`; raise `ValueError` with a one-line reason."""
+        raise NotImplementedError
+
+
+# --- published figures -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class PublishedRow:
+    """One case and week of a published comparison (columns as in Table 5)."""
+
+    case: str
+    week: str
+    setpoint_shift_K: float
+    mae_K: float
+    heat_kWh_m2_week: float
+    heat_vs_most_detailed_percent: float
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A published statement and what this run says of it."""
+
+    id: str
+    statement: str
+    verdict: str  # "held", "not held" or "not resolved"
+    figure: str  # the run's own figure, readable
+
+
+class Reference(Component):
+    """Published figures that a run can be held against."""
+
+    kind = "reference"
+
+    @classmethod
+    def rows(cls) -> Sequence[PublishedRow]:
+        raise NotImplementedError
+
+    @classmethod
+    def findings(cls, run: Run) -> Sequence[Finding]:
+        raise NotImplementedError
+
+
+KINDS = (*CHAIN, "room", "weather", "reference")

@@ -1,0 +1,106 @@
+"""The registry: every component that installed plugins offer, by kind and name."""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import Distribution, EntryPoint, distributions
+from types import ModuleType
+
+import pluggy
+
+from waxstudy.plugin.contracts import API_VERSION, KINDS, Component
+from waxstudy.plugin.hook import GROUP, Hooks
+
+
+class PluginError(Exception):
+    """A plugin cannot be used; the message says which, why, and what to do."""
+
+
+@dataclass(frozen=True)
+class Registered:
+    """A component and the package it came with."""
+
+    component: type[Component]
+    package: str
+    version: str
+
+    def __str__(self) -> str:
+        return f"{self.component.kind} '{self.component.name}' of {self.package} {self.version}"
+
+
+@dataclass
+class Registry:
+    """Components by (kind, name), and the plugins that could not be loaded with their reason."""
+
+    components: dict[tuple[str, str], Registered] = field(default_factory=dict)
+    broken: dict[str, str] = field(default_factory=dict)
+
+    def add(self, component: type[Component], package: str, version: str) -> None:
+        """Register one component; raise `PluginError` for a duplicate, a foreign kind or another API."""
+        entry = Registered(component, package, version)
+        if component.kind not in KINDS:
+            raise PluginError(f"{entry}: unknown kind; kinds are {', '.join(KINDS)}")
+        if component.api_version.split(".")[0] != API_VERSION.split(".")[0]:
+            raise PluginError(f"{entry}: made for plugin API {component.api_version}, this is {API_VERSION}")
+        other = self.components.setdefault((component.kind, component.name), entry)
+        if other is not entry:
+            raise PluginError(f"{entry} is registered already by {other.package} {other.version}")
+
+    def names(self, kind: str) -> list[str]:
+        return sorted(name for k, name in self.components if k == kind)
+
+    def get(self, kind: str, name: str) -> type[Component]:
+        """Return the component; raise `PluginError` naming the nearest one and what is installed."""
+        if (kind, name) in self.components:
+            return self.components[kind, name].component
+        installed = self.names(kind)
+        near = difflib.get_close_matches(name, installed, n=1)
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        broken = "".join(f"; plugin '{plugin}' is broken: {why}" for plugin, why in self.broken.items())
+        raise PluginError(f"no {kind} '{name}'{hint} (installed: {', '.join(installed) or 'none'}){broken}")
+
+    def package_of(self, component: type[Component]) -> Registered:
+        return self.components[component.kind, component.name]
+
+
+@cache
+def installed() -> Registry:
+    """Load every installed plugin once and return the registry."""
+    registry = Registry()
+    seen: set[str] = set()
+    for distribution in distributions():
+        for entry_point in distribution.entry_points:
+            if entry_point.group == GROUP and entry_point.value not in seen:
+                seen.add(entry_point.value)
+                _load(registry, entry_point, distribution)
+    return registry
+
+
+def _load(registry: Registry, entry_point: EntryPoint, distribution: Distribution) -> None:
+    try:
+        plugin: ModuleType = entry_point.load()
+    except Exception as error:  # a stranger's import may raise anything
+        registry.broken[entry_point.name] = f"{type(error).__name__}: {error}"
+        return
+    try:
+        _register(registry, plugin, distribution.metadata["Name"], distribution.version)
+    except (PluginError, pluggy.PluginValidationError) as error:
+        registry.broken[entry_point.name] = str(error)
+
+
+def _register(registry: Registry, plugin: ModuleType, package: str, version: str) -> None:
+    """Call the plugin's hook; all or nothing, so that a broken plugin leaves no half behind."""
+    manager = pluggy.PluginManager(GROUP)
+    manager.add_hookspecs(Hooks)
+    manager.register(plugin)
+    manager.check_pending()
+    found: list[type[Component]] = []
+    manager.hook.waxstudy_register(register=found.append)
+    if not found:
+        raise PluginError(f"{plugin.__name__}: registers nothing (is `waxstudy_register` marked @hookimpl?)")
+    trial = Registry(dict(registry.components))
+    for component in found:
+        trial.add(component, package, version)
+    registry.components = trial.components
