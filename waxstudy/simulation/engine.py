@@ -1,0 +1,210 @@
+"""One case in one room and week: the chain closed over the room, from a given start."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from waxstudy.plugin import CHAIN, Block, FloatArray
+from waxstudy.simulation import kernel
+from waxstudy.simulation.modes import DrivenRoom
+from waxstudy.simulation.records import parameter_record, plain_parameters, state_record
+from waxstudy.study.model import Choice
+
+WARM_UP_DAYS = 7  # with the first day's weather
+
+
+class SimulationError(Exception):
+    """The simulation failed; the message names the block and the time."""
+
+
+class Stopped(Exception):
+    """The simulation was asked to stop."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Initial temperatures of one ensemble member [C]."""
+
+    air_C: float
+    slab_C: float
+
+
+@dataclass(frozen=True)
+class Week:
+    """What one simulated week gives. `trace` has a row per step (columns `kernel.TRACE`), or none."""
+
+    hours_below: float
+    trace: FloatArray
+
+
+class Chain:
+    """The blocks of one case, ready to run."""
+
+    def __init__(self, blocks: Mapping[str, Choice], step_s: float) -> None:
+        self.blocks: list[type[Block] | None] = [None] * len(CHAIN)
+        self.plain: list[Any] = [()] * len(CHAIN)
+        for kind, choice in blocks.items():
+            place = CHAIN.index(kind)
+            assert issubclass(choice.component, Block)
+            self.blocks[place] = choice.component
+            self.plain[place] = plain_parameters(choice.parameters)
+        self.step_s = step_s
+        ports = [block.output if block else None for block in self.blocks]
+        self.low = np.array([port.low if port else 0.0 for port in ports])
+        self.high = np.array([port.high if port else 0.0 for port in ports])
+
+    def start(self) -> list[Any]:
+        """Return fresh state objects, 0 where the chain has no block."""
+        pairs = zip(self.blocks, self.plain, strict=True)
+        return [block.start(plain, self.step_s) if block else 0 for block, plain in pairs]
+
+
+class Loop:
+    """A chain closed over a driven room."""
+
+    def __init__(self, chain: Chain, driven: DrivenRoom, limit_C: float, jit: bool = True) -> None:
+        self.chain, self.driven, self.limit_C, self.jit = chain, driven, limit_C, jit
+        self._records = [parameter_record(plain) for plain in chain.plain]
+        self._addresses = self._compile() if jit else None
+
+    def _compile(self) -> Any:
+        from waxstudy.simulation.compiled import address, loop
+
+        self._loop = loop()
+        pairs = zip(self.chain.blocks, self.chain.plain, strict=True)
+        return np.array([address(block, plain) if block else 0 for block, plain in pairs], dtype=np.int64)
+
+    def run(self, setpoint_C: float, start: Start, *, trace: bool = False, stop: np.ndarray | None = None) -> Week:
+        """Warm up, then simulate the week; raise `SimulationError` naming block and time, or `Stopped`."""
+        try:
+            return self._run(setpoint_C, start, trace, stop)
+        except _OutOfRange as error:
+            if self.jit:  # the interpreter tells what compiled code cannot: the exception and its line
+                Loop(self.chain, self.driven, self.limit_C, jit=False).run(setpoint_C, start, stop=stop)
+            block = self.chain.blocks[error.place]
+            assert block
+            port = block.output
+            raise SimulationError(
+                f"{block.kind} '{block.name}' gave NaN or a {port.quantity} outside {port.low:g} to {port.high:g} "
+                f"{port.unit} at {clock(error.time_s)}"
+            ) from None
+
+    def _run(self, setpoint_C: float, start: Start, trace: bool, stop: np.ndarray | None) -> Week:
+        driven = self.driven
+        day = round(86400.0 / driven.weather.interval_s)
+        warm_up = np.tile(np.arange(day), WARM_UP_DAYS)
+        week = np.arange(len(driven.supply_C))
+        nodes = np.where(driven.room.air_nodes > 0, start.air_C, start.slab_C)
+        modes = driven.to_modes @ nodes
+        readings = (driven.outputs @ modes + driven.offsets[0])[:3]
+        stop = np.zeros(1, dtype=np.int64) if stop is None else stop
+        states: Any = self.chain.start()
+        if self.jit:
+            states = [state_record(state) if state != 0 else None for state in states]
+        self._part(warm_up, -WARM_UP_DAYS * 86400.0, modes, readings, states, setpoint_C, 0, stop)
+        rows = len(week) * driven.steps_per_interval if trace else 0
+        cold, record = self._part(week, 0.0, modes, readings, states, setpoint_C, rows, stop)
+        return Week(hours_below=cold * driven.step_s / 3600.0, trace=record)
+
+    def _part(
+        self,
+        intervals: np.ndarray,
+        start_s: float,
+        modes: FloatArray,
+        readings: FloatArray,
+        states: list[Any],
+        setpoint_C: float,
+        rows: int,
+        stop: np.ndarray,
+    ) -> tuple[int, FloatArray]:
+        """Run the given weather intervals from `modes`, `readings` and `states`, which are changed in place."""
+        driven = self.driven
+        counters = np.zeros(2, dtype=np.int64)
+        trace = np.zeros((rows, len(kernel.TRACE)))
+        room = (
+            self.chain.low,
+            self.chain.high,
+            driven.decay,
+            driven.heat_gain,
+            driven.forcing[intervals],
+            driven.outputs,
+            driven.offsets[intervals],
+            driven.supply_C[intervals],
+            driven.conductance_W_K,
+        )
+        rest = (setpoint_C, start_s, driven.step_s, driven.steps_per_interval, self.limit_C)
+        if self.jit:
+            parameters = np.array([record.ctypes.data for record in self._records], dtype=np.int64)
+            pointers = np.array([0 if s is None else s.ctypes.data for s in states], dtype=np.int64)
+            blocks = (self._addresses, parameters, pointers)
+            code = self._loop(*blocks, *room, modes, readings, *rest, trace, counters, stop)
+        else:
+            code = self._interpret(states, room, modes, readings, rest, trace, counters, stop)
+        if code == kernel.STOPPED:
+            raise Stopped
+        if code >= 0:
+            raise _OutOfRange(code, start_s + float(counters[1]) * driven.step_s)
+        return int(counters[0]), trace
+
+    def _interpret(
+        self,
+        states: list[Any],
+        room: tuple[Any, ...],
+        modes: FloatArray,
+        readings: FloatArray,
+        rest: tuple[Any, ...],
+        trace: FloatArray,
+        counters: np.ndarray,
+        stop: np.ndarray,
+    ) -> int:
+        """Run the same loop in Python; lists are several times quicker there than arrays."""
+        steps = [_named(block) if block else 0 for block in self.chain.blocks]
+        plain_room = [array.tolist() for array in room]
+        plain_modes, plain_readings = modes.tolist(), readings.tolist()
+        code = kernel.simulate(
+            steps, self.chain.plain, states, *plain_room, plain_modes, plain_readings, *rest, trace, counters, stop
+        )
+        modes[:], readings[:] = plain_modes, plain_readings
+        return code
+
+
+class _OutOfRange(Exception):
+    """A block returned NaN or a value outside its range."""
+
+    def __init__(self, place: int, time_s: float) -> None:
+        super().__init__(place, time_s)
+        self.place, self.time_s = place, time_s
+
+
+def _named(block: type[Block]) -> Callable[..., float]:
+    """Wrap a block's function so that what it raises names the block and the time."""
+
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        try:
+            return float(block.step(p, x, u, t, dt))
+        except Exception as error:
+            frame = traceback.extract_tb(error.__traceback__)[-1]
+            raise SimulationError(
+                f"{block.kind} '{block.name}' failed at {clock(t)} with input {u:g}: "
+                f"{type(error).__name__}: {error} ({frame.filename}:{frame.lineno})"
+            ) from error
+
+    return step
+
+
+def clock(t: float) -> str:
+    """A time of the run in words.
+
+    >>> clock(93605.0), clock(-5.0)
+    ('day 2, 02:00:05', '5 s before the week (warm-up)')
+    """
+    if t < 0:
+        return f"{-t:g} s before the week (warm-up)"
+    day, rest = divmod(t, 86400.0)
+    hours, rest = divmod(rest, 3600.0)
+    return f"day {day + 1:.0f}, {hours:02.0f}:{rest // 60:02.0f}:{rest % 60:02.0f}"

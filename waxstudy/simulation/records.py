@@ -1,0 +1,89 @@
+"""Parameters and state of a block in memory: one record each for compiled code, plain objects for the interpreter."""
+
+from __future__ import annotations
+
+import dataclasses
+import typing
+from collections import namedtuple
+from typing import Any, Literal, get_args, get_origin
+
+import numpy as np
+
+from waxstudy.plugin import Block, Parameters, Ring
+
+RING = np.dtype([("offset", "i8"), ("length", "i8"), ("head", "i8")])
+_SCALARS = {float: "f8", int: "i8", bool: "?"}
+
+
+def _choices(annotation: Any) -> tuple[Any, ...]:
+    """The choices of a `Literal` field, optional or not; empty for other fields."""
+    if get_origin(annotation) is Literal:
+        return get_args(annotation)
+    return next((c for c in map(_choices, get_args(annotation)) if c), ())
+
+
+def plain_parameters(parameters: Parameters) -> Any:
+    """Return the numbers of a parameter model as a namedtuple: choices as index (-1 for none), texts left out."""
+    values: dict[str, float | int | bool] = {}
+    for name, field in type(parameters).model_fields.items():
+        value = getattr(parameters, name)
+        choices = _choices(field.annotation)
+        if choices:
+            values[name] = choices.index(value) if value in choices else -1
+        elif isinstance(value, bool | int | float):
+            values[name] = value
+    return namedtuple("p", values)(**values) if values else ()  # type: ignore[misc]
+
+
+def parameter_record(plain: Any) -> np.ndarray:
+    """Return the namedtuple of `plain_parameters` as a one-element record array."""
+    fields = [(name, _SCALARS[type(value)]) for name, value in zip(_names(plain), plain, strict=True)]
+    return np.array([tuple(plain)], dtype=np.dtype(fields or [("none", "i8")], align=True)) if fields else _empty()
+
+
+def _names(plain: Any) -> tuple[str, ...]:
+    return getattr(plain, "_fields", ())
+
+
+def _empty() -> np.ndarray:
+    return np.zeros(1, dtype=np.dtype([("none", "i8")]))
+
+
+def state_dtype(state: type) -> np.dtype[Any]:
+    """Return the record layout of a state dataclass of float, int, bool and Ring fields.
+
+    Raises `TypeError` naming a field of another type.
+    """
+    hints = typing.get_type_hints(state)
+    fields: list[tuple[str, Any]] = []
+    for field in dataclasses.fields(state):
+        hint = hints[field.name]
+        if hint is not Ring and hint not in _SCALARS:
+            raise TypeError(f"state field {state.__name__}.{field.name}: must be float, int, bool or Ring, not {hint}")
+        fields.append((field.name, RING if hint is Ring else _SCALARS[hint]))
+    return np.dtype(fields or [("none", "i8")], align=True)
+
+
+def state_record(state: Any) -> np.ndarray:
+    """Return a state object as bytes: its record, then the samples of its rings."""
+    dtype = state_dtype(type(state))
+    size = -(-dtype.itemsize // 8) * 8
+    rings = [name for name in dtype.names or () if dtype[name] == RING]
+    total = size + 8 * sum(getattr(state, name).length for name in rings)
+    memory = np.zeros(total, dtype=np.uint8)
+    record = memory[: dtype.itemsize].view(dtype)[0]
+    place = size
+    for field in dataclasses.fields(state):
+        value = getattr(state, field.name)
+        if field.name in rings:
+            assert dtype.fields is not None
+            record[field.name] = (place - dtype.fields[field.name][1], value.length, value.head)
+            memory[place : place + 8 * value.length].view("f8")[:] = value.values
+            place += 8 * value.length
+        else:
+            record[field.name] = value
+    return memory
+
+
+def start_state(block: type[Block], plain: Any, dt: float) -> Any:
+    return block.start(plain, dt)
