@@ -101,7 +101,7 @@ def source_digest(module_name: str) -> str:
     """Digest of the sources that a module's results depend on: its package, or for the core what simulates."""
     files = _source_files(module_name)
     if module_name.split(".")[0] == "waxstudy":
-        files = [file for file in files if file.parent.name in ("plugin", "simulation")]
+        files = [file for file in files if file.parent.name in ("plugin", "simulation", "results")]
     return digest(files)
 
 
@@ -198,6 +198,7 @@ _LOOP = types.int64(
     types.float64[:, ::1],
     types.float64[:, ::1],
     types.float64[:, ::1],
+    types.float64[::1],
     types.float64[::1],
     types.float64[::1],
     types.float64[::1],

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import traceback
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +17,12 @@ from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.records import parameter_record, plain_parameters, state_record
 from waxstudy.study.model import Choice
 
+DAY_S = 86400.0
 WARM_UP_DAYS = 7  # with the first day's weather
+# Repeated weather pulls all members of a case into the same cycle (seven days make them equal to the bit), so they
+# share the first six days and are displaced one day before the week.
+SHARED_DAYS = 6
+SLAB_ABOVE_K = 2.0  # a heated floor at the start of the warm-up
 
 
 class SimulationError(Exception):
@@ -28,10 +35,10 @@ class Stopped(Exception):
 
 @dataclass(frozen=True)
 class Start:
-    """Initial temperatures of one ensemble member [C]."""
+    """What one ensemble member adds to the settled temperatures: to the floor, and to all else [K]."""
 
-    air_C: float
-    slab_C: float
+    air_K: float
+    slab_K: float
 
 
 @dataclass(frozen=True)
@@ -40,6 +47,15 @@ class Week:
 
     hours_below: float
     trace: FloatArray
+
+
+@dataclass
+class _State:
+    """State of a loop between two parts of its run."""
+
+    modes: FloatArray
+    readings: FloatArray
+    blocks: list[Any]  # records for compiled code, objects for the interpreter
 
 
 class Chain:
@@ -79,13 +95,20 @@ class Loop:
         pairs = zip(self.chain.blocks, self.chain.plain, strict=True)
         return np.array([address(block, plain) if block else 0 for block, plain in pairs], dtype=np.int64)
 
-    def run(self, setpoint_C: float, start: Start, *, trace: bool = False, stop: np.ndarray | None = None) -> Week:
-        """Warm up, then simulate the week; raise `SimulationError` naming block and time, or `Stopped`."""
+    def weeks(
+        self, setpoint_C: float, starts: Iterable[Start], *, trace: bool = False, stop: np.ndarray | None = None
+    ) -> Iterator[Week]:
+        """Settle once, then simulate the week from every start; raise `SimulationError` or `Stopped`."""
+        stop = np.zeros(1, dtype=np.int64) if stop is None else stop
+        starts = list(starts)
         try:
-            return self._run(setpoint_C, start, trace, stop)
+            settled = self._settle(setpoint_C, stop)
+            for start in starts:
+                yield self._week(setpoint_C, settled, start, trace, stop)
         except _OutOfRange as error:
             if self.jit:  # the interpreter tells what compiled code cannot: the exception and its line
-                Loop(self.chain, self.driven, self.limit_C, jit=False).run(setpoint_C, start, stop=stop)
+                interpreted = Loop(self.chain, self.driven, self.limit_C, jit=False)
+                deque(interpreted.weeks(setpoint_C, starts, stop=stop), maxlen=0)
             block = self.chain.blocks[error.place]
             assert block
             port = block.output
@@ -94,36 +117,47 @@ class Loop:
                 f"{port.unit} at {clock(error.time_s)}"
             ) from None
 
-    def _run(self, setpoint_C: float, start: Start, trace: bool, stop: np.ndarray | None) -> Week:
+    def _settle(self, setpoint_C: float, stop: np.ndarray) -> _State:
+        """Run the days of the warm-up that all members share, from a room at its setpoint."""
         driven = self.driven
-        day = round(86400.0 / driven.weather.interval_s)
-        warm_up = np.tile(np.arange(day), WARM_UP_DAYS)
-        week = np.arange(len(driven.supply_C))
-        nodes = np.where(driven.room.air_nodes > 0, start.air_C, start.slab_C)
+        nodes = setpoint_C + SLAB_ABOVE_K * (1.0 - driven.room.air_nodes)
         modes = driven.to_modes @ nodes
-        readings = (driven.outputs @ modes + driven.offsets[0])[:3]
-        stop = np.zeros(1, dtype=np.int64) if stop is None else stop
         states: Any = self.chain.start()
         if self.jit:
             states = [state_record(state) if state != 0 else None for state in states]
-        self._part(warm_up, -WARM_UP_DAYS * 86400.0, modes, readings, states, setpoint_C, 0, stop)
+        state = _State(modes, (driven.outputs @ modes + driven.offsets[0])[:3], states)
+        self._part(np.tile(self._first_day(), SHARED_DAYS), -WARM_UP_DAYS * DAY_S, state, setpoint_C, 0, stop)
+        return state
+
+    def _week(self, setpoint_C: float, settled: _State, start: Start, trace: bool, stop: np.ndarray) -> Week:
+        """Displace the settled state, let it run the last day of the warm-up, then the week."""
+        driven, state = self.driven, copy.deepcopy(settled)
+        air = driven.room.air_nodes
+        displaced = driven.to_modes @ (air * start.air_K + (1.0 - air) * start.slab_K)
+        state.modes += displaced
+        state.readings += (driven.outputs @ displaced)[:3]
+        last_days = np.tile(self._first_day(), WARM_UP_DAYS - SHARED_DAYS)
+        self._part(last_days, -(WARM_UP_DAYS - SHARED_DAYS) * DAY_S, state, setpoint_C, 0, stop)
+        week = np.arange(len(driven.supply_C))
         rows = len(week) * driven.steps_per_interval if trace else 0
-        cold, record = self._part(week, 0.0, modes, readings, states, setpoint_C, rows, stop)
+        cold, record = self._part(week, 0.0, state, setpoint_C, rows, stop)
         return Week(hours_below=cold * driven.step_s / 3600.0, trace=record)
+
+    def _first_day(self) -> np.ndarray:
+        return np.arange(round(DAY_S / self.driven.weather.interval_s))
 
     def _part(
         self,
         intervals: np.ndarray,
         start_s: float,
-        modes: FloatArray,
-        readings: FloatArray,
-        states: list[Any],
+        state: _State,
         setpoint_C: float,
         rows: int,
         stop: np.ndarray,
     ) -> tuple[int, FloatArray]:
-        """Run the given weather intervals from `modes`, `readings` and `states`, which are changed in place."""
+        """Run the given weather intervals from a state, which is changed in place."""
         driven = self.driven
+        modes, readings, states = state.modes, state.readings, state.blocks
         counters = np.zeros(2, dtype=np.int64)
         trace = np.zeros((rows, len(kernel.TRACE)))
         room = (
@@ -134,6 +168,7 @@ class Loop:
             driven.forcing[intervals],
             driven.outputs,
             driven.offsets[intervals],
+            driven.heat_offset,
             driven.supply_C[intervals],
             driven.conductance_W_K,
         )

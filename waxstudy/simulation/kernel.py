@@ -68,6 +68,7 @@ def simulate(
     forcing: Any,  # (intervals, modes) of the slow inputs, per step
     outputs: Any,  # (6, modes) rows of ROOM_OUTPUTS
     offsets: Any,  # (intervals, 6) direct part of the slow inputs
+    heat_offset: Any,  # (6,) direct part of the floor heat
     supply: Any,  # (intervals,) C
     conductance: Any,  # (table,) W/K over the flow fraction 0..1
     modes: Any,  # (modes,) state, changed in place
@@ -119,9 +120,9 @@ def simulate(
             index = min(int(place), last - 1)
             part = place - index
             heat = (conductance[index] * (1.0 - part) + conductance[index + 1] * part) * (supply_C - layer)
-            sensed = offset[0]
-            layer = offset[1]
-            operative = offset[2]
+            sensed = offset[0] + heat_offset[0] * heat
+            layer = offset[1] + heat_offset[1] * heat
+            operative = offset[2] + heat_offset[2] * heat
             for i in range(n_modes):
                 value = decay[i] * modes[i] + heat_gain[i] * heat + force[i]
                 modes[i] = value
@@ -131,9 +132,9 @@ def simulate(
             if operative < limit:
                 cold += 1
             if recording:
-                air = offset[3]
-                surface = offset[4]
-                floor_heat = offset[5]
+                air = offset[3] + heat_offset[3] * heat
+                surface = offset[4] + heat_offset[4] * heat
+                floor_heat = offset[5] + heat_offset[5] * heat
                 for i in range(n_modes):
                     air += row_air[i] * modes[i]
                     surface += row_surface[i] * modes[i]

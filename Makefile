@@ -1,0 +1,32 @@
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: run test golden bench clean
+
+run: .venv/installed  ## set up, run the paper's study, print its Table 5
+	$(BIN)/waxstudy run studies/table5.toml
+
+test: .venv/installed-dev  ## set up, check style, types and imports, run every test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m pytest
+
+golden: .venv/installed-dev  ## compute the golden results again
+	$(BIN)/python -m tests.golden.regenerate
+
+bench: .venv/installed-dev  ## measure speed and memory
+	$(BIN)/python -m benchmarks
+
+.venv/installed: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	touch $@
+
+.venv/installed-dev: .venv/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
+	touch $@
+
+clean:
+	rm -rf .venv

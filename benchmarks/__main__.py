@@ -1,0 +1,151 @@
+"""Print every speed and memory figure with its limit and its ratio to a reference taken in the same run."""
+
+from __future__ import annotations
+
+import os
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+
+from waxstudy.plugin.registry import installed
+from waxstudy.simulation.engine import Chain, Loop, Start
+from waxstudy.simulation.modes import DrivenRoom, drive
+from waxstudy.simulation.run import prepare
+from waxstudy.study.model import Study
+from waxstudy.study.read import read_study
+
+STUDY = Path(__file__).parents[1] / "studies" / "table5.toml"
+REPEATS = 7
+WAXSTUDY = Path(sys.executable).with_name("waxstudy")
+
+
+def best_s(work: Callable[[], object]) -> float:
+    """Shortest of several runs, the first (warm-up) left out."""
+    work()
+    times = []
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - begin)
+    return min(times)
+
+
+@njit(error_model="python")
+def _hand_written(readings, setpoint, dt):  # type: ignore[no-untyped-def]
+    """The most detailed On/Off chain written by hand in one function: the reference for the loop's own cost."""
+    ring, head, on, phase, opening, total = np.full(24, readings[0]), 0, False, 0.0, 0.0, 0.0
+    signal = False
+    for n in range(len(readings)):
+        u, ring[head] = ring[head], readings[n]
+        head = (head + 1) % 24
+        error = setpoint - u
+        if error > 0.25:
+            on = True
+        elif error < -0.25:
+            on = False
+        if on != signal:
+            signal, phase = on, 0.0
+        phase += dt
+        if signal:
+            opening = min(1.0, opening + max(0.0, min(dt, phase - 150.0)) / 146.0)
+        else:
+            opening = max(0.0, opening - max(0.0, min(dt, phase - 110.0)) / 123.0)
+        flow = 0.0
+        if opening > 0.17:
+            flow = 0.5 * (opening - 0.17) / 0.24 if opening < 0.41 else 0.5 + 0.5 * (opening - 0.41) / 0.59
+            flow = flow / np.sqrt(flow * flow * 0.9033 + 0.0967)
+        total += flow
+    return total
+
+
+def chain_only(driven: DrivenRoom) -> DrivenRoom:
+    """The same loop over a room of one mode: what the chain and the loop cost without the room."""
+    one = {name: np.ascontiguousarray(getattr(driven, name)[:1]) for name in ("decay", "heat_gain", "to_modes")}
+    wide = {name: np.ascontiguousarray(getattr(driven, name)[:, :1]) for name in ("forcing", "outputs")}
+    return DrivenRoom(**{**driven.__dict__, **one, **wide})
+
+
+def loop_figures(study: Study, driven: DrivenRoom) -> None:
+    n_steps = len(driven.supply_C) * driven.steps_per_interval + 7 * 17280
+    readings = 21.0 + 0.5 * np.sin(np.arange(n_steps) / 400.0)
+    reference = best_s(lambda: _hand_written(readings, 21.0, 5.0)) / n_steps * 1e9
+    print(f"\nreference: O_WM's chain by hand in one function, no room: {reference:.1f} ns per step")
+    print(f"{'case':6} {'chain ns':>9} {'ratio':>6} {'with room ns':>13} {'ratio':>6}   limit 40 ns for the chain")
+    bare = chain_only(driven)
+    for case in study.cases.values():
+        chain = Chain(case.blocks, study.step_s)
+        alone, full = (
+            best_s(lambda loop=Loop(chain, room, 21.0): list(loop.weeks(21.0, [Start(0.0, 0.0)]))) / n_steps * 1e9
+            for room in (bare, driven)
+        )
+        print(f"{case.id:6} {alone:9.1f} {alone / reference:6.2f} {full:13.1f} {full / reference:6.2f}")
+
+
+def year_figure(study: Study, driven: DrivenRoom) -> None:
+    """A year of O_WM: the week's weather 52 times over, without the warm-up's share."""
+    weeks = 52
+    long = DrivenRoom(
+        **{
+            **driven.__dict__,
+            "forcing": np.tile(driven.forcing, (weeks, 1)),
+            "offsets": np.tile(driven.offsets, (weeks, 1)),
+            "supply_C": np.tile(driven.supply_C, weeks),
+        }
+    )
+    loop = Loop(Chain(study.cases["O_WM"].blocks, study.step_s), long, 21.0)
+    print(f"\na year of O_WM at 5 s, in process: {best_s(lambda: list(loop.weeks(21.0, [Start(0.0, 0.0)]))):.2f} s (limit 0.5 s)")
+
+
+def command_figure(label: str, arguments: list[str], limit: str, environment: dict[str, str] | None = None) -> float:
+    """Wall time and peak memory of a whole command."""
+    begin = time.perf_counter()
+    pid = subprocess.Popen(
+        [str(WAXSTUDY), *arguments], stdout=subprocess.DEVNULL, env={**os.environ, **(environment or {})}
+    )
+    _, status, usage = os.wait4(pid.pid, 0)
+    seconds = time.perf_counter() - begin
+    code = os.waitstatus_to_exitcode(status)
+    print(f"{label:48} {seconds:6.2f} s  {usage.ru_maxrss / 1024:5.0f} MB  exit {code}  ({limit}; under 500 MB)")
+    return seconds
+
+
+def command_figures(folder: Path) -> None:
+    one = folder / "one.toml"
+    one.write_text(STUDY.read_text().replace("members = 16", "members = 1"))
+    cold = {"WAXSTUDY_CACHE": str(folder / "cache")}
+    print(f"\nwhole commands\n{'':48} {'wall':>8}  {'peak':>8}")
+    nothing = min(command_figure("waxstudy --help", ["--help"], "limit 0.25 s") for _ in range(3))
+    command_figure("1 member, warm", ["run", str(one), "--out", str(folder / "1")], "limit 3 s")
+    full = command_figure("16 members, warm", ["run", str(STUDY), "--out", str(folder / "16")], "limit 20 s")
+    first = command_figure("16 members, first run ever", ["run", str(STUDY), "--out", str(folder / "f")], "", cold)
+    print(f"{'':48} {first - full:+6.2f} s for compiling (limit 15 s); help to full run 1 : {full / nothing:.0f}")
+    command_figure("16 members, nothing to compute", ["run", str(STUDY), "--out", str(folder / "16")], "no limit set")
+    for form in ("table", "html"):
+        arguments = ["report", str(folder / "16"), "--format", form, "--against", "paper"]
+        command_figure(f"report --format {form} --against paper", arguments, "no limit set")
+
+
+def main() -> None:
+    study = read_study(STUDY, installed())
+    plan = prepare(study)
+    driven = plan.driven["january"]
+    print(f"room: {len(driven.room.nodes)} nodes, {len(driven.decay)} modes kept, error {driven.dropped_error_K:.1g} K")
+    loop_figures(study, driven)
+    year_figure(study, driven)
+    folder = Path(tempfile.mkdtemp())
+    try:
+        command_figures(folder)
+    finally:
+        shutil.rmtree(folder)
+    print(f"this process: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
+
+
+main()

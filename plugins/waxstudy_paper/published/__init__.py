@@ -1,0 +1,33 @@
+"""The paper's published figures and findings."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from importlib.resources import files
+from typing import TYPE_CHECKING
+
+from waxstudy.plugin import Finding, PublishedRow, Reference
+
+if TYPE_CHECKING:
+    from waxstudy.results.run import Run
+
+
+class Paper(Reference):
+    """Table 5 (one run per case) and sixteen findings of Parts et al., each as a check on a run."""
+
+    name = "paper"
+
+    @classmethod
+    def rows(cls) -> Sequence[PublishedRow]:
+        text = files(__name__).joinpath("table5.csv").read_text(encoding="utf-8")
+        return [
+            PublishedRow(row["case"], row["week"], *(float(value) for value in list(row.values())[2:]))
+            for row in csv.DictReader(text.splitlines())
+        ]
+
+    @classmethod
+    def findings(cls, run: Run) -> Sequence[Finding]:
+        from waxstudy_paper.published.findings import findings
+
+        return findings(run)

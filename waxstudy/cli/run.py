@@ -1,0 +1,91 @@
+"""`waxstudy run`"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
+
+if TYPE_CHECKING:
+    from waxstudy.simulation.run import Progress
+    from waxstudy.study.model import Study
+
+
+@click.command("run")
+@click.argument("study_file", metavar="STUDY.toml", type=click.Path(exists=True, path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Run folder  [default: results/NAME of the study]")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
+@click.option("--quiet", is_flag=True, help="No progress.")
+@click.option("--no-jit", is_flag=True, help="Interpret the blocks instead of compiling them; slow, same results.")
+def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_jit: bool) -> None:
+    """Run every case of a study and print the comparison.
+
+    What is already computed in the run folder for the same inputs is not computed again. The last line printed is
+    the run folder.
+    """
+    study = load_study(study_file)
+    folder = out or Path("results") / study.name
+    with _failures(study_file), _progress(quiet) as progress:
+        from waxstudy.simulation.run import run
+
+        run(study, folder, jit=not no_jit, progress=progress)
+    from waxstudy.cli.report import render
+
+    click.echo(render(folder, "json" if as_json else "table", study.against), nl=False)
+    if not as_json:
+        click.echo(folder)
+
+
+def load_study(path: Path) -> Study:
+    """Read a study file; turn its problems into exit code 3, or 4 where a plugin is at fault."""
+    from waxstudy.plugin.registry import installed
+    from waxstudy.study.read import StudyError, read_study
+
+    try:
+        return read_study(path, installed())
+    except StudyError as error:
+        raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID) from error
+
+
+@contextmanager
+def _failures(study_file: Path) -> Iterator[None]:
+    from waxstudy.plugin.registry import PluginError
+    from waxstudy.simulation.engine import SimulationError
+    from waxstudy.simulation.run import InputError
+    from waxstudy.study.read import problem_at
+
+    try:
+        yield
+    except InputError as error:
+        raise CommandError(str(problem_at(study_file, tuple(error.table.split(".")), str(error))), INVALID) from error
+    except PluginError as error:
+        raise CommandError(str(error), PLUGIN) from error
+    except SimulationError as error:
+        raise CommandError(str(error), FAILED) from error
+    except OSError as error:
+        raise CommandError(f"{error.filename or study_file}: {error.strerror or error}", FAILED) from error
+
+
+@contextmanager
+def _progress(quiet: bool) -> Iterator[Progress]:
+    """A bar on stderr, on a terminal only."""
+    from waxstudy.simulation.run import Progress
+
+    if quiet or not sys.stderr.isatty():
+        yield Progress()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("preparing", total=None)
+        total: Callable[[int], None] = lambda n: bar.update(task, total=n, description="cases")  # noqa: E731
+        yield Progress(total=total, done=lambda case, computed: bar.advance(task))

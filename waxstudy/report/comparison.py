@@ -1,0 +1,104 @@
+"""The Table 5-style comparison: every case against the most detailed one of its ladder, with its spread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from waxstudy.plugin import FloatArray
+from waxstudy.results.run import Ladder, Run
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Mean over the ensemble, standard deviation of single runs, and the 95 % interval of the mean."""
+
+    mean: float
+    sd: float
+    low: float
+    high: float
+
+    @property
+    def excludes_zero(self) -> bool:
+        return self.low > 0.0 or self.high < 0.0
+
+
+def estimate(values: FloatArray) -> Estimate:
+    """Return the estimate from one value per member; with one member there is no spread to tell (NaN)."""
+    n, mean = len(values), float(np.mean(values))
+    if n < 2:
+        return Estimate(mean, np.nan, np.nan, np.nan)
+    sd = float(np.std(values, ddof=1))
+    half = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, n - 1)) * sd / np.sqrt(n)
+    return Estimate(mean, sd, mean - half, mean + half)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One case in one week. `difference_percent` is paired by member; `resolved` is None for the reference."""
+
+    ladder: str
+    case: str
+    week: str
+    setpoint_shift_K: Estimate
+    mae_K: Estimate
+    heat_kWh_m2_week: Estimate
+    heat_vs_most_detailed_percent: Estimate
+    cycles_per_week: Estimate
+    hours_below_per_week: Estimate
+    resolved: bool | None
+
+
+COLUMNS = ("setpoint_shift_K", "mae_K", "heat_kWh_m2_week", "heat_vs_most_detailed_percent")
+
+
+def comparison(run: Run) -> list[Row]:
+    """Return the rows in the order of the study: weeks, then ladders, then cases."""
+    return [
+        _row(run.kpis, ladder, case, week) for week in run.weeks for ladder in run.ladders for case in ladder.cases
+    ]
+
+
+def member_values(kpis: pd.DataFrame, case: str, week: str, column: str) -> FloatArray:
+    """Return one KPI of a case in a week, in the order of the members."""
+    rows = kpis[(kpis["case"] == case) & (kpis["week"] == week)].sort_values("member")
+    return rows[column].to_numpy(dtype=float)
+
+
+def differences_percent(kpis: pd.DataFrame, case: str, reference: str, week: str) -> FloatArray:
+    """Return each member's heat relative to the same member's of the reference case [%]."""
+    heat, other = (member_values(kpis, name, week, "heat_kWh_m2_week") for name in (case, reference))
+    return 100.0 * (heat - other) / other
+
+
+def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
+    def of(column: str) -> Estimate:
+        return estimate(member_values(kpis, case, week, column))
+
+    shift = float(member_values(kpis, case, week, "setpoint_shift_K")[0])
+    singles = of("single_run_shift_K")
+    difference = estimate(differences_percent(kpis, case, ladder.reference, week))
+    is_reference = case == ladder.reference
+    return Row(
+        ladder=ladder.name,
+        case=case,
+        week=week,
+        setpoint_shift_K=Estimate(shift, singles.sd, shift + singles.low - singles.mean, shift + singles.high - singles.mean),
+        mae_K=of("mae_K"),
+        heat_kWh_m2_week=of("heat_kWh_m2_week"),
+        heat_vs_most_detailed_percent=difference,
+        cycles_per_week=of("cycles_per_week"),
+        hours_below_per_week=of("hours_below_per_week"),
+        resolved=None if is_reference else difference.excludes_zero,
+    )
+
+
+def unresolved(rows: list[Row]) -> Iterator[Row]:
+    """The rows whose difference this ensemble cannot tell from zero."""
+    return (row for row in rows if row.resolved is False)

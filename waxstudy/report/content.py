@@ -1,0 +1,109 @@
+"""Everything that a report says, gathered once and rendered in any format."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from waxstudy.plugin import Finding, Reference
+from waxstudy.plugin.registry import installed
+from waxstudy.report.activation import Activation, activations
+from waxstudy.report.comparison import Row, comparison, member_values
+from waxstudy.report.score import Cell, ColumnScore, cells, scores
+from waxstudy.results.run import Run
+from waxstudy.study.model import Study
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Starts from a closed valve over all members and weeks of a case, and how many took over 300 s to open."""
+
+    case: str
+    starts: int
+    over_300_s: int
+
+    @property
+    def share(self) -> float:
+        return self.over_300_s / self.starts if self.starts else np.nan
+
+
+@dataclass(frozen=True)
+class Against:
+    """What published figures say beside ours."""
+
+    name: str
+    cells: Sequence[Cell]
+    scores: Sequence[ColumnScore]
+    findings: Sequence[Finding]
+
+
+@dataclass(frozen=True)
+class Content:
+    """A report: the comparison always, the rest where it was asked for."""
+
+    run: Run
+    study: Study
+    members: int
+    rows: Sequence[Row]
+    activations: Sequence[Activation] = ()
+    starts: Sequence[Starts] = ()
+    against: Against | None = None
+    notes: Sequence[str] = field(default=())
+
+
+def gather(run: Run, study: Study, against: str | None = None) -> Content:
+    """Return the content of a run's report, optionally against a registered reference.
+
+    Raises `PluginError` for an unknown reference and `ValueError` where the run lacks what it needs.
+    """
+    rows = comparison(run)
+    members = int(run.kpis["member"].nunique())
+    return Content(
+        run=run,
+        study=study,
+        members=members,
+        rows=rows,
+        activations=activations(study),
+        starts=starts(run),
+        against=_against(run, rows, members, against) if against else None,
+        notes=_notes(run, study, rows, members),
+    )
+
+
+def _against(run: Run, rows: Sequence[Row], members: int, name: str) -> Against:
+    reference = installed().get("reference", name)
+    assert issubclass(reference, Reference)
+    paired = cells(rows, reference.rows(), members)
+    return Against(name, paired, scores(paired), reference.findings(run))
+
+
+def starts(run: Run) -> list[Starts]:
+    """Count the starts of every case that has binary starts at all."""
+    found = []
+    for case in dict.fromkeys(case.case for case in run.cases):
+        total, slow = (
+            sum(int(np.sum(member_values(run.kpis, case, week, column))) for week in run.weeks)
+            for column in ("starts", "starts_over_300_s")
+        )
+        if total:
+            found.append(Starts(case, total, slow))
+    return found
+
+
+def _notes(run: Run, study: Study, rows: Sequence[Row], members: int) -> list[str]:
+    """What the reader must know: unsolved shifts, unresolved differences, a single member."""
+    target = study.comfort.hours_below_per_week
+    notes = [
+        f"{row.case}, {row.week}: the hours below {study.comfort.operative_limit_C:g} C jump; "
+        f"the nearest shift gives {row.hours_below_per_week.mean:.1f} h instead of {target:g} h"
+        for row in rows
+        if abs(row.hours_below_per_week.mean - target) > 0.5
+    ]
+    if members == 1:
+        return [*notes, "one member per case: no spread, so no difference can be called resolved"]
+    weak = [f"{row.case} ({row.week})" for row in rows if row.resolved is False]
+    if weak:
+        notes.append(f"differences that {members} members do not resolve: {', '.join(weak)}")
+    return notes

@@ -1,0 +1,99 @@
+"""A run against published figures: cell by cell, and how well each column agrees."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from waxstudy.plugin import FloatArray, PublishedRow
+from waxstudy.report.comparison import COLUMNS, CONFIDENCE, Estimate, Row
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One published figure beside ours."""
+
+    case: str
+    week: str
+    column: str
+    ours: Estimate
+    members: int
+    published: float
+
+    @property
+    def difference(self) -> float:
+        return self.ours.mean - self.published
+
+    @property
+    def single_run_half_width(self) -> float:
+        """Half the range in which 95 % of further single runs are expected (t, n - 1, with the mean's own error)."""
+        if self.members < 2:
+            return np.nan
+        t = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, self.members - 1))
+        return t * self.ours.sd * float(np.sqrt(1.0 + 1.0 / self.members))
+
+    @property
+    def within_single_run_range(self) -> bool:
+        return abs(self.difference) <= self.single_run_half_width
+
+
+@dataclass(frozen=True)
+class ColumnScore:
+    """Agreement of one column in one week. The null model predicts the published column's median everywhere."""
+
+    column: str
+    week: str
+    n: int
+    rmse: float
+    mean_error: float
+    correlation: float
+    null_rmse: float
+    within_range: int
+    mean_range_width: float
+
+
+def cells(rows: Sequence[Row], published: Sequence[PublishedRow], members: int) -> list[Cell]:
+    """Pair every published figure with ours; the difference of a reference case, zero by definition, is left out."""
+    known = {(row.case, row.week): row for row in published}
+    return [
+        Cell(row.case, row.week, column, getattr(row, column), members, getattr(known[row.case, row.week], column))
+        for row in rows
+        if (row.case, row.week) in known
+        for column in COLUMNS
+        if not (column == "heat_vs_most_detailed_percent" and row.resolved is None)
+    ]
+
+
+def scores(all_cells: Sequence[Cell]) -> list[ColumnScore]:
+    """Return one score per column and week."""
+    keys = dict.fromkeys((cell.column, cell.week) for cell in all_cells)
+    return [_score([c for c in all_cells if (c.column, c.week) == key]) for key in keys]
+
+
+def _score(column: list[Cell]) -> ColumnScore:
+    ours = np.array([cell.ours.mean for cell in column])
+    theirs = np.array([cell.published for cell in column])
+    return ColumnScore(
+        column=column[0].column,
+        week=column[0].week,
+        n=len(column),
+        rmse=_rms(ours - theirs),
+        mean_error=float(np.mean(ours - theirs)),
+        correlation=_correlation(ours, theirs),
+        null_rmse=_rms(np.median(theirs) - theirs),
+        within_range=sum(cell.within_single_run_range for cell in column),
+        mean_range_width=float(np.mean([2.0 * cell.single_run_half_width for cell in column])),
+    )
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _correlation(a: FloatArray, b: FloatArray) -> float:
+    if len(a) < 2 or np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
+        return np.nan
+    return float(np.corrcoef(a, b)[0, 1])

@@ -1,0 +1,208 @@
+"""Run a study: every case in every week, in threads, each finished case kept at once."""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+from collections.abc import Callable, Iterable
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.plugin import FloatArray, Room, Weather
+from waxstudy.plugin.registry import installed
+from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
+from waxstudy.results.run import CaseFolder, CaseResult, Ladder, finish, is_finished, write_case
+from waxstudy.simulation import ensemble, kernel, shift
+from waxstudy.simulation.compiled import digest, source_digest
+from waxstudy.simulation.engine import Chain, Loop, SimulationError, Start, Week
+from waxstudy.simulation.modes import DrivenRoom, drive
+from waxstudy.study.model import Case, Choice, Study
+
+WEEK_H = 168.0
+
+
+@dataclass
+class Progress:
+    """What the caller is told: the number of jobs once, then each job as it ends."""
+
+    total: Callable[[int], None] = lambda n: None
+    done: Callable[[CaseFolder, bool], None] = lambda case, computed: None
+
+
+@dataclass
+class Plan:
+    """A study made ready: rooms built, weather read, one job per case and week."""
+
+    study: Study
+    jit: bool
+    driven: dict[str, DrivenRoom] = field(default_factory=dict)
+    starts: list[Start] = field(default_factory=list)
+    stop: np.ndarray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
+
+    def jobs(self) -> list[CaseFolder]:
+        cases = self.study.cases
+        return [CaseFolder(case, week, self.key(cases[case], week)) for case in cases for week in self.driven]
+
+    def key(self, case: Case, week: str) -> str:
+        """Digest of everything that the figures of a case depend on."""
+        study, driven = self.study, self.driven[week]
+        blocks = {kind: choice.described() for kind, choice in case.blocks.items()}
+        said = (study.step_s, study.comfort, study.ensemble, study.output, blocks, study.room.described())
+        used = [*case.blocks.values(), study.room]
+        sources = sorted({source_digest(choice.component.__module__) for choice in used})
+        numbers = (driven.forcing, driven.offsets, driven.supply_C, driven.decay, driven.outputs)
+        return digest([repr(said), source_digest(__name__), *sources, *(array.tobytes() for array in numbers)])
+
+
+def prepare(study: Study, jit: bool = True) -> Plan:
+    """Build the room and read the weather; raise `ValueError` prefixed by the table at fault."""
+    room_class = study.room.component
+    assert issubclass(room_class, Room)
+    room = _named("room", partial(room_class.build, study.room.parameters))
+    plan = Plan(study, jit, starts=ensemble.starts(study.ensemble))
+    for name, choice in study.weeks.items():
+        weather_class = choice.component
+        assert issubclass(weather_class, Weather)
+        record = _named(f"weather.{name}", partial(weather_class.load, choice.parameters, room.facades))
+        if record.interval_s % study.step_s:
+            raise InputError(f"weather.{name}", f"step_s must divide the weather's interval of {record.interval_s:g} s")
+        plan.driven[name] = drive(room, record, study.step_s)
+    return plan
+
+
+class InputError(ValueError):
+    """A room or weather cannot be had; `table` says which table of the study file asked for it."""
+
+    def __init__(self, table: str, reason: str) -> None:
+        super().__init__(reason)
+        self.table = table
+
+
+def _named(table: str, load: Callable[[], Any]) -> Any:
+    try:
+        return load()
+    except ValueError as error:
+        raise InputError(table, str(error)) from error
+
+
+def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | None = None) -> Plan:
+    """Compute what is missing in the folder and finish it.
+
+    Raises `InputError`, `SimulationError` (naming case and week), `OSError`, or `KeyboardInterrupt`; what was
+    finished before that is kept.
+    """
+    progress = progress or Progress()
+    plan = prepare(study, jit)
+    jobs = plan.jobs()
+    (folder / "cases").mkdir(parents=True, exist_ok=True)
+    progress.total(len(jobs))
+    missing = [job for job in jobs if not is_finished(folder, job)]
+    for job in jobs:
+        if job not in missing:
+            progress.done(job, False)
+    _compute(plan, missing, folder, progress)
+    ladders = [Ladder(ladder.name, ladder.reference, list(ladder.cases)) for ladder in study.ladders.values()]
+    finish(folder, study.described(), ladders, list(plan.driven), jobs, provenance(study))
+    return plan
+
+
+def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Progress) -> None:
+    """Compute the jobs in threads; on any error or Ctrl-C stop the others at their next weather interval."""
+    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+        pending: set[Future[None]] = set()
+        try:
+            names: dict[Future[None], CaseFolder] = {}
+            for job in jobs:
+                loop = _loop(plan, job)  # compiles here, so that threads only compute
+                names[pool.submit(_job, plan, job, loop, folder)] = job
+            pending = set(names)
+            while pending:
+                ended, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
+                for future in ended:
+                    future.result()
+                    progress.done(names[future], True)
+        except BaseException:
+            plan.stop[0] = 1
+            for future in pending:
+                future.cancel()
+            raise
+
+
+def _loop(plan: Plan, job: CaseFolder) -> Loop:
+    study = plan.study
+    chain = Chain(study.cases[job.case].blocks, study.step_s)
+    return Loop(chain, plan.driven[job.week], study.comfort.operative_limit_C, plan.jit)
+
+
+def _job(plan: Plan, job: CaseFolder, loop: Loop, folder: Path) -> None:
+    try:
+        result = simulate_case(plan, job, loop)
+    except SimulationError as error:
+        raise SimulationError(f"case {job.case}, {job.week}: {error}") from error
+    write_case(folder, job, result)
+
+
+def simulate_case(plan: Plan, job: CaseFolder, loop: Loop) -> CaseResult:
+    """Solve the setpoint shift on the ensemble, then simulate every member at it."""
+    study, comfort = plan.study, plan.study.comfort
+    per_week = WEEK_H * 3600.0 / loop.driven.weather.duration_s
+
+    def hours_at(shift_K: float) -> FloatArray:
+        setpoint_C = comfort.setpoint_C + shift_K
+        weeks = loop.weeks(setpoint_C, plan.starts, stop=plan.stop)
+        return np.array([week.hours_below for week in weeks]) * per_week
+
+    found = shift.solve(hours_at, comfort.hours_below_per_week)
+    single_K = found.single_run_shifts_K(comfort.hours_below_per_week)
+    kpis, spans, traces = [], [], []
+    setpoint_C = comfort.setpoint_C + found.shift_K
+    for member, simulated in enumerate(loop.weeks(setpoint_C, plan.starts, trace=True, stop=plan.stop)):
+        week = _member_week(loop, simulated, setpoint_C, study)
+        row = {"case": job.case, "week": job.week, "member": member, "setpoint_shift_K": found.shift_K}
+        kpis.append({**row, "single_run_shift_K": float(single_K[member]), **key_figures(week)})
+        spans.append(durations(week).assign(member=member))
+        if member < study.output.trace_members:
+            traces.append(thinned(week, study.output.trace_interval_s).assign(member=member))
+    empty = pd.DataFrame({"time_s": []})
+    return CaseResult(pd.DataFrame(kpis), pd.concat(spans), pd.concat(traces) if traces else empty)
+
+
+def _member_week(loop: Loop, week: Week, setpoint_C: float, study: Study) -> MemberWeek:
+    """Name the columns of a trace and add supply, return and flow in their units."""
+    driven, room = loop.driven, loop.driven.room
+    columns = {name: week.trace[:, i] for i, name in enumerate(kernel.TRACE)}
+    supply_C = np.repeat(driven.supply_C, driven.steps_per_interval)
+    flow_L_h = columns.pop("flow_fraction") * room.full_flow_L_h
+    heat_W = columns.pop("water_heat_W")
+    capacity_W_K = flow_L_h / 3600.0 * room.water_J_L_K
+    # where no water flows, the pipe is taken to stand at the floor's temperature
+    flowing = capacity_W_K > 0.0
+    return_C = np.where(flowing, supply_C - heat_W / np.where(flowing, capacity_W_K, 1.0), columns["layer_C"])
+    more = {"supply_C": supply_C, "return_C": return_C, "flow_L_h": flow_L_h}
+    columns |= more | {"water_heat_W_m2": heat_W / room.floor_area_m2}
+    comfort = study.comfort
+    return MemberWeek(
+        columns, driven.step_s, setpoint_C, room.full_flow_L_h, comfort.setpoint_C, comfort.operative_limit_C
+    )
+
+
+def provenance(study: Study) -> dict[str, Any]:
+    """Versions, seed and machine that the run's figures come from."""
+    registry = installed()
+    used = [study.room, *study.weeks.values(), *(c for case in study.cases.values() for c in case.blocks.values())]
+    plugins = {entry.package: entry.version for entry in (registry.package_of(c.component) for c in used)}
+    return {
+        "plugins": plugins,
+        "packages": {name: version(name) for name in ("waxstudy", "numpy", "scipy", "numba", "llvmlite", "pandas")},
+        "python": sys.version.split()[0],
+        "machine": f"{platform.system()} {platform.machine()}",
+        "seed": study.ensemble.seed,
+    }
