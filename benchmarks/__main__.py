@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from numba import njit
 
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.engine import Chain, Loop, Start
-from waxstudy.simulation.modes import DrivenRoom, drive
+from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.run import prepare
 from waxstudy.study.model import Study
 from waxstudy.study.read import read_study
@@ -66,6 +67,10 @@ def _hand_written(readings, setpoint, dt):  # type: ignore[no-untyped-def]
     return total
 
 
+def _one_week(loop: Loop) -> None:
+    list(loop.weeks(21.0, [Start(0.0, 0.0)]))
+
+
 def chain_only(driven: DrivenRoom) -> DrivenRoom:
     """The same loop over a room of one mode: what the chain and the loop cost without the room."""
     one = {name: np.ascontiguousarray(getattr(driven, name)[:1]) for name in ("decay", "heat_gain", "to_modes")}
@@ -82,10 +87,7 @@ def loop_figures(study: Study, driven: DrivenRoom) -> None:
     bare = chain_only(driven)
     for case in study.cases.values():
         chain = Chain(case.blocks, study.step_s)
-        alone, full = (
-            best_s(lambda loop=Loop(chain, room, 21.0): list(loop.weeks(21.0, [Start(0.0, 0.0)]))) / n_steps * 1e9
-            for room in (bare, driven)
-        )
+        alone, full = (best_s(partial(_one_week, Loop(chain, room, 21.0))) / n_steps * 1e9 for room in (bare, driven))
         print(f"{case.id:6} {alone:9.1f} {alone / reference:6.2f} {full:13.1f} {full / reference:6.2f}")
 
 
@@ -101,7 +103,7 @@ def year_figure(study: Study, driven: DrivenRoom) -> None:
         }
     )
     loop = Loop(Chain(study.cases["O_WM"].blocks, study.step_s), long, 21.0)
-    print(f"\na year of O_WM at 5 s, in process: {best_s(lambda: list(loop.weeks(21.0, [Start(0.0, 0.0)]))):.2f} s (limit 0.5 s)")
+    print(f"\na year of O_WM at 5 s, in process: {best_s(partial(_one_week, loop)):.2f} s (limit 0.5 s)")
 
 
 def command_figure(label: str, arguments: list[str], limit: str, environment: dict[str, str] | None = None) -> float:

@@ -21,9 +21,23 @@ from waxstudy.plugin import Actuator, Parameters, parameter
 _COMMON = {"dead_a_s": -192.0, "dead_tau_s": 780.0, "rise_a_s": -30.0, "rise_tau_s": 1140.0}
 PRODUCTS: Mapping[str, Mapping[str, float]] = {
     "A": _COMMON
-    | {"dead_b_s": 206.0, "rise_b_s": 121.0, "hold_a_s": 195.0, "hold_b_s": 30.0, "hold_tau_s": 240.0, "fall_s": 180.0},
+    | {
+        "dead_b_s": 206.0,
+        "rise_b_s": 121.0,
+        "hold_a_s": 195.0,
+        "hold_b_s": 30.0,
+        "hold_tau_s": 240.0,
+        "fall_s": 180.0,
+    },
     "B": _COMMON
-    | {"dead_b_s": 232.0, "rise_b_s": 163.0, "hold_a_s": 82.0, "hold_b_s": 58.0, "hold_tau_s": 600.0, "fall_s": 123.0},
+    | {
+        "dead_b_s": 232.0,
+        "rise_b_s": 163.0,
+        "hold_a_s": 82.0,
+        "hold_b_s": 58.0,
+        "hold_tau_s": 600.0,
+        "fall_s": 123.0,
+    },
 }
 
 
@@ -143,7 +157,11 @@ class VariableTimesParameters(Parameters):
         unit="s", ge=-3600.0, le=0.0, description="Dead time, coefficient a.", source="Table 2: -192(3)"
     )
     dead_b_s: float = parameter(
-        unit="s", ge=0.0, le=3600.0, description="Dead time after long cooling, b.", source="Table 2: 219(13) +- 13"
+        unit="s",
+        ge=0.0,
+        le=3600.0,
+        description="Dead time after long cooling, b.",
+        source="Table 2: 219(13) +- 13",
     )
     dead_tau_s: float = parameter(
         unit="s", gt=0.0, le=36000.0, description="Dead time, time constant.", source="Table 2: 780, R2 0.885"
@@ -152,7 +170,11 @@ class VariableTimesParameters(Parameters):
         unit="s", ge=-3600.0, le=0.0, description="Rise time, coefficient a.", source="Table 2: -30(3)"
     )
     rise_b_s: float = parameter(
-        unit="s", gt=0.0, le=3600.0, description="Rise time after long cooling, b.", source="Table 2: 142(22) +- 21"
+        unit="s",
+        gt=0.0,
+        le=3600.0,
+        description="Rise time after long cooling, b.",
+        source="Table 2: 142(22) +- 21",
     )
     rise_tau_s: float = parameter(
         unit="s", gt=0.0, le=36000.0, description="Rise time, time constant.", source="Table 2: 1140"
@@ -161,7 +183,11 @@ class VariableTimesParameters(Parameters):
         unit="s", ge=0.0, le=3600.0, description="Hold time, coefficient a.", source="Table 2: A 195(6), B 82(3)"
     )
     hold_b_s: float = parameter(
-        unit="s", ge=0.0, le=3600.0, description="Hold time without overheating, b.", source="Table 2: A 30(5), B 58(2)"
+        unit="s",
+        ge=0.0,
+        le=3600.0,
+        description="Hold time without overheating, b.",
+        source="Table 2: A 30(5), B 58(2)",
     )
     hold_tau_s: float = parameter(
         unit="s", gt=0.0, le=36000.0, description="Hold time, time constant.", source="Table 2: A 240, B 600"
@@ -277,7 +303,10 @@ _STEADY = "chosen: Table 2 in the steady 15-15 min profile; the constants of Kul
 
 class ConstantTimesParameters(Parameters):
     product: Literal["A", "B"] | None = parameter(
-        None, unit="", description="Product whose times apply where none is given; B if nothing is given.", source=_STEADY
+        None,
+        unit="",
+        description="Product whose times apply where none is given; B if nothing is given.",
+        source=_STEADY,
     )
     dead_time_s: float = parameter(
         unit="s", ge=0.0, le=3600.0, description="From signal on to the first movement.", source=_STEADY

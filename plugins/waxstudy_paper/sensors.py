@@ -21,7 +21,12 @@ class IdealSensor(Sensor):
 
 class DelayParameters(Parameters):
     delay_s: float = parameter(
-        120.0, unit="s", ge=0.0, le=7200.0, description="Dead time of the reading.", source="Section 3.3, t_D = 2 min"
+        120.0,
+        unit="s",
+        ge=0.0,
+        le=7200.0,
+        description="Dead time of the reading.",
+        source="Section 3.3, t_D = 2 min",
     )
 
 

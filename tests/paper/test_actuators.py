@@ -67,7 +67,10 @@ def test_halving_the_step_changes_little(actuator, lengths):
     assert np.max(np.abs(coarse - fine)) <= 2.0 * STEP_S / shortest_ramp_s(block, product)
 
 
-@given(st.sampled_from("AB"), st.lists(st.tuples(st.integers(180, 720), st.integers(180, 720)), min_size=2, max_size=5))
+@given(
+    st.sampled_from("AB"),
+    st.lists(st.tuples(st.integers(180, 720), st.integers(180, 720)), min_size=2, max_size=5),
+)
 def test_on_full_cycles_both_forms_agree(product, cycles):
     """Design: within 0.006 at 1 s once the first cycle, which the literal form takes too quickly, is over."""
     lengths = [5 * n for cycle in cycles for n in cycle]

@@ -169,6 +169,7 @@ class LinearRoom:
     air_nodes: FloatArray  # (n,) 1 where an ensemble member's air temperature applies at the start, else 0
     facades: Mapping[str, Facade]
     full_flow_L_h: float
+    water_J_L_K: float  # heat capacity of the water
     # flow fraction (k,) -> heat to the floor per kelvin of supply minus layer temperature [W/K] (k,), 0 at 0
     floor_conductance_W_K: Callable[[FloatArray], FloatArray]
     # weather -> (inputs (intervals, m), supply water temperature [C] (intervals,))

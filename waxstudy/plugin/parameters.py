@@ -32,7 +32,7 @@ def parameter(
     `unit` is "1" for a dimensionless number and "" for a choice or a text; `source` names a table, an
     equation, a standard, or says "chosen: " and why. `options` go to pydantic (`ge`, `le`, `default_factory`).
     """
-    extra = {"unit": unit, "source": source}
+    extra: dict[str, Any] = {"unit": unit, "source": source}
     if "default_factory" in options:
         return Field(description=description, json_schema_extra=extra, **options)
     return Field(default, description=description, json_schema_extra=extra, **options)

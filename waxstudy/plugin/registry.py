@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import Distribution, EntryPoint, distributions
@@ -12,6 +13,16 @@ import pluggy
 
 from waxstudy.plugin.contracts import API_VERSION, KINDS, Component
 from waxstudy.plugin.hook import GROUP, Hooks
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Return the known word most like a misspelled one, or "" if none is near.
+
+    >>> nearest("dealy", ["ideal", "delay"])
+    'delay'
+    """
+    close = difflib.get_close_matches(word, list(known), n=5)
+    return next((near for near in close if sorted(near) == sorted(word)), close[0] if close else "")
 
 
 class PluginError(Exception):
@@ -56,8 +67,8 @@ class Registry:
         if (kind, name) in self.components:
             return self.components[kind, name].component
         installed = self.names(kind)
-        near = difflib.get_close_matches(name, installed, n=1)
-        hint = f"; did you mean '{near[0]}'?" if near else ""
+        near = nearest(name, installed)
+        hint = f"; did you mean '{near}'?" if near else ""
         broken = "".join(f"; plugin '{plugin}' is broken: {why}" for plugin, why in self.broken.items())
         raise PluginError(f"no {kind} '{name}'{hint} (installed: {', '.join(installed) or 'none'}){broken}")
 

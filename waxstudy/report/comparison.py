@@ -60,9 +60,7 @@ COLUMNS = ("setpoint_shift_K", "mae_K", "heat_kWh_m2_week", "heat_vs_most_detail
 
 def comparison(run: Run) -> list[Row]:
     """Return the rows in the order of the study: weeks, then ladders, then cases."""
-    return [
-        _row(run.kpis, ladder, case, week) for week in run.weeks for ladder in run.ladders for case in ladder.cases
-    ]
+    return [_row(run.kpis, ladder, case, week) for week in run.weeks for ladder in run.ladders for case in ladder.cases]
 
 
 def member_values(kpis: pd.DataFrame, case: str, week: str, column: str) -> FloatArray:
@@ -89,7 +87,9 @@ def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
         ladder=ladder.name,
         case=case,
         week=week,
-        setpoint_shift_K=Estimate(shift, singles.sd, shift + singles.low - singles.mean, shift + singles.high - singles.mean),
+        setpoint_shift_K=Estimate(
+            shift, singles.sd, shift + singles.low - singles.mean, shift + singles.high - singles.mean
+        ),
         mae_K=of("mae_K"),
         heat_kWh_m2_week=of("heat_kWh_m2_week"),
         heat_vs_most_detailed_percent=difference,

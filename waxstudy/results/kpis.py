@@ -95,8 +95,7 @@ def opening_times_s(signal: FloatArray, opening: FloatArray, step_s: float) -> F
     open_at = np.append(np.flatnonzero(opening >= FULLY_OPEN), len(on) + 1)
     reached = open_at[np.searchsorted(open_at, begins)]
     done = reached < ends[np.searchsorted(ends, begins, side="right")]
-    times: FloatArray = (reached[done] - begins[done] + 1) * step_s
-    return times
+    return np.asarray((reached[done] - begins[done] + 1) * step_s, dtype=np.float64)
 
 
 def durations(week: MemberWeek, sample_s: float = 60.0) -> pd.DataFrame:

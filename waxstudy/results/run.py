@@ -123,7 +123,9 @@ class Run:
             raise RunError(f"{folder / MANIFEST}: damaged: {error} is missing or wrong; run the study again") from None
         missing = [case.name for case in self.cases if not is_finished(folder, case)]
         if missing:
-            raise RunError(f"{folder}: {len(missing)} case folders are missing ({missing[0]}, ...); run the study again")
+            raise RunError(
+                f"{folder}: {len(missing)} case folders are missing ({missing[0]}, ...); run the study again"
+            )
 
     @cached_property
     def kpis(self) -> pd.DataFrame:

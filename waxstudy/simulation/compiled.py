@@ -146,9 +146,7 @@ def _jitted(function: FunctionType) -> Any:
         helper = namespace.get(name)
         if isinstance(helper, FunctionType) and helper is not delayed:
             namespace[name] = _jitted(helper)
-    copy = FunctionType(
-        function.__code__, namespace, function.__name__, function.__defaults__, function.__closure__
-    )
+    copy = FunctionType(function.__code__, namespace, function.__name__, function.__defaults__, function.__closure__)
     return njit(copy, error_model="python")
 
 
@@ -165,7 +163,9 @@ def _guarded(block: type[Block], parameter_dtype: np.dtype[Any]) -> Any:
         types.float64,
         types.float64,
     )
-    name = digest((source_digest(step.__module__), step.__module__, step.__qualname__, str(parameter_dtype), str(layout)))
+    name = digest(
+        (source_digest(step.__module__), step.__module__, step.__qualname__, str(parameter_dtype), str(layout))
+    )
 
     def build(folder: Path | None) -> Any:
         path = folder / f"guard_{name}.py" if folder else None
@@ -184,7 +184,8 @@ def _guarded(block: type[Block], parameter_dtype: np.dtype[Any]) -> Any:
 
 def address(block: type[Block], plain: Any) -> int:
     """Return the address of the compiled, guarded block for the layout of these parameters."""
-    return int(_guarded(block, parameter_record(plain).dtype).address)
+    compile_block: Callable[..., Any] = _guarded  # a cached function takes hashable arguments, which classes are
+    return int(compile_block(block, parameter_record(plain).dtype).address)
 
 
 _LOOP = types.int64(

@@ -201,9 +201,9 @@ class Loop:
         steps = [_named(block) if block else 0 for block in self.chain.blocks]
         plain_room = [array.tolist() for array in room]
         plain_modes, plain_readings = modes.tolist(), readings.tolist()
-        code = kernel.simulate(
-            steps, self.chain.plain, states, *plain_room, plain_modes, plain_readings, *rest, trace, counters, stop
-        )
+        blocks = (steps, self.chain.plain, states)
+        run: Callable[..., int] = kernel.simulate
+        code = run(*blocks, *plain_room, plain_modes, plain_readings, *rest, trace, counters, stop)
         modes[:], readings[:] = plain_modes, plain_readings
         return code
 

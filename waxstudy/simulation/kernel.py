@@ -57,7 +57,7 @@ def _call_block_compiled(step, p, x, u, t, dt):  # type: ignore[no-untyped-def]
     return lambda step, p, x, u, t, dt: _call_address(step, p, x, u, t, dt)
 
 
-def simulate(
+def simulate(  # noqa: C901 - one loop, compiled as a whole
     steps: Any,  # (5,) block functions, 0 where the chain leaves the block out
     parameters: Any,  # (5,)
     states: Any,  # (5,) changed in place

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from waxstudy.plugin import Block, Parameters, Ring
+from waxstudy.plugin import Parameters, Ring
 
 RING = np.dtype([("offset", "i8"), ("length", "i8"), ("head", "i8")])
 _SCALARS = {float: "f8", int: "i8", bool: "?"}
@@ -32,7 +32,7 @@ def plain_parameters(parameters: Parameters) -> Any:
             values[name] = choices.index(value) if value in choices else -1
         elif isinstance(value, bool | int | float):
             values[name] = value
-    return namedtuple("p", values)(**values) if values else ()  # type: ignore[misc]
+    return namedtuple("p", values)(**values) if values else ()
 
 
 def parameter_record(plain: Any) -> np.ndarray:
@@ -83,7 +83,3 @@ def state_record(state: Any) -> np.ndarray:
         else:
             record[field.name] = value
     return memory
-
-
-def start_state(block: type[Block], plain: Any, dt: float) -> Any:
-    return block.start(plain, dt)

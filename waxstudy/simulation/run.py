@@ -24,7 +24,7 @@ from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.compiled import digest, source_digest
 from waxstudy.simulation.engine import Chain, Loop, SimulationError, Start, Week
 from waxstudy.simulation.modes import DrivenRoom, drive
-from waxstudy.study.model import Case, Choice, Study
+from waxstudy.study.model import Case, Study
 
 WEEK_H = 168.0
 

@@ -2,10 +2,28 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from waxstudy.plugin import Component, Parameters
+from pydantic import field_validator
+
+from waxstudy.plugin import Component, Parameters, parameter
+
+NAME_RULE = "must be at most 64 letters, digits, '_', '-' or '.', with a letter or digit at both ends"
+HOUR_S = 3600.0
+
+
+def is_safe_name(name: object) -> bool:
+    """Whether a name can be part of a file name on any system."""
+    return isinstance(name, str) and bool(re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9_.-]{0,62}[A-Za-z0-9])?", name))
+
+
+def is_multiple(value: float, of: float) -> bool:
+    """Whether a time is a whole number of others, but for rounding: 3600 is one of 0.1."""
+    count = round(value / of)
+    return count >= 1 and abs(count * of - value) <= 1e-9 * value
 
 
 @dataclass(frozen=True)
@@ -16,7 +34,7 @@ class Choice:
     parameters: Parameters
 
     def described(self) -> dict[str, object]:
-        """The choice in the study file's words, all defaults filled in, paths as they were given."""
+        """The choice in the study file's words, all defaults filled in, a path as an absolute one."""
         return {"use": self.component.name, **self.parameters.model_dump(mode="json", exclude_none=True)}
 
 
@@ -27,6 +45,9 @@ class Case:
     id: str
     ladder: str
     blocks: Mapping[str, Choice]
+
+    def described(self) -> dict[str, object]:
+        return {"id": self.id, **{kind: choice.described() for kind, choice in self.blocks.items()}}
 
 
 @dataclass(frozen=True)
@@ -41,30 +62,88 @@ class Ladder:
 class StudyTable(Parameters):
     """`[study]`"""
 
-    name: str
-    step_s: float = 5.0
+    name: str = parameter(unit="", description="name of the study and of its run folder", source="given by the user")
+    step_s: float = parameter(
+        5.0,
+        unit="s",
+        description="time step, which must divide the hour",
+        source="the paper's actuator model needs 5 s; the bounds are chosen",
+        ge=0.01,
+        le=60.0,
+    )
+
+    against: str | None = parameter(
+        None,
+        unit="",
+        description="published figures that `waxstudy run` puts beside its own",
+        source="given by the user; `paper` is built in",
+    )
+
+    @field_validator("name")
+    @classmethod
+    def _is_safe(cls, name: str) -> str:
+        if not is_safe_name(name):
+            raise ValueError(NAME_RULE)
+        return name
+
+    @field_validator("step_s")
+    @classmethod
+    def _divides_the_hour(cls, step_s: float) -> float:
+        if not is_multiple(HOUR_S, of=step_s):
+            raise ValueError("must divide the hour, as 1, 2, 5, 10 or 60 s do")
+        return step_s
 
 
 class Comfort(Parameters):
     """`[comfort]`: every case is shifted to equal comfort."""
 
-    setpoint_C: float = 21.0
-    operative_limit_C: float = 21.0
-    hours_below_per_week: float = 33.0
+    setpoint_C: float = parameter(
+        21.0,
+        unit="C",
+        description="setpoint before the shift",
+        source="section 4.3, Table 5; bounds chosen",
+        ge=5.0,
+        le=40.0,
+    )
+    operative_limit_C: float = parameter(
+        21.0,
+        unit="C",
+        description="operative temperature that counts as comfortable",
+        source="section 3.3; bounds chosen",
+        ge=5.0,
+        le=40.0,
+    )
+    hours_below_per_week: float = parameter(
+        33.0,
+        unit="h/week",
+        description="time below that limit after the shift",
+        source="section 3.3: 20 % of the week (EN 16798-2)",
+        gt=0.0,
+        lt=168.0,
+    )
 
 
 class Ensemble(Parameters):
     """`[ensemble]`: initial states shared by all cases."""
 
-    members: int = 16
-    seed: int = 1
+    members: int = parameter(
+        16, unit="1", description="initial states; 1 gives a single run", source="chosen", ge=1, le=1000
+    )
+    seed: int = parameter(1, unit="1", description="seed of the initial states", source="chosen", ge=0)
 
 
 class Output(Parameters):
     """`[output]`: traces that are kept."""
 
-    trace_interval_s: float = 60.0
-    trace_members: int = 1
+    trace_interval_s: float = parameter(
+        60.0,
+        unit="s",
+        description="interval of the traces, a multiple of the step",
+        source="chosen",
+        gt=0.0,
+        le=HOUR_S,
+    )
+    trace_members: int = parameter(1, unit="1", description="members with traces", source="chosen", ge=0, le=1000)
 
 
 @dataclass(frozen=True)
@@ -73,6 +152,7 @@ class Study:
 
     name: str
     step_s: float
+    against: str | None
     room: Choice
     weeks: Mapping[str, Choice]
     comfort: Comfort
@@ -81,6 +161,19 @@ class Study:
     ladders: Mapping[str, Ladder]
     cases: Mapping[str, Case]
 
-    def described(self) -> dict[str, object]:
+    def described(self) -> dict[str, Any]:
         """The resolved study in the study file's words; reading it again gives the same study."""
-        raise NotImplementedError
+        against = {} if self.against is None else {"against": self.against}
+        return {
+            "study": {"name": self.name, "step_s": self.step_s, **against},
+            "room": self.room.described(),
+            "weather": {week: choice.described() for week, choice in self.weeks.items()},
+            "comfort": self.comfort.model_dump(),
+            "ensemble": self.ensemble.model_dump(),
+            "output": self.output.model_dump(),
+            "ladder": {name: self._ladder(ladder) for name, ladder in self.ladders.items()},
+        }
+
+    def _ladder(self, ladder: Ladder) -> dict[str, object]:
+        start, *steps = [self.cases[id].described() for id in ladder.cases]
+        return {"reference": ladder.reference, "start": start, "steps": steps}

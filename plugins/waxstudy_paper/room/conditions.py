@@ -1,0 +1,169 @@
+"""What surrounds the structure: films, air, internal gains, sun, and what is felt of them."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import model_validator
+
+from waxstudy.plugin import Parameters, parameter
+from waxstudy_paper.room.construction import STUDY, Facing
+
+
+class Films(Parameters):
+    """Heat transfer coefficients at the surfaces; constant, so that the room is linear."""
+
+    wall_W_m2K: float = parameter(
+        2.5,
+        unit="W/(m2 K)",
+        description="convective, walls and windows",
+        source="EN ISO 6946, ISO 52016-1",
+        gt=0,
+        le=50,
+    )
+    ceiling_W_m2K: float = parameter(
+        0.7,
+        unit="W/(m2 K)",
+        description="convective, ceiling",
+        source="EN ISO 6946, heat flow downwards: above a heated floor the ceiling is warmer than the air",
+        gt=0,
+        le=50,
+    )
+    floor_W_m2K: float = parameter(
+        4.2,
+        unit="W/(m2 K)",
+        description="convective, heated floor",
+        source="EN 1264-2: 8.92 dT^1.1 is 9.3 W/(m2 K) at the 14 W/m2 of the paper's weeks, less 5.13 radiative",
+        gt=0,
+        le=50,
+    )
+    radiative_W_m2K: float = parameter(
+        5.13,
+        unit="W/(m2 K)",
+        description="linearised long-wave exchange inside",
+        source="EN ISO 6946, ISO 52016-1: emissivity 0.9 times 5.7 W/(m2 K), a black body at 20 C",
+        gt=0,
+        le=10,
+    )
+    exterior_W_m2K: float = parameter(
+        25.0,
+        unit="W/(m2 K)",
+        description="convective and radiative, to the outdoor air",
+        source="EN ISO 6946: R_se = 0.04 m2 K/W",
+        gt=0,
+        le=100,
+    )
+
+    def convective_W_m2K(self, facing: Facing) -> float:
+        return {"wall": self.wall_W_m2K, "ceiling": self.ceiling_W_m2K, "floor": self.floor_W_m2K}[facing]
+
+    def interior_m2K_W(self, facing: Facing) -> float:
+        """Resistance of both exchanges in parallel."""
+        return 1.0 / (self.convective_W_m2K(facing) + self.radiative_W_m2K)
+
+
+class Air(Parameters):
+    """The room's air and what exchanges it."""
+
+    volume_m3: float = parameter(unit="m3", description="air volume", source=STUDY, gt=0, le=100_000)
+    capacity_multiplier: float = parameter(
+        3.0,
+        unit="1",
+        description="capacity of air and furniture over that of the air",
+        source="chosen: a furnished room; the paper says nothing",
+        ge=1,
+        le=50,
+    )
+    ventilation_L_s: float = parameter(0.0, unit="L/s", description="supply air", source=STUDY, ge=0, le=100_000)
+    ventilation_supply_C: float = parameter(
+        18.0, unit="C", description="supply air temperature", source="section 3.3", ge=-40, le=60
+    )
+    infiltration_L_s: float = parameter(0.0, unit="L/s", description="outdoor air", source=STUDY, ge=0, le=100_000)
+    thermal_bridges_W_K: float = parameter(
+        0.0, unit="W/K", description="from the air to outdoors", source=STUDY, ge=0, le=100_000
+    )
+
+
+# EN 16798-1, detached house, a working day: shares of each hour for people, appliances and light
+PEOPLE = (1.0,) * 6 + (0.5,) * 3 + (0.1,) * 4 + (0.2,) * 3 + (0.5,) * 3 + (0.8,) * 3 + (1.0,) * 2
+APPLIANCES = (0.5,) * 7 + (0.7,) * 2 + (0.5,) * 2 + (0.6,) * 4 + (0.5,) * 2 + (0.7,) * 2 + (0.8,) * 3 + (0.6,) * 2
+LIGHT = (0.0,) * 6 + (0.15,) * 4 + (0.05,) * 6 + (0.2,) * 6 + (0.15,) * 2
+# installed 3, 2.4 and 8 W/m2: together 4.03 W/m2 on average, the paper's 4
+DWELLING = tuple(
+    round(3.0 * people + 2.4 * appliances + 8.0 * light, 2)
+    for people, appliances, light in zip(PEOPLE, APPLIANCES, LIGHT, strict=True)
+)
+
+
+class Gains(Parameters):
+    """People, light and appliances."""
+
+    mean_W_m2: float = parameter(
+        4.0, unit="W/m2", description="daily mean per area of the heated floor", source="section 3.3", ge=0, le=200
+    )
+    schedule: tuple[float, ...] = parameter(
+        DWELLING,
+        unit="1",
+        description="factors of the 24 hours of the day; scaled so that their mean is 1",
+        source="chosen: EN 16798-1, a dwelling with 3, 2.4 and 8 W/m2 of people, appliances and light, whose mean "
+        "is the paper's 4 W/m2; the paper cites the Estonian regulation of 2015 without its hours",
+        min_length=24,
+        max_length=24,
+        strict=False,
+    )
+    radiant_share: float = parameter(
+        0.4,
+        unit="1",
+        description="share that is radiated",
+        source="chosen: usual for residential gains",
+        ge=0,
+        le=1,
+    )
+
+    @model_validator(mode="after")
+    def _positive(self) -> Self:
+        if min(self.schedule) < 0 or sum(self.schedule) <= 0:
+            raise ValueError("schedule: the factors must not be negative, and not all of them 0")
+        return self
+
+
+class Sun(Parameters):
+    """Where the sun that windows let through is absorbed; nothing is reflected out again."""
+
+    air_share: float = parameter(
+        0.1,
+        unit="1",
+        description="share that furniture gives to the air at once",
+        source="chosen: ISO 52016-1",
+        ge=0,
+        le=1,
+    )
+    floor_share: float = parameter(
+        0.5,
+        unit="1",
+        description="share of the rest that falls on floors; other surfaces take theirs by area",
+        source="chosen: a low winter sun strikes floor and walls alike; the paper says nothing",
+        ge=0,
+        le=1,
+    )
+
+
+class Sensing(Parameters):
+    """What a person and the sensor feel of air and radiation."""
+
+    operative_air_share: float = parameter(
+        0.5,
+        unit="1",
+        description="share of air in the operative temperature",
+        source="EN ISO 7726, still air",
+        ge=0,
+        le=1,
+    )
+    sensor_radiant_share: float = parameter(
+        0.0,
+        unit="1",
+        description="share of radiation in what the sensor is exposed to, seen from the operative point",
+        source="section 3.3: the air temperature is controlled",
+        ge=0,
+        le=1,
+    )

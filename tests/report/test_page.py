@@ -1,0 +1,231 @@
+"""The page is one file that says everything the report holds and needs nothing from outside."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from waxstudy.plugin import Finding, PublishedRow
+from waxstudy.report.content import Against, Content
+from waxstudy.report.figures import PAPER_FIGURES
+from waxstudy.report.page import as_html
+from waxstudy.report.render import tables
+from waxstudy.report.score import cells, scores
+
+VOID = {"meta", "br", "hr", "img", "link", "input"}
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+needs_browser = pytest.mark.skipif(BROWSER is None, reason="no chromium or google-chrome on the path")
+
+
+class Page(HTMLParser):
+    """Elements, attributes and the texts of table cells; fails on an end tag that closes nothing."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.attributes: list[tuple[str, str, str]] = []
+        self.rows: list[list[tuple[str, str]]] = []
+        self.headings: list[str] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+        if tag not in VOID:
+            self.open.append(tag)
+        if tag == "tr":
+            self.rows.append([])
+        if tag in ("td", "th"):
+            self.rows[-1].append(("", dict(attrs).get("class") or ""))
+        if tag in ("h1", "h2", "h3"):
+            self.headings.append("")
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] in ("td", "th"):
+            text, style = self.rows[-1][-1]
+            self.rows[-1][-1] = (text + data, style)
+        if self.open and self.open[-1] in ("h1", "h2", "h3"):
+            self.headings[-1] += data
+        if self.open and self.open[-1] != "style":
+            self.words.append(data)
+
+    @property
+    def texts(self) -> list[list[str]]:
+        return [[text for text, _ in row] for row in self.rows]
+
+    def values(self, name: str) -> list[str]:
+        return [value for _, attribute, value in self.attributes if attribute == name]
+
+
+@pytest.fixture(scope="module")
+def text(small: Content) -> str:
+    return as_html(small)
+
+
+@pytest.fixture(scope="module")
+def against(small: Content) -> Content:
+    """The small run held against made-up published figures, with words that HTML must escape."""
+    published = [PublishedRow("rough", "cold", 0.51, 0.612, 2.53, 5.71)]
+    paired = cells(small.rows, published, small.members)
+    findings = [Finding("X1", "dQ < 1 % & more", "not held", "<b>2 %</b>"), Finding("X2", "fine", "held", "0 K")]
+    return replace(small, against=Against("book", paired, scores(paired), findings))
+
+
+def test_the_page_holds_every_case_with_its_heat_in_every_week(text: str, small: Content) -> None:
+    texts = Page(text).texts
+    for row in small.rows:
+        heat = f"{row.heat_kWh_m2_week.mean:.2f} ± {row.heat_kWh_m2_week.sd:.2f}"
+        assert any(cells[0] == row.case and heat in cells for cells in texts)
+    assert len(small.rows) == 10
+
+
+def test_every_table_of_the_report_is_on_the_page_word_for_word(against: Content) -> None:
+    shown = Page(as_html(against)).texts
+    for _, headings, rows in tables(against):
+        assert headings in shown
+        assert all(row in shown for row in rows)
+
+
+def test_the_parts_come_in_the_order_that_a_reader_needs(against: Content) -> None:
+    headings = Page(as_html(replace(against, notes=("a note",)))).headings
+    order = (
+        "Report of",
+        "Comparison",
+        "Notes",
+        "Against book",
+        "Findings",
+        "Activation",
+        "Figures",
+        "Provenance",
+        "How to",
+    )
+    places = [next(i for i, heading in enumerate(headings) if heading.startswith(start)) for start in order]
+    assert places == sorted(places)
+
+
+def test_every_figure_is_drawn_when_the_run_has_what_it_needs(text: str) -> None:
+    page = Page(text)
+    assert text.count("<svg") == text.count("</svg>") == 1 + len(PAPER_FIGURES) == 8
+    for number in (12, 17, 18, 19, 20, 21, 22):
+        assert any(heading.startswith(f"Figure {number}. ") for heading in page.headings)
+    assert "Not drawn" not in text
+
+
+def test_a_bare_run_gives_one_line_of_reason_for_each_figure_that_it_cannot_draw(bare: Content) -> None:
+    page = as_html(bare)
+    reasons = re.findall(r"Not drawn: (.*)</p>", page)
+    assert len(reasons) == 4
+    assert sum("keeps no traces" in reason for reason in reasons) == 3
+    assert sum("single one" in reason for reason in reasons) == 1
+    assert page.count("<svg") == 4
+    assert "One member" not in page
+    assert "no difference can be called resolved" in page
+
+
+def test_nothing_is_fetched_from_outside_and_nothing_is_executed(text: str) -> None:
+    page = Page(text)
+    assert "http" not in text
+    assert page.values("src") == []
+    assert {tag for tag, _, _ in page.attributes} & {"script", "link", "iframe", "object", "img"} == set()
+    assert "<script" not in text
+    assert "@import" not in text
+    assert all(value.startswith("#") for value in page.values("href") + page.values("xlink:href"))
+
+
+def test_ids_are_unique_and_every_reference_leads_to_one(text: str) -> None:
+    page = Page(text)
+    ids = page.values("id")
+    assert len(ids) == len(set(ids))
+    references = re.findall(r"url\(#([^)]*)\)", text)
+    references += [value[1:] for value in page.values("href") + page.values("xlink:href")]
+    assert set(references) <= set(ids)
+    assert len(references) > 100
+
+
+def test_published_figures_stand_dim_beside_ours(against: Content) -> None:
+    rows = [row for row in Page(as_html(against)).rows if row and row[0][0] == "rough"]
+    dim = [text for text, style in rows[0] if "published" in style.split()]
+    assert dim == ["0.51", "0.612", "2.53", "5.71"]
+
+
+def test_foreign_words_are_shown_and_never_become_markup(against: Content) -> None:
+    text = as_html(against)
+    assert ["X1", "dQ < 1 % & more", "not held", "<b>2 %</b>"] in Page(text).texts
+    assert "<b>" not in text
+
+
+def test_the_summary_counts_cases_resolved_differences_and_findings(against: Content) -> None:
+    words = " ".join(Page(as_html(against)).words)
+    judged = [row.resolved for row in against.rows if row.resolved is not None]
+    assert "5 cases in 2 ladders (switching, steady) over 2 weeks (cold, sunny), with 2 members per case." in words
+    assert f"Of {len(judged)} differences in heat from the most detailed case, {sum(map(bool, judged))} " in words
+    assert "Of the 2 findings of “book”: 1 held, 1 not held, 0 not resolved." in words
+
+
+def test_notes_and_provenance_are_told_without_the_path_of_the_run(small: Content) -> None:
+    text = as_html(replace(small, notes=("mind the gap",)))
+    words = " ".join(Page(text).words)
+    assert "mind the gap" in words
+    assert str(small.run.folder.parent) not in text
+    for told in ("run folder", "run", "seed", "1", *(f"numpy {np.__version__}" for _ in (1,))):
+        assert told in words
+
+
+def test_the_page_is_small_and_the_same_every_time(text: str, small: Content) -> None:
+    assert len(text.encode()) < 4_000_000
+    assert as_html(small) == text
+
+
+# --- in a browser ------------------------------------------------------------------------------------
+
+
+def browse(place: Path, file: Path, width: int, *options: str) -> str:
+    assert BROWSER
+    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+    command += [f"--user-data-dir={place / 'profile'}", f"--window-size={width},3000", *options, file.as_uri()]
+    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [1200, 600])
+def test_the_page_never_scrolls_sideways(width: int, against: Content, tmp_path: Path) -> None:
+    script = (
+        "<script>document.title = [document.documentElement.scrollWidth, window.innerWidth].join(' ')</script>"
+    )
+    copy = tmp_path / "copy.html"
+    copy.write_text(as_html(against).replace("</body>", script + "</body>"), encoding="utf-8")
+    dom = browse(tmp_path, copy, width, "--dump-dom")
+    found = re.search(r"<title>(\d+) (\d+)</title>", dom)
+    assert found
+    content_width, window_width = map(int, found.groups())
+    assert window_width == width
+    assert content_width <= window_width
+
+
+@needs_browser
+def test_a_browser_draws_text_and_colours_of_the_figures(text: str, tmp_path: Path) -> None:
+    from matplotlib.image import imread
+
+    file, shot = tmp_path / "page.html", tmp_path / "shot.png"
+    file.write_text(text, encoding="utf-8")
+    browse(tmp_path, file, 1200, f"--screenshot={shot}")
+    pixels = (255 * imread(shot)[..., :3]).round().astype(int)
+    assert pixels.shape[1] == 1200
+    for colour in ((0, 0, 0), (0x00, 0x72, 0xB2), (0xE6, 0x9F, 0x00), (255, 255, 255)):
+        assert np.sum(np.all(pixels == colour, axis=-1)) > 200

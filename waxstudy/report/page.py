@@ -1,0 +1,172 @@
+"""The report as one self-contained HTML page: no links to outside, no scripts; figures are inline SVG."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from waxstudy.report.content import Content
+from waxstudy.report.render import Table, tables
+
+FIGURE_TEXT = re.compile(r"([-+]?\d|never|$)")
+
+
+def as_html(content: Content) -> str:
+    """Return the report as one page; raise `RunError` where the run's curves or traces cannot be read."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    from waxstudy.report.figures import OVERVIEW, PAPER_FIGURES
+
+    environment = Environment(
+        loader=PackageLoader("waxstudy.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["svg"] = Markup
+    comparison, against, activation = _grouped(content)
+    return environment.get_template("page.html.j2").render(
+        content=content,
+        summary=summary(content),
+        overview=_drawn(content, OVERVIEW),
+        comparison=comparison,
+        against=against,
+        activation=activation,
+        figures=[_drawn(content, plot) for plot in PAPER_FIGURES],
+        provenance=provenance(content),
+    )
+
+
+def summary(content: Content) -> list[str]:
+    """What was studied and what came out, in plain sentences."""
+    run = content.run
+    cases = sum(len(ladder.cases) for ladder in run.ladders)
+    sentences = [
+        f"{_count(cases, 'case')} in {_count(len(run.ladders), 'ladder')} "
+        f"({', '.join(ladder.name for ladder in run.ladders)}) over {_count(len(run.weeks), 'week')} "
+        f"({', '.join(run.weeks)}), with {_count(content.members, 'member')} per case.",
+        _resolved(content),
+    ]
+    return [*sentences, _findings(content)] if content.against else sentences
+
+
+def _resolved(content: Content) -> str:
+    judged = [row for row in content.rows if row.resolved is not None]
+    if content.members < 2:
+        return "With one member per case there is no spread, so that no difference can be called resolved."
+    resolved = sum(bool(row.resolved) for row in judged)
+    return (
+        f"Of {_count(len(judged), 'difference')} in heat from the most detailed case, "
+        f"{resolved} {'is' if resolved == 1 else 'are'} resolved."
+    )
+
+
+def _findings(content: Content) -> str:
+    assert content.against
+    verdicts = [finding.verdict for finding in content.against.findings]
+    counts = ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in ("held", "not held", "not resolved"))
+    return f"Of the {_count(len(verdicts), 'finding')} of “{content.against.name}”: {counts}."
+
+
+def _count(n: int, noun: str) -> str:
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
+
+
+# --- tables ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Text of a cell and how it is shown: `text` to the left, `published` dim, a verdict marked."""
+
+    text: str
+    style: str
+
+
+@dataclass(frozen=True)
+class PageTable:
+    title: str
+    headings: Sequence[Cell]
+    rows: Sequence[tuple[str, Sequence[Cell]]]
+
+
+def _grouped(content: Content) -> tuple[list[PageTable], list[PageTable], list[PageTable]]:
+    """The tables in the order of `render.tables`: one per week, then agreement and findings, then activation."""
+    shown = [_page_table(content, table) for table in tables(content)]
+    weeks = len(content.run.weeks)
+    after = weeks + (2 if content.against else 0)
+    return shown[:weeks], shown[weeks:after], [table for table in shown[after:] if table.rows]
+
+
+def _page_table(content: Content, table: Table) -> PageTable:
+    title, headings, rows = table
+    columns = list(zip(*rows, strict=True)) or [()] * len(headings)
+    styles = [_style(content, heading, column) for heading, column in zip(headings, columns, strict=True)]
+    starts = {ladder.cases[0] for ladder in content.run.ladders}
+    return PageTable(
+        _heading(title),
+        [Cell(text, style) for text, style in zip(headings, styles, strict=True)],
+        [
+            (
+                "starts-ladder" if row[0] in starts else "",
+                [Cell(text, _marked(text, style)) for text, style in zip(row, styles, strict=True)],
+            )
+            for row in rows
+        ],
+    )
+
+
+def _heading(title: str) -> str:
+    return re.sub(r"`([^`]*)`", r"“\1”", title[0].upper() + title[1:])
+
+
+def _style(content: Content, heading: str, texts: Sequence[str]) -> str:
+    published = content.against is not None and heading == content.against.name
+    is_text = not all(FIGURE_TEXT.match(text) for text in texts)
+    return " ".join(name for name, holds in (("text", is_text), ("published", published)) if holds)
+
+
+def _marked(text: str, style: str) -> str:
+    marks = {"yes": "good", "no": "open", "held": "good", "not held": "bad", "not resolved": "open"}
+    return f"{style} {marks.get(text, '')}".strip()
+
+
+# --- figures and provenance --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class PageFigure:
+    """A figure's words and its SVG, or why it is missing."""
+
+    id: str
+    title: str
+    caption: str
+    svg: str
+    missing: str = ""
+
+
+def _drawn(content: Content, plot: Any) -> PageFigure:
+    from waxstudy.report.figures import Lacking, svg
+
+    id = f"figure-{plot.id}"
+    try:
+        return PageFigure(id, plot.title, plot.caption, svg(plot.draw(content), id))
+    except Lacking as reason:
+        return PageFigure(id, plot.title, "", "", str(reason))
+
+
+def provenance(content: Content) -> list[tuple[str, str]]:
+    """Where the figures come from: the folder's name, then what the run says of itself."""
+    said = content.run.provenance
+    pairs = [(key, _words(value)) for key, value in said.items()]
+    return [("run folder", content.run.folder.resolve().name), *pairs]
+
+
+def _words(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {item}" for key, item in value.items())
+    return str(value)
