@@ -150,11 +150,11 @@ class PageFigure:
 
 
 def _drawn(content: Content, plot: Any) -> PageFigure:
-    from waxstudy.report.figures import Lacking, svg
+    from waxstudy.report.figures import Lacking, svg_element
 
     id = f"figure-{plot.id}"
     try:
-        return PageFigure(id, plot.title, plot.caption, svg(plot.draw(content), id))
+        return PageFigure(id, plot.title, plot.caption, svg_element(plot.draw(content), id))
     except Lacking as reason:
         return PageFigure(id, plot.title, "", "", str(reason))
 

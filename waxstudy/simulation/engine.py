@@ -50,7 +50,7 @@ class Week:
 
 
 @dataclass
-class _State:
+class State:
     """State of a loop between two parts of its run."""
 
     modes: FloatArray
@@ -117,49 +117,34 @@ class Loop:
                 f"{port.unit} at {clock(error.time_s)}"
             ) from None
 
-    def _settle(self, setpoint_C: float, stop: np.ndarray) -> _State:
-        """Run the days of the warm-up that all members share, from a room at its setpoint."""
+    def start(self, setpoint_C: float) -> State:
+        """Return the state of a room at its setpoint, the floor somewhat warmer, and of a chain at rest."""
         driven = self.driven
         nodes = setpoint_C + SLAB_ABOVE_K * (1.0 - driven.room.air_nodes)
         modes = driven.to_modes @ nodes
-        states: Any = self.chain.start()
+        blocks: Any = self.chain.start()
         if self.jit:
-            states = [state_record(state) if state != 0 else None for state in states]
-        state = _State(modes, (driven.outputs @ modes + driven.offsets[0])[:3], states)
-        self._part(np.tile(self._first_day(), SHARED_DAYS), -WARM_UP_DAYS * DAY_S, state, setpoint_C, 0, stop)
-        return state
+            blocks = [state_record(block) if block != 0 else None for block in blocks]
+        return State(modes, (driven.outputs @ modes + driven.offsets[0])[:3], blocks)
 
-    def _week(self, setpoint_C: float, settled: _State, start: Start, trace: bool, stop: np.ndarray) -> Week:
-        """Displace the settled state, let it run the last day of the warm-up, then the week."""
-        driven, state = self.driven, copy.deepcopy(settled)
-        air = driven.room.air_nodes
-        displaced = driven.to_modes @ (air * start.air_K + (1.0 - air) * start.slab_K)
-        state.modes += displaced
-        state.readings += (driven.outputs @ displaced)[:3]
-        last_days = np.tile(self._first_day(), WARM_UP_DAYS - SHARED_DAYS)
-        self._part(last_days, -(WARM_UP_DAYS - SHARED_DAYS) * DAY_S, state, setpoint_C, 0, stop)
-        week = np.arange(len(driven.supply_C))
-        rows = len(week) * driven.steps_per_interval if trace else 0
-        cold, record = self._part(week, 0.0, state, setpoint_C, rows, stop)
-        return Week(hours_below=cold * driven.step_s / 3600.0, trace=record)
-
-    def _first_day(self) -> np.ndarray:
-        return np.arange(round(DAY_S / self.driven.weather.interval_s))
-
-    def _part(
+    def advance(
         self,
+        state: State,
         intervals: np.ndarray,
         start_s: float,
-        state: _State,
         setpoint_C: float,
-        rows: int,
-        stop: np.ndarray,
+        *,
+        trace: bool = False,
+        stop: np.ndarray | None = None,
     ) -> tuple[int, FloatArray]:
-        """Run the given weather intervals from a state, which is changed in place."""
+        """Run weather intervals (by index) from a state, which is changed in place.
+
+        Returns the number of cold steps and the trace (steps, len(TRACE)), without rows if not asked for.
+        """
         driven = self.driven
-        modes, readings, states = state.modes, state.readings, state.blocks
         counters = np.zeros(2, dtype=np.int64)
-        trace = np.zeros((rows, len(kernel.TRACE)))
+        record = np.zeros((len(intervals) * driven.steps_per_interval if trace else 0, len(kernel.TRACE)))
+        stop = np.zeros(1, dtype=np.int64) if stop is None else stop
         room = (
             self.chain.low,
             self.chain.high,
@@ -173,38 +158,49 @@ class Loop:
             driven.conductance_W_K,
         )
         rest = (setpoint_C, start_s, driven.step_s, driven.steps_per_interval, self.limit_C)
-        if self.jit:
-            parameters = np.array([record.ctypes.data for record in self._records], dtype=np.int64)
-            pointers = np.array([0 if s is None else s.ctypes.data for s in states], dtype=np.int64)
-            blocks = (self._addresses, parameters, pointers)
-            code = self._loop(*blocks, *room, modes, readings, *rest, trace, counters, stop)
-        else:
-            code = self._interpret(states, room, modes, readings, rest, trace, counters, stop)
+        run = self._compiled if self.jit else self._interpreted
+        code = run(state, room, rest, record, counters, stop)
         if code == kernel.STOPPED:
             raise Stopped
         if code >= 0:
             raise _OutOfRange(code, start_s + float(counters[1]) * driven.step_s)
-        return int(counters[0]), trace
+        return int(counters[0]), record
 
-    def _interpret(
-        self,
-        states: list[Any],
-        room: tuple[Any, ...],
-        modes: FloatArray,
-        readings: FloatArray,
-        rest: tuple[Any, ...],
-        trace: FloatArray,
-        counters: np.ndarray,
-        stop: np.ndarray,
-    ) -> int:
+    def _settle(self, setpoint_C: float, stop: np.ndarray) -> State:
+        """Run the days of the warm-up that all members share."""
+        state = self.start(setpoint_C)
+        self.advance(state, self._first_day(SHARED_DAYS), -WARM_UP_DAYS * DAY_S, setpoint_C, stop=stop)
+        return state
+
+    def _week(self, setpoint_C: float, settled: State, start: Start, trace: bool, stop: np.ndarray) -> Week:
+        """Displace the settled state, let it run the last day of the warm-up, then the week."""
+        driven, state = self.driven, copy.deepcopy(settled)
+        air, own_days = driven.room.air_nodes, WARM_UP_DAYS - SHARED_DAYS
+        displaced = driven.to_modes @ (air * start.air_K + (1.0 - air) * start.slab_K)
+        state.modes += displaced
+        state.readings += (driven.outputs @ displaced)[:3]
+        self.advance(state, self._first_day(own_days), -own_days * DAY_S, setpoint_C, stop=stop)
+        week = np.arange(len(driven.supply_C))
+        cold, record = self.advance(state, week, 0.0, setpoint_C, trace=trace, stop=stop)
+        return Week(hours_below=cold * driven.step_s / 3600.0, trace=record)
+
+    def _first_day(self, times: int) -> np.ndarray:
+        return np.tile(np.arange(round(DAY_S / self.driven.weather.interval_s)), times)
+
+    def _compiled(self, state: State, room: tuple[Any, ...], rest: tuple[Any, ...], *out: np.ndarray) -> int:
+        parameters = np.array([record.ctypes.data for record in self._records], dtype=np.int64)
+        pointers = np.array([0 if s is None else s.ctypes.data for s in state.blocks], dtype=np.int64)
+        blocks = (self._addresses, parameters, pointers)
+        return int(self._loop(*blocks, *room, state.modes, state.readings, *rest, *out))
+
+    def _interpreted(self, state: State, room: tuple[Any, ...], rest: tuple[Any, ...], *out: np.ndarray) -> int:
         """Run the same loop in Python; lists are several times quicker there than arrays."""
         steps = [_named(block) if block else 0 for block in self.chain.blocks]
-        plain_room = [array.tolist() for array in room]
-        plain_modes, plain_readings = modes.tolist(), readings.tolist()
-        blocks = (steps, self.chain.plain, states)
+        modes, readings = state.modes.tolist(), state.readings.tolist()
         run: Callable[..., int] = kernel.simulate
-        code = run(*blocks, *plain_room, plain_modes, plain_readings, *rest, trace, counters, stop)
-        modes[:], readings[:] = plain_modes, plain_readings
+        plain_room = [array.tolist() for array in room]
+        code = run(steps, self.chain.plain, state.blocks, *plain_room, modes, readings, *rest, *out)
+        state.modes[:], state.readings[:] = modes, readings
         return code
 
 

@@ -48,7 +48,10 @@ def solve(hours_at: Callable[[float], FloatArray], target_h: float) -> Shift:
     low, high = _bracket(residual)
     if residual(low) * residual(high) < 0.0:
         brentq(residual, low, high, xtol=TOLERANCE_K)
-    best = min(seen, key=lambda shift_K: abs(float(np.mean(seen[shift_K])) - target_h))
+    # among equals the last: where the curve jumps it is the one nearest to the jump
+    best = min(reversed(seen), key=lambda shift_K: abs(float(np.mean(seen[shift_K])) - target_h))
+    if len(seen) == 1:
+        residual(best + FIRST_STEP_K)  # a second point, for the slope
     return Shift(best, seen[best], _slope(best, {shift_K: float(np.mean(h)) for shift_K, h in seen.items()}))
 
 

@@ -30,10 +30,10 @@ class Films(Parameters):
         le=50,
     )
     floor_W_m2K: float = parameter(
-        4.2,
+        5.0,
         unit="W/(m2 K)",
-        description="convective, heated floor",
-        source="EN 1264-2: 8.92 dT^1.1 is 9.3 W/(m2 K) at the 14 W/m2 of the paper's weeks, less 5.13 radiative",
+        description="convective, floor",
+        source="EN ISO 6946, ISO 52016-1, heat flow upwards; with the radiative part 10.1, which EN 1264-2 has at 34 W/m2",
         gt=0,
         le=50,
     )
@@ -112,10 +112,10 @@ class Gains(Parameters):
         strict=False,
     )
     radiant_share: float = parameter(
-        0.4,
+        0.6,
         unit="1",
         description="share that is radiated",
-        source="chosen: usual for residential gains",
+        source="chosen: ISO 52016-1, 0.4 convective",
         ge=0,
         le=1,
     )
@@ -139,10 +139,10 @@ class Sun(Parameters):
         le=1,
     )
     floor_share: float = parameter(
-        0.5,
+        0.64,
         unit="1",
         description="share of the rest that falls on floors; other surfaces take theirs by area",
-        source="chosen: a low winter sun strikes floor and walls alike; the paper says nothing",
+        source="chosen: ANSI/ASHRAE 140, interior solar distribution of its cases; the paper says nothing",
         ge=0,
         le=1,
     )

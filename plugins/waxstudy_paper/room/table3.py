@@ -94,7 +94,12 @@ class Table3(Parameters):
         18.0, unit="C", description="supply air temperature", source="section 3.3", ge=-40, le=60
     )
     air_capacity_multiplier: float = parameter(
-        3.0, unit="1", description="air and furniture over air", source="chosen: a furnished room", ge=1, le=50
+        3.2,
+        unit="1",
+        description="air and furniture over air",
+        source="chosen: ISO 52016-1, 10 kJ/(m2 K) of floor for air and furniture",
+        ge=1,
+        le=50,
     )
     screed_above_m: float = parameter(
         0.040, unit="m", description="screed above the pipes", source="Table 3", gt=0, le=1

@@ -37,7 +37,7 @@ MONTHS: dict[str, dict[str, Any]] = {
     "february": {
         "outdoor_mean_C": -6.8,
         "solar_gain_kWh_m2_week": 0.82,
-        "sun_by_day": (0.1, 1.0, 1.0, 0.0, 0.1, 0.9, 0.2),
+        "sun_by_day": (0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0),
     },
 }
 # any year without a leap day: the sun stands within 0.2 degrees of where it stands in another one

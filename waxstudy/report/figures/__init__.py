@@ -12,7 +12,7 @@ from waxstudy.report.figures.last_step import figure_22
 from waxstudy.report.figures.loads import figure_21
 from waxstudy.report.figures.overview import figure_overview
 from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import Draw, svg
+from waxstudy.report.figures.style import Draw, svg_document, svg_element
 from waxstudy.report.figures.temperatures import figure_17, figure_18, figure_20
 
 __all__ = [
@@ -28,7 +28,8 @@ __all__ = [
     "figure_21",
     "figure_22",
     "figure_overview",
-    "svg",
+    "svg_document",
+    "svg_element",
 ]
 
 

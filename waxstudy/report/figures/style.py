@@ -107,15 +107,18 @@ def ladder_dash(content: Content, case: str) -> Any:
     return DASHES[place % len(DASHES)]
 
 
-def svg(figure: Figure, prefix: str) -> str:
-    """Return the figure as an SVG element for a page; the prefix keeps ids of several figures apart."""
+def svg_document(figure: Figure) -> str:
+    """Return the figure as the text of an SVG file; the same figure gives the same text."""
     from matplotlib import rc_context
 
     out = io.StringIO()
     with rc_context(RC):
         figure.savefig(out, format="svg", metadata={"Date": None})
-    text = out.getvalue()
-    element = re.sub(
-        r"\s*<metadata>.*?</metadata>|\sxmlns(:\w+)?=\"[^\"]*\"", "", text[text.index("<svg") :], flags=re.S
-    )
+    return re.sub(r"\s*<metadata>.*?</metadata>", "", out.getvalue(), flags=re.S)
+
+
+def svg_element(figure: Figure, prefix: str) -> str:
+    """Return the figure as an SVG element of a page; the prefix keeps ids of several figures apart."""
+    text = svg_document(figure)
+    element = re.sub(r"\sxmlns(:\w+)?=\"[^\"]*\"", "", text[text.index("<svg") :])
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", element)

@@ -1,0 +1,66 @@
+"""What every test may use: the repository's studies, a small study, and the command line as a user starts it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+# examples differ in length by far; the suite's own time limit is the one that counts
+settings.register_profile("waxstudy", deadline=None)
+settings.load_profile("waxstudy")
+
+ROOT = Path(__file__).parents[1]
+WAXSTUDY = Path(sys.executable).with_name("waxstudy")
+
+SMALL = """\
+[study]
+name = "small"
+
+[room]
+use = "nzeb"
+
+[weather.january]
+use = "tallinn-week"
+month = "january"
+
+[ensemble]
+members = 2
+
+[ladder.on-off]
+reference = "O_WM"
+start = { id = "O_0", controller = { use = "on-off" }, valve = { use = "linear" } }
+steps = [
+  { id = "O_CP", controller = { dead_band_K = 0.5 } },
+  { id = "O_WM", valve = { use = "quick-opening" }, actuator = { use = "variable-times" } },
+]
+"""
+
+Waxstudy = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+@pytest.fixture
+def small_study(tmp_path: Path) -> Path:
+    """Three On/Off cases, one week, two members."""
+    path = tmp_path / "small.toml"
+    path.write_text(SMALL)
+    return path
+
+
+@pytest.fixture
+def waxstudy(tmp_path: Path) -> Waxstudy:
+    """Run the installed command in a folder of its own."""
+
+    def run(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
+        command = [str(WAXSTUDY), *map(str, arguments)]
+        environment = {**os.environ, "COLUMNS": "120", **options.pop("env", {})}  # type: ignore[dict-item]
+        return subprocess.run(
+            command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300, **options
+        )  # type: ignore[call-overload,no-any-return]
+
+    return run

@@ -1,0 +1,61 @@
+"""Results stay what they were, to the tolerance that their own scatter allows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.golden.compare import differences
+from tests.golden.results import GOLDEN, KEYS, table, traces
+from waxstudy.report.comparison import COLUMNS
+from waxstudy.simulation import kernel
+
+TRACE_KEYS = (*KEYS, "minute")
+# temperatures [K], heat [W/m2, W] and fractions: far above rounding, far below anything that a reader could see
+TRACE_TOLERANCE = dict.fromkeys(kernel.TRACE, 1e-6)
+STANDARD_ERRORS = 2.0  # the 95 % interval of an ensemble mean
+
+
+def test_short_traces_are_the_golden_ones() -> None:
+    golden = pd.read_csv(GOLDEN / "traces.csv")
+    assert differences(golden, traces(), TRACE_KEYS, TRACE_TOLERANCE) == []
+
+
+@pytest.mark.slow
+def test_ensemble_means_lie_within_their_standard_error(tmp_path: Path) -> None:
+    golden = pd.read_csv(GOLDEN / "table5.csv")
+    fresh = table(tmp_path / "run")
+    # whether a difference is resolved may turn with the last digit of an interval; its figures are compared
+    golden, fresh = golden.drop(columns="resolved"), fresh.drop(columns="resolved")
+    assert differences(golden, fresh, KEYS, _tolerance(golden)) == []
+
+
+def _tolerance(golden: pd.DataFrame) -> dict[str, float | pd.Series]:
+    """Means within two standard errors, spreads within the 95 % range of a standard deviation, cycles within one."""
+    n = golden["members"]
+    allowed: dict[str, float | pd.Series] = {"cycles_per_week": 1.0, "members": 0.0}
+    for column in COLUMNS:
+        spread = golden[f"{column}_sd"].fillna(0.0)
+        allowed[column] = STANDARD_ERRORS * spread / np.sqrt(n) + 1e-5
+        allowed[f"{column}_sd"] = STANDARD_ERRORS * spread / np.sqrt(2.0 * (n - 1)) + 1e-5
+    return allowed
+
+
+def test_the_comparison_sees_every_kind_of_difference() -> None:
+    golden = pd.DataFrame({"case": ["a", "b"], "x": [1.0, 2.0], "word": ["p", "q"]})
+    within = {"x": 0.1}
+
+    def found(fresh: pd.DataFrame) -> list[str]:
+        return differences(golden, fresh, ["case"], within)
+
+    assert found(golden.assign(x=[1.05, 2.0])) == []
+    assert found(golden.assign(x=[1.2, 2.0])) == ["x a: 1.2 instead of 1.0"]
+    assert found(golden.assign(x=[np.nan, 2.0])) == ["x a: nan instead of 1.0"]
+    assert found(golden.assign(word=["p", "r"])) == ["word b: r instead of q"]
+    assert found(golden.assign(y=1.0)) == ["column y is new"]
+    assert found(golden.drop(columns="x")) == ["column x is missing"]
+    assert found(golden.iloc[:1]) == ["row b is missing"]
+    assert found(pd.concat([golden, golden.assign(case=["c", "d"])])) == ["row c is new", "row d is new"]

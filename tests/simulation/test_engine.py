@@ -1,0 +1,211 @@
+"""Claims about the loop: compiled equals interpreted, errors are named, and energy is conserved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from waxstudy.plugin import Actuator, FloatArray, Parameters
+from waxstudy.plugin.registry import installed
+from waxstudy.simulation import kernel
+from waxstudy.simulation.engine import Chain, Loop, SimulationError, Start
+from waxstudy.simulation.modes import DrivenRoom, drive
+from waxstudy.study.model import Choice
+from waxstudy_paper import actuators, controllers, modulators, sensors, valves
+from waxstudy_paper.room import NzebRoom
+from waxstudy_paper.weather import TallinnWeek
+
+STEP_S = 5.0
+
+
+def choice(block: Any, **values: Any) -> Choice:
+    return Choice(block, block.Parameters.model_validate(values))
+
+
+ON_OFF = {
+    "sensor": choice(sensors.DelaySensor),
+    "controller": choice(controllers.OnOff, dead_band_K=0.5),
+    "actuator": choice(actuators.VariableTimes),
+    "valve": choice(valves.QuickOpeningValve),
+}
+CHAINS = {
+    "O_0": {"controller": choice(controllers.OnOff), "valve": choice(valves.LinearValve)},
+    "O_WM": ON_OFF,
+    "O_lag": {**ON_OFF, "sensor": choice(sensors.LagSensor), "actuator": choice(actuators.ConstantTimes)},
+    "O_literal": {**ON_OFF, "actuator": choice(actuators.VariableTimes, form="literal")},
+    "P_0": {"controller": choice(controllers.PI), "valve": choice(valves.LinearValve)},
+    "P_WM": {
+        **ON_OFF,
+        "controller": choice(controllers.PI, gain=18.0, integration_time_s=2300.0),
+        "modulator": choice(modulators.Pwm),
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def room() -> DrivenRoom:
+    built = NzebRoom.build(NzebRoom.Parameters())
+    weather = TallinnWeek.load(TallinnWeek.Parameters(month="february"), built.facades)
+    return drive(built, weather, STEP_S)
+
+
+def hours(loop: Loop, n: int, setpoint_C: float = 21.0) -> FloatArray:
+    """The trace of the first hours from a room at its setpoint."""
+    return loop.advance(loop.start(setpoint_C), np.arange(n), 0.0, setpoint_C, trace=True)[1]
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_compiled_and_interpreted_runs_are_equal_to_the_bit(name: str, room: DrivenRoom) -> None:
+    chain = Chain(CHAINS[name], STEP_S)
+    compiled, interpreted = (hours(Loop(chain, room, 21.0, jit=jit), 72) for jit in (True, False))
+    assert np.array_equal(compiled, interpreted)
+    assert np.ptp(compiled[:, kernel.TRACE.index("flow_fraction")]) > 0.1
+
+
+def test_a_whole_week_with_warm_up_is_equal_to_the_bit(room: DrivenRoom) -> None:
+    chain = Chain(CHAINS["P_WM"], STEP_S)
+    starts = [Start(0.3, -0.5), Start(0.0, 0.0)]
+    both = [list(Loop(chain, room, 21.0, jit=jit).weeks(20.95, starts, trace=True)) for jit in (True, False)]
+    for compiled, interpreted in zip(*both, strict=True):
+        assert compiled.hours_below == interpreted.hours_below
+        assert np.array_equal(compiled.trace, interpreted.trace)
+
+
+def test_a_run_in_two_parts_is_the_run_in_one(room: DrivenRoom) -> None:
+    loop = Loop(Chain(CHAINS["P_WM"], STEP_S), room, 21.0)
+    whole = hours(loop, 48)
+    state = loop.start(21.0)
+    first = loop.advance(state, np.arange(20), 0.0, 21.0, trace=True)[1]
+    second = loop.advance(state, np.arange(20, 48), 20 * 3600.0, 21.0, trace=True)[1]
+    assert np.array_equal(whole, np.vstack((first, second)))
+
+
+def test_dropped_modes_stay_within_their_stated_error(room: DrivenRoom) -> None:
+    """Open loop: pulses of floor heat and the week's weather, all modes against the kept ones."""
+    full = drive(room.room, room.weather, STEP_S, tolerance_K=0.0)
+    pulses_W = np.where(np.arange(168) % 8 < 2, 700.0, 0.0)
+    few, all_of_them = (_open_loop(d, pulses_W) for d in (room, full))
+    assert len(room.decay) < 0.5 * len(full.decay)
+    assert np.max(np.abs(few - all_of_them)) < room.dropped_error_K
+
+
+def _open_loop(driven: DrivenRoom, heat_W: FloatArray) -> FloatArray:
+    """Temperatures (steps, 5) under a given heat, from the discretised modes alone."""
+    modes, rows = driven.to_modes @ np.full(driven.to_modes.shape[1], 21.0), []
+    for interval, heat in enumerate(heat_W):
+        for _ in range(driven.steps_per_interval):
+            modes = driven.decay * modes + driven.heat_gain * heat + driven.forcing[interval]
+            rows.append((driven.outputs @ modes + driven.offsets[interval] + driven.heat_offset * heat)[:5])
+    return np.array(rows[5 * 720 :])  # the start at one temperature excites modes that no weather does
+
+
+def test_heat_of_the_water_is_stored_or_lost(room: DrivenRoom) -> None:
+    """Energy balance over a week: water, gains, sun and ventilation against losses and storage, to 0.1 %.
+
+    Losses are integrated from the node temperatures by trapezia of five minutes, independent of the model's own sums.
+    """
+    linear, interval_s = room.room, 300.0
+    weather = TallinnWeek.load(TallinnWeek.Parameters(month="february", interval_s=interval_s), linear.facades)
+    full = drive(linear, weather, STEP_S, tolerance_K=0.0)
+    loop, to_nodes = Loop(Chain(CHAINS["O_WM"], STEP_S), full, 21.0), np.linalg.inv(full.to_modes)
+    state = loop.start(21.0)
+    loop.advance(state, np.arange(288), -86400.0, 21.0)  # a day, so that nodes move slowly
+    nodes, water_J = [to_nodes @ state.modes], 0.0
+    for interval in range(len(weather.outdoor_C)):
+        trace = loop.advance(state, np.array([interval]), interval * interval_s, 21.0, trace=True)[1]
+        water_J += trace[:, kernel.TRACE.index("water_heat_W")].sum() * STEP_S
+        nodes.append(to_nodes @ state.modes)
+    temperatures = np.array(nodes)
+    means = (temperatures[1:] + temperatures[:-1]) / 2.0
+    lost_J = float(np.sum(means @ linear.conductance_W_K)) * interval_s
+    supplied_J = float(np.sum(linear.drive(weather)[0] @ linear.input_matrix.T)) * interval_s + water_J
+    stored_J = float(linear.capacity_J_K @ (temperatures[-1] - temperatures[0]))
+    assert water_J > 50e6
+    assert supplied_J == pytest.approx(lost_J + stored_J, rel=1e-3)
+
+
+def test_halving_the_step_changes_a_day_of_temperatures_by_millikelvins(room: DrivenRoom) -> None:
+    fine = drive(room.room, room.weather, STEP_S / 5.0)
+    coarse = hours(Loop(Chain(CHAINS["P_0"], STEP_S), room, 21.0), 24)[:, 0]
+    finer = hours(Loop(Chain(CHAINS["P_0"], STEP_S / 5.0), fine, 21.0), 24)[4::5, 0]
+    assert np.max(np.abs(coarse - finer)) < 0.03
+
+
+# --- blocks that fail ------------------------------------------------------------------------------------
+
+
+@dataclass
+class Counter:
+    steps: int = 0
+
+
+class Failing(Actuator):
+    """Divides by zero after an hour."""
+
+    name = "failing"
+    State = Counter
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        x.steps += 1
+        return 1.0 / (720 - x.steps) * 0.0 + u
+
+
+class Growing(Actuator):
+    """Leaves its range after an hour."""
+
+    name = "growing"
+    State = Counter
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        x.steps += 1
+        return x.steps / 720.0
+
+
+class NotANumber(Actuator):
+    """Overflows to infinity, then to NaN."""
+
+    name = "not-a-number"
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        return math.inf - math.inf if t > -600000.0 else u
+
+
+class Misspelled(Actuator):
+    """Reads a state that it does not have."""
+
+    name = "misspelled"
+    State = Counter
+    Parameters = Parameters
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        return float(x.stepps)
+
+
+@pytest.mark.parametrize("jit", [True, False])
+@pytest.mark.parametrize(
+    ("block", "words"),
+    [
+        (Failing, ["actuator 'failing' failed", "ZeroDivisionError", "test_engine.py:"]),
+        (Growing, ["actuator 'growing' gave", "outside 0 to 1"]),
+        (NotANumber, ["actuator 'not-a-number' gave NaN"]),
+    ],
+)
+def test_a_failing_block_is_named_with_its_time(block: Any, words: list[str], jit: bool, room: DrivenRoom) -> None:
+    loop = Loop(Chain({**ON_OFF, "actuator": choice(block)}, STEP_S), room, 21.0, jit=jit)
+    with pytest.raises(SimulationError) as caught:
+        list(loop.weeks(21.0, [Start(0.0, 0.0)]))
+    for word in [*words, "warm-up"]:
+        assert word in str(caught.value)
+
+
+def test_every_registered_block_has_its_own_name_and_kind() -> None:
+    for (kind, name), entry in installed().components.items():
+        assert (entry.component.kind, entry.component.name) == (kind, name)
