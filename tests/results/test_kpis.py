@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from waxstudy.results.kpis import TRACE_CHANNELS, MemberWeek, count_cycles, durations, key_figures, opening_times_s, thinned
+from waxstudy.results.kpis import (
+    TRACE_CHANNELS,
+    MemberWeek,
+    count_cycles,
+    durations,
+    key_figures,
+    opening_times_s,
+    thinned,
+)
 
 STEPS = 17280 * 7
 

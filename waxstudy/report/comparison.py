@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +25,7 @@ class Estimate:
 
     @property
     def excludes_zero(self) -> bool:
-        return self.low > 0.0 or self.high < 0.0
+        return bool(self.low > 0.0 or self.high < 0.0)
 
 
 def estimate(values: FloatArray) -> Estimate:
@@ -36,7 +35,7 @@ def estimate(values: FloatArray) -> Estimate:
         return Estimate(mean, np.nan, np.nan, np.nan)
     sd = float(np.std(values, ddof=1))
     half = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, n - 1)) * sd / np.sqrt(n)
-    return Estimate(mean, sd, mean - half, mean + half)
+    return Estimate(mean, sd, float(mean - half), float(mean + half))
 
 
 @dataclass(frozen=True)
@@ -97,8 +96,3 @@ def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
         hours_below_per_week=of("hours_below_per_week"),
         resolved=None if is_reference else difference.excludes_zero,
     )
-
-
-def unresolved(rows: list[Row]) -> Iterator[Row]:
-    """The rows whose difference this ensemble cannot tell from zero."""
-    return (row for row in rows if row.resolved is False)

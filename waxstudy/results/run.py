@@ -82,7 +82,7 @@ def finish(
     provenance: Mapping[str, Any],
 ) -> None:
     """Put the finished cases together and publish them by writing the manifest last."""
-    frames = [pd.read_csv(folder / "cases" / case.name / "kpis.csv", float_precision="round_trip") for case in cases]
+    frames = [pd.read_csv(folder / "cases" / case.name / "kpis.csv") for case in cases]
     with whole_file(folder / "study.toml") as path:
         path.write_bytes(tomli_w.dumps(dict(study)).encode())
     with whole_file(folder / "kpis.csv") as path:
@@ -154,7 +154,7 @@ class Run:
     def _read(self, path: Path) -> pd.DataFrame:
         try:
             if path.suffix == ".csv":
-                return pd.read_csv(path, float_precision="round_trip")
+                return pd.read_csv(path)
             return pd.read_parquet(path)
         except (OSError, ValueError) as error:
             raise RunError(f"{path}: cannot be read ({type(error).__name__}); run the study again") from error

@@ -33,7 +33,7 @@ class Films(Parameters):
         5.0,
         unit="W/(m2 K)",
         description="convective, floor",
-        source="EN ISO 6946, ISO 52016-1, heat flow upwards; with the radiative part 10.1, which EN 1264-2 has at 34 W/m2",
+        source="EN ISO 6946, ISO 52016-1, heat flow upwards; with the radiative part 10.1, as EN 1264-2 at 34 W/m2",
         gt=0,
         le=50,
     )
