@@ -15,6 +15,7 @@ from waxstudy.plugin import (
     Controller,
     Modulator,
     Parameters,
+    Reference,
     Room,
     Sensor,
     Valve,
@@ -117,6 +118,7 @@ COMPONENTS = (
     component(Room, "nzeb", RoomParameters),
     component(Weather, "tallinn-week", WeekParameters),
     component(Weather, "epw", EpwParameters),
+    component(Reference, "paper"),
 )
 
 

@@ -136,7 +136,7 @@ def _comparison_row(content: Content, row: Row) -> list[str]:
 
 
 def _figure(value: Estimate, digits: int) -> str:
-    text = f"{value.mean:.{digits}f}"
+    text = f"{value.mean:z.{digits}f}"  # z: no minus before a zero
     return text if math.isnan(value.sd) else f"{text} ± {value.sd:.{digits}f}"
 
 

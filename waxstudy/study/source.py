@@ -117,7 +117,7 @@ def _refuse_extremes(path: Path, source: Source) -> None:
         elif isinstance(value, int) and abs(value) > LARGEST:
             found.append(_problem(path, source.line(where), TOO_LARGE))
     if found:
-        raise StudyError(found)
+        raise StudyError(list(dict.fromkeys(found)))
 
 
 def _problem(path: Path, line: int, wrong: str) -> Problem:

@@ -1,0 +1,52 @@
+"""The commands of the README and of docs/ work as printed."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, Waxstudy
+
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+
+
+def commands(program: str) -> list[str]:
+    """Every command of a program in the shell blocks of all pages, without its comment, in order."""
+    lines = [line for page in PAGES for block in blocks(page, "sh") for line in block.splitlines()]
+    return [line.split("  #")[0].strip() for line in lines if line.startswith(program)]
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_pages_run_in_the_order_printed(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "studies", tmp_path / "studies")
+    (thermostat,) = blocks(ROOT / "README.md", "toml")
+    (tmp_path / "thermostat.toml").write_text(thermostat)
+    shutil.copytree(ROOT / "docs", tmp_path / "docs")
+    done = waxstudy("run", "studies/table5.toml")  # what `make run` calls
+    assert done.stdout.splitlines()[-1] == "results/table5", done.stderr
+    printed = commands("waxstudy")
+    assert len(printed) >= 4
+    for command in printed:
+        done = waxstudy(*command.split()[1:])
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+    assert (tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+@pytest.mark.parametrize("command", sorted(set(commands("make")) | {"make golden", "make bench"}))
+def test_every_make_target_of_the_pages_exists(command: str) -> None:
+    tried = subprocess.run(["make", "-n", *command.split()[1:]], cwd=ROOT, capture_output=True, check=False)
+    assert tried.returncode == 0
+
+
+def test_every_link_between_the_pages_leads_somewhere() -> None:
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
