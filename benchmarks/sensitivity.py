@@ -47,8 +47,11 @@ def wax_motor(**values: Any) -> Changes:
     return {f"{case}.actuator": values for case in ("O_WM", "P_WM")}
 
 
-LIVELY = {"room.air_capacity_multiplier": 1.0, "room.screed.conductivity_W_mK": 1.8}
-SCREED = {"density_kg_m3": 2000.0, "heat_capacity_J_kgK": 1000.0}
+CONDUCTING = {"room.screed": {"conductivity_W_mK": 1.8, "density_kg_m3": 2000.0, "heat_capacity_J_kgK": 1000.0}}
+UNFURNISHED = {"room.air_capacity_multiplier": 1.0}
+LIVELY = {**UNFURNISHED, **CONDUCTING}
+COLDER = {"room.circuit.heating_curve_C": [[-22.0, 32.0], [20.0, 20.0]]}
+HALF_GAIN = {"P_CP.controller.gain": 9.0}
 STEADY = {
     **weather(noise_K=0.0, swing_overcast_K=0.0, swing_clear_K=0.0, clear_sky_colder_K=0.0),
     **weather(overcast_transmittance=0.0, solar_gain_kWh_m2_week=1e-6),
@@ -57,21 +60,21 @@ STEADY = {
 
 GROUPS: Mapping[str, Mapping[str, Changes]] = {
     "chain": {
-        "dead band 4.0 and 1.0 K": {"O_0.controller.dead_band_K": 4.0, "O_CP.controller.dead_band_K": 1.0},
+        "dead_band_K 4.0 and 1.0": {"O_0.controller.dead_band_K": 4.0, "O_CP.controller.dead_band_K": 1.0},
         "min_pulse_s 0": {"P_MC.modulator.min_pulse_s": 0.0},
         "min_pulse_s 180": {"P_MC.modulator.min_pulse_s": 180.0},
         "min_pulse_s 600": {"P_MC.modulator.min_pulse_s": 600.0},
-        "B with minus the spread": wax_motor(use="variable-times", product="B", dead_b_s=206.0, rise_b_s=121.0),
-        "product A": wax_motor(use="variable-times", product="A"),
+        "B minus its spread": wax_motor(use="variable-times", product="B", dead_b_s=206.0, rise_b_s=121.0),
+        "B without spread": wax_motor(use="variable-times", product="B", dead_b_s=219.0, rise_b_s=142.0),
         "form literal": wax_motor(use="variable-times", product="B", form="literal"),
         "constant-times": wax_motor(use="constant-times", product="B"),
-        "tracking_time_s 300": {"P_0.controller.tracking_time_s": 300.0},
     },
     "room": {
         "facade_m 2.6 south, 4.0 west": {"room.facade_m": {"south": 2.6, "west": 4.0}},
         "height_m 2.4": {"room.height_m": 2.4},
         "height_m 2.8": {"room.height_m": 2.8},
         "ceiling outdoors": {"room.ceiling": "outdoors"},
+        "window_height_m 2.0, sill 0.3": {"room.window_height_m": 2.0, "room.window_sill_m": 0.3},
         "window_secondary_share 0.3": {"room.window_secondary_share": 0.3},
         "sun.air_share 0.3": {"room.sun.air_share": 0.3},
         "sun.floor_share 0.3": {"room.sun.floor_share": 0.3},
@@ -79,34 +82,40 @@ GROUPS: Mapping[str, Mapping[str, Changes]] = {
         "films.wall_W_m2K 3.5": {"room.films.wall_W_m2K": 3.5},
         "partition_gypsum_m 0.026": {"room.partition_gypsum_m": 0.026},
         "concrete_m 0.1": {"room.concrete_m": 0.1},
-        "air_capacity_multiplier 1": {"room.air_capacity_multiplier": 1.0},
+        "screed_below_m 0.04": {"room.screed_below_m": 0.04},
         "air_capacity_multiplier 6": {"room.air_capacity_multiplier": 6.0},
         "gains.schedule flat": {"room.gains.schedule": [1.0] * 24},
         "gains.radiant_share 0.4": {"room.gains.radiant_share": 0.4},
         "sensor_radiant_share 0.3": {"room.sensing.sensor_radiant_share": 0.3},
     },
     "circuit": {
-        "heating curve 4 K warmer": {"room.circuit.heating_curve_C": [[-22.0, 38.0], [20.0, 26.0]]},
-        "heating curve 2 K colder": {"room.circuit.heating_curve_C": [[-22.0, 32.0], [20.0, 20.0]]},
+        "heating curve 2 K warmer": {"room.circuit.heating_curve_C": [[-22.0, 36.0], [20.0, 24.0]]},
+        "heating curve 2 K colder": COLDER,
         "exchange pipe": {"room.circuit.exchange": "pipe"},
-        "full_flow_L_h 40 % more": {"room.circuit.full_flow_L_h": 171.3},
+        "full_flow_L_h 171 (40 % more)": {"room.circuit.full_flow_L_h": 171.3},
+        "nominal_output_W_m2 48.6 (68 / 1.4)": {"room.circuit.nominal_output_W_m2": 48.6},
     },
     "weather": {
         "noise_K 0": weather(noise_K=0.0),
         "clear_sky_colder_K 0": weather(clear_sky_colder_K=0.0),
         "January: all days alike": {"weather.january.sun_by_day": [1.0] * 7},
+        "January: days 2, 6": {"weather.january.sun_by_day": days(2, 6)},
     },
     "seed": {f"seed {seed}": weather(seed=seed) for seed in (2, 3, 4, 5)},
-    "members": {f"ensemble seed {seed}": {"ensemble.seed": seed} for seed in (2, 3)},
+    "members": {f"[ensemble] seed {seed}": {"ensemble.seed": seed} for seed in (2, 3)},
     "sun": {
         f"days {', '.join(map(str, sunny))}": {"weather.february.sun_by_day": days(*sunny)}
         for sunny in ((4, 6), (2, 6), (1, 6), (2, 5), (3, 4), (1, 7), (2, 4, 6), (1, 2, 3, 4, 5, 6, 7))
     },
     "loop": {
-        "lively": LIVELY,
-        "steady": STEADY,
-        "steady, lively": {**STEADY, **LIVELY},
-        "steady, P_CP gain 9": {**STEADY, "P_CP.controller.gain": 9.0},
+        "air_capacity_multiplier 1": UNFURNISHED,
+        "screed 1.8 W/mK": CONDUCTING,
+        "both": LIVELY,
+        "both, heating curve 2 K colder": {**LIVELY, **COLDER},
+        "both, adapted gain 9": {**LIVELY, **HALF_GAIN},
+        "steady weather": STEADY,
+        "steady weather, both": {**STEADY, **LIVELY},
+        "steady weather, adapted gain 9": {**STEADY, **HALF_GAIN},
     },
 }
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import Block, FloatArray, Parameters
+from waxstudy.plugin import Block, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.results.kpis import FULLY_OPEN
 from waxstudy.simulation.records import plain_parameters
@@ -51,39 +51,61 @@ def _examples() -> Iterator[tuple[str, Choice]]:
 def activation(
     label: str, actuator: Choice, valve: Choice | None, off_min: Sequence[float] = OFF_TIMES_MIN
 ) -> Activation:
-    """Return the curve of one actuator behind one valve (or none: flow is opening)."""
-    times = np.array([_after_pause(actuator, valve, 60.0 * minutes) for minutes in off_min])
-    return Activation(label, np.array(off_min, dtype=float), times[:, 0], times[:, 1])
+    """Return the curve of one actuator behind one valve (or none: flow is opening); off times must rise."""
+    bench, times, paused_s = _Bench(actuator, valve), [], 0.0
+    bench.run(1.0, CONDITIONING_S)
+    for minutes in off_min:
+        bench.run(0.0, 60.0 * minutes - paused_s)
+        paused_s = 60.0 * minutes
+        times.append(copy.deepcopy(bench).opening_times_s())
+    opening_s, flow_s = np.array(times).T
+    return Activation(label, np.array(off_min, dtype=float), opening_s, flow_s)
 
 
-def _after_pause(actuator: Choice, valve: Choice | None, off_s: float) -> tuple[float, float]:
-    move, flow = _stepper(actuator), _stepper(valve) if valve else lambda u: u
-    for signal, seconds in ((1.0, CONDITIONING_S), (0.0, off_s)):
+class _Bench:
+    """An actuator and a valve on their own, stepped in the interpreter."""
+
+    def __init__(self, actuator: Choice, valve: Choice | None) -> None:
+        self.blocks = [_Stepped(choice) for choice in (actuator, valve) if choice]
+        self.time_s = 0.0
+
+    def step(self, signal: float) -> tuple[float, float]:
+        """Return opening and flow fraction after one step."""
+        values = [signal]
+        for block in self.blocks:
+            values.append(block.step(values[-1], self.time_s))
+        self.time_s += STEP_S
+        return values[1], values[-1]
+
+    def run(self, signal: float, seconds: float) -> None:
         for _ in range(round(seconds / STEP_S)):
-            flow(move(signal))
-    opening_s = flow_s = np.nan
-    for n in range(1, round(LONGEST_S / STEP_S) + 1):
-        opening = move(1.0)
-        if flow(opening) >= MOST_OF_FLOW and np.isnan(flow_s):
-            flow_s = n * STEP_S
-        if opening >= FULLY_OPEN:
-            return n * STEP_S, flow_s
-    return opening_s, flow_s
+            self.step(signal)
+
+    def opening_times_s(self) -> tuple[float, float]:
+        """Switch on and return the times to full opening and to most of the flow; NaN where never."""
+        flow_s = np.nan
+        for n in range(1, round(LONGEST_S / STEP_S) + 1):
+            opening, flow = self.step(1.0)
+            if flow >= MOST_OF_FLOW and np.isnan(flow_s):
+                flow_s = n * STEP_S
+            if opening >= FULLY_OPEN:
+                return n * STEP_S, flow_s
+        return np.nan, flow_s
 
 
-def _stepper(choice: Choice) -> Any:
-    """One block on its own, stepped in the interpreter."""
-    block = choice.component
-    assert issubclass(block, Block)
-    plain = plain_parameters(choice.parameters)
-    state = block.start(plain, STEP_S)
-    clock = iter(np.arange(0.0, 1e6, STEP_S).tolist())
-    return lambda u: block.step(plain, state, u, next(clock), STEP_S)
+class _Stepped:
+    """One block with its state."""
+
+    def __init__(self, choice: Choice) -> None:
+        assert issubclass(choice.component, Block)
+        self.block = choice.component
+        self.plain = plain_parameters(choice.parameters)
+        self.state = self.block.start(self.plain, STEP_S)
+
+    def step(self, u: float, time_s: float) -> float:
+        return self.block.step(self.plain, self.state, u, time_s, STEP_S)
 
 
 def valve_flow(valve: Choice, opening: float) -> float:
     """Return the flow fraction of a valve at an opening."""
-    return float(_stepper(valve)(opening))
-
-
-__all__ = ["Activation", "Parameters", "activation", "activations", "valve_flow"]
+    return _Stepped(valve).step(opening, 0.0)

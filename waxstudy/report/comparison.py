@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+from scipy.special import stdtrit
 
 from waxstudy.plugin import FloatArray
 from waxstudy.results.run import Ladder, Run
@@ -34,7 +34,7 @@ def estimate(values: FloatArray) -> Estimate:
     if n < 2:
         return Estimate(mean, np.nan, np.nan, np.nan)
     sd = float(np.std(values, ddof=1))
-    half = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, n - 1)) * sd / np.sqrt(n)
+    half = float(stdtrit(n - 1, 0.5 + CONFIDENCE / 2.0)) * sd / np.sqrt(n)
     return Estimate(mean, sd, float(mean - half), float(mean + half))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from waxstudy.plugin import FloatArray, PublishedRow
 from waxstudy.report.comparison import COLUMNS, CONFIDENCE, Estimate, Row
@@ -32,7 +32,7 @@ class Cell:
         """Half the range in which 95 % of further single runs are expected (t, n - 1, with the mean's own error)."""
         if self.members < 2:
             return np.nan
-        t = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, self.members - 1))
+        t = float(stdtrit(self.members - 1, 0.5 + CONFIDENCE / 2.0))
         return t * self.ours.sd * float(np.sqrt(1.0 + 1.0 / self.members))
 
     @property

@@ -171,7 +171,8 @@ def _guarded(block: type[Block], parameter_dtype: np.dtype[Any]) -> Any:
         path = folder / f"guard_{name}.py" if folder else None
         if path and not path.exists():
             path.write_text(GUARD)
-        namespace = {"step": _jitted(step), "carray": carray, "nan": float("nan")}
+        # numba imports the module of what it finds in its cache, so the guard needs one that exists
+        namespace = {"__name__": __name__, "step": _jitted(step), "carray": carray, "nan": float("nan")}
         exec(compile(GUARD, str(path or "<guard>"), "exec"), namespace)
         return cfunc(signature, cache=path is not None)(namespace["guarded"])
 
