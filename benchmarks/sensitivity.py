@@ -98,6 +98,10 @@ GROUPS: Mapping[str, Mapping[str, Changes]] = {
     "weather": {
         "noise_K 0": weather(noise_K=0.0),
         "clear_sky_colder_K 0": weather(clear_sky_colder_K=0.0),
+        "solar gain 0.17 and 0.93": {
+            "weather.january.solar_gain_kWh_m2_week": 0.17,
+            "weather.february.solar_gain_kWh_m2_week": 0.93,
+        },
         "January: all days alike": {"weather.january.sun_by_day": [1.0] * 7},
         "January: days 2, 6": {"weather.january.sun_by_day": days(2, 6)},
     },
