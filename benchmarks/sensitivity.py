@@ -1,14 +1,14 @@
-"""Run the paper's study with one choice changed at a time: `python -m benchmarks.sensitivity [GROUP ...]`.
+"""Run the paper's study with one choice changed at a time and print Markdown tables, which docs/choices.md quotes.
 
-For each group of choices it prints two Markdown tables: what happens to Table 5, and the figures that the findings
-rest on. docs/choices.md quotes both.
+`python -m benchmarks.sensitivity [GROUP ...]` prints two tables for each group of choices: what happens to Table 5,
+and to the figures that the findings rest on. All groups together take about six minutes.
 """
 
 from __future__ import annotations
 
+import argparse
 import copy
 import shutil
-import sys
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,7 +19,7 @@ import numpy as np
 import tomli_w
 
 from waxstudy.plugin.registry import installed
-from waxstudy.report.comparison import differences_percent, member_values
+from waxstudy.report.comparison import differences_percent
 from waxstudy.report.content import Content, gather
 from waxstudy.results.run import Run
 from waxstudy.simulation.run import run
@@ -28,17 +28,19 @@ from waxstudy.study.read import read_study
 STUDY = Path(__file__).parents[1] / "studies" / "table5.toml"
 MEMBERS = 8
 WEEKS = ("january", "february")
-COLUMNS = ("setpoint_shift_K", "mae_K", "heat_kWh_m2_week")
+COLUMNS, DIFFERENCE = ("setpoint_shift_K", "mae_K", "heat_kWh_m2_week"), "heat_vs_most_detailed_percent"
 
 # what is changed: a key of the study file, or of a case by its id, with dots between tables
 Changes = Mapping[str, Any]
 
 
 def days(*sunny: int) -> list[float]:
+    """Equal sun on the named days of the week, none on the others."""
     return [float(day in sunny) for day in range(1, 8)]
 
 
 def weather(**values: Any) -> Changes:
+    """The same parameters in both weeks."""
     return {f"weather.{week}.{key}": value for week in WEEKS for key, value in values.items()}
 
 
@@ -124,75 +126,66 @@ GROUPS: Mapping[str, Mapping[str, Changes]] = {
 }
 
 
-# --- the figures that the findings rest on --------------------------------------------------------------
+# --- the figures that the findings rest on: January and February, or one of them -------------------------
+
+Figure = Callable[[Run], Sequence[float]]
 
 
-def difference(case: str, reference: str, week: str) -> Callable[[Run], float]:
-    return lambda run: float(np.mean(differences_percent(run.kpis, case, reference, week)))
+def difference(case: str, reference: str) -> Figure:
+    return lambda run: [float(np.mean(differences_percent(run.kpis, case, reference, week))) for week in WEEKS]
 
 
-def step(column: str, simpler: str, case: str, week: str) -> Callable[[Run], float]:
-    def of(run: Run) -> float:
-        return float(
-            np.mean(member_values(run.kpis, case, week, column) - member_values(run.kpis, simpler, week, column))
-        )
+def step(column: str, simpler: str, case: str, weeks: Sequence[str] = WEEKS) -> Figure:
+    def of(run: Run) -> Sequence[float]:
+        mean = run.kpis.groupby(["case", "week"])[column].mean().to_dict()
+        return [mean[case, week] - mean[simpler, week] for week in weeks]
 
     return of
 
 
-def warm_share(run: Run) -> float:
-    february = run.kpis[run.kpis["week"] == "february"]
-    return 100.0 * float(february["over_setpoint_1K_share"].mean())
+def warm_share(run: Run) -> Sequence[float]:
+    shares = run.kpis.groupby("week")["over_setpoint_1K_share"].mean()
+    return [100.0 * float(shares["february"])]
 
 
-def lowest_peak_C(run: Run) -> float:
-    february = run.kpis[run.kpis["week"] == "february"]
-    return float(february.groupby("case")["operative_max_C"].mean().min())
-
-
-def near_a_quarter(run: Run) -> float:
+def near_a_quarter(run: Run) -> Sequence[float]:
     """Share of January in which the flow of P_CP lies within ten points of a quarter [%]."""
     fraction = run.durations("P_CP", "january")["flow_L_h"] / run.kpis["full_flow_L_h"].iloc[0]
-    return 100.0 * float(fraction.between(0.15, 0.35).mean())
+    return [100.0 * float(fraction.between(0.15, 0.35).mean())]
 
 
-def period_h(run: Run) -> float:
+def period_h(run: Run) -> Sequence[float]:
     """Mean time between rises of the flow of P_CP over its mean in January, first member."""
-    traces = run.traces("P_CP", "january")
-    above = (traces["flow_L_h"] > traces["flow_L_h"].mean()).to_numpy()
-    return 168.0 / max(1, int(np.sum(above[1:] & ~above[:-1])))
+    flow = run.traces("P_CP", "january")["flow_L_h"].to_numpy()
+    above = flow > flow.mean()
+    return [168.0 / max(1, int(np.sum(above[1:] & ~above[:-1])))]
 
 
-def return_step(simpler: str, case: str) -> Callable[[Run], float]:
+def return_step(simpler: str, case: str) -> Figure:
     def mean_C(run: Run, name: str) -> float:
         return float(run.durations(name, "january")["return_C"].mean())
 
-    return lambda run: mean_C(run, case) - mean_C(run, simpler)
+    return lambda run: [mean_C(run, case) - mean_C(run, simpler)]
 
 
-def in_both_weeks(what: Callable[..., Callable[[Run], float]], *names: str) -> Iterator[Callable[[Run], float]]:
-    return (what(*names, week) for week in WEEKS)
-
-
-JUDGED: Mapping[str, Sequence[Callable[[Run], float]]] = {
-    "F1 difference of O_VC, %": [*in_both_weeks(difference, "O_VC", "O_WM")],
-    "F1 difference of P_MC, %": [*in_both_weeks(difference, "P_MC", "P_WM")],
-    "F2 difference of O_0, %": [*in_both_weeks(difference, "O_0", "O_WM")],
-    "F3 difference of P_0, %": [*in_both_weeks(difference, "P_0", "P_WM")],
-    "F4 difference of P_CP, %": [*in_both_weeks(difference, "P_CP", "P_WM")],
-    "F5 O_CP to O_D, MAE, K": [*in_both_weeks(step, "mae_K", "O_CP", "O_D")],
-    "F5 P_D to P_VC, MAE, K": [*in_both_weeks(step, "mae_K", "P_D", "P_VC")],
-    "F5 P_D to P_VC, shift, K": [*in_both_weeks(step, "setpoint_shift_K", "P_D", "P_VC")],
-    "F6 O_WM to P_WM, MAE, K": [*in_both_weeks(step, "mae_K", "O_WM", "P_WM")],
-    "F10 time over 22 C, %": [warm_share],
-    "F10 lowest of the cases' peaks, C": [lowest_peak_C],
-    "F11 O_VC to O_WM, MAE, K": [step("mae_K", "O_VC", "O_WM", "february")],
-    "F11 P_MC to P_WM, MAE, K": [step("mae_K", "P_MC", "P_WM", "february")],
-    "F12 O_WM over P_WM, %": [*in_both_weeks(difference, "O_WM", "P_WM")],
-    "F15 P_CP near a quarter, %": [near_a_quarter],
-    "F15 period of P_CP, h": [period_h],
-    "F16 O_VC to O_WM, return, K": [return_step("O_VC", "O_WM")],
-    "F16 P_MC to P_WM, return, K": [return_step("P_MC", "P_WM")],
+JUDGED: Mapping[str, Figure] = {
+    "F1 difference of O_VC, %": difference("O_VC", "O_WM"),
+    "F1 difference of P_MC, %": difference("P_MC", "P_WM"),
+    "F2 difference of O_0, %": difference("O_0", "O_WM"),
+    "F3 difference of P_0, %": difference("P_0", "P_WM"),
+    "F4 difference of P_CP, %": difference("P_CP", "P_WM"),
+    "F5 O_CP to O_D, MAE, K": step("mae_K", "O_CP", "O_D"),
+    "F5 P_D to P_VC, MAE, K": step("mae_K", "P_D", "P_VC"),
+    "F5 P_D to P_VC, shift, K": step("setpoint_shift_K", "P_D", "P_VC"),
+    "F6 O_WM to P_WM, MAE, K": step("mae_K", "O_WM", "P_WM"),
+    "F10 February over 22 C, %": warm_share,
+    "F11 O_VC to O_WM, MAE, K": step("mae_K", "O_VC", "O_WM", ["february"]),
+    "F11 P_MC to P_WM, MAE, K": step("mae_K", "P_MC", "P_WM", ["february"]),
+    "F12 O_WM over P_WM, %": difference("O_WM", "P_WM"),
+    "F15 P_CP near a quarter, %": near_a_quarter,
+    "F15 period of P_CP, h": period_h,
+    "F16 O_VC to O_WM, return, K": return_step("O_VC", "O_WM"),
+    "F16 P_MC to P_WM, return, K": return_step("P_MC", "P_WM"),
 }
 
 
@@ -204,15 +197,17 @@ class Outcome:
 
     def __init__(self, content: Content) -> None:
         assert content.against
-        rows = {week: [row for row in content.rows if row.week == week] for week in WEEKS}
         self.means = {
-            (column, week): float(np.mean([getattr(row, column).mean for row in rows[week]]))
+            (column, week): float(np.mean([getattr(row, column).mean for row in content.rows if row.week == week]))
             for column in COLUMNS
             for week in WEEKS
         }
         self.rmse = {(score.column, score.week): score.rmse for score in content.against.scores}
-        self.judged = {name: [figure(content.run) for figure in figures] for name, figures in JUDGED.items()}
-        self.verdicts = {finding.id: finding.verdict for finding in content.against.findings}
+        self.judged = {name: figure(content.run) for name, figure in JUDGED.items()}
+        self.findings = content.against.findings
+
+    def with_verdict(self, verdict: str) -> str:
+        return " ".join(finding.id for finding in self.findings if finding.verdict == verdict)
 
 
 def changed(values: Mapping[str, Any], changes: Changes) -> dict[str, Any]:
@@ -268,12 +263,10 @@ def effects(found: Mapping[str, Outcome]) -> None:
     chosen, rows = found["as chosen"], []
     for name, one in found.items():
         moves = [pair([one.means[c, week] - chosen.means[c, week] for week in WEEKS]) for c in COLUMNS]
-        rmse = [pair([one.rmse[c, week] for week in WEEKS], ".3f") for c in (*COLUMNS, "heat_vs_most_detailed_percent")]
-        against = [" ".join(id for id, v in one.verdicts.items() if v == verdict) for verdict in ("not held", "held")]
-        rows.append([name, *moves, *rmse, *against])
+        rmse = [pair([one.rmse[c, week] for week in WEEKS], ".3f") for c in (*COLUMNS, DIFFERENCE)]
+        rows.append([name, *moves, *rmse, one.with_verdict("not held"), one.with_verdict("held")])
     units = ["shift, K", "MAE, K", "heat, kWh/m²"]
-    rmse_of = [f"RMSE of {unit}" for unit in (*units, "difference, %")]
-    table(["choice", *units, *rmse_of, "not held", "held"], rows)
+    table(["choice", *units, *(f"RMSE of {unit}" for unit in (*units, "difference, %")), "not held", "held"], rows)
 
 
 def judged(found: Mapping[str, Outcome]) -> None:
@@ -287,8 +280,13 @@ def judged(found: Mapping[str, Outcome]) -> None:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.sensitivity", description=__doc__)
+    parser.add_argument("groups", nargs="*", metavar="GROUP", help=f"of {', '.join(GROUPS)}; all if none is given")
+    groups = parser.parse_args().groups or list(GROUPS)
+    if unknown := [group for group in groups if group not in GROUPS]:
+        parser.error(f"no such group: {', '.join(unknown)}")
     with tempfile.TemporaryDirectory() as place:
-        for group, found in outcomes(Path(place), sys.argv[1:] or list(GROUPS)):
+        for group, found in outcomes(Path(place), groups):
             print(f"## {group}\n", flush=True)
             effects(found)
             judged(found)

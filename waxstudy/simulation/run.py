@@ -24,7 +24,7 @@ from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.compiled import digest, source_digest
 from waxstudy.simulation.engine import Chain, Loop, SimulationError, Start, Week
 from waxstudy.simulation.modes import DrivenRoom, drive
-from waxstudy.study.model import Case, Study
+from waxstudy.study.model import Case, Study, is_multiple
 
 WEEK_H = 168.0
 
@@ -72,7 +72,7 @@ def prepare(study: Study, jit: bool = True) -> Plan:
         weather_class = choice.component
         assert issubclass(weather_class, Weather)
         record = _named(f"weather.{name}", partial(weather_class.load, choice.parameters, room.facades))
-        if record.interval_s % study.step_s:
+        if not is_multiple(record.interval_s, of=study.step_s):
             raise InputError(f"weather.{name}", f"step_s must divide the weather's interval of {record.interval_s:g} s")
         plan.driven[name] = drive(room, record, study.step_s)
     return plan
@@ -110,7 +110,7 @@ def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | No
             progress.done(job, False)
     _compute(plan, missing, folder, progress)
     ladders = [Ladder(ladder.name, ladder.reference, list(ladder.cases)) for ladder in study.ladders.values()]
-    finish(folder, study.described(), ladders, list(plan.driven), jobs, provenance(study))
+    finish(folder, study.described(), ladders, list(plan.driven), jobs, provenance(study, jobs))
     return plan
 
 
@@ -194,8 +194,8 @@ def _member_week(loop: Loop, week: Week, setpoint_C: float, study: Study) -> Mem
     )
 
 
-def provenance(study: Study) -> dict[str, Any]:
-    """Versions, seed and machine that the run's figures come from."""
+def provenance(study: Study, jobs: Iterable[CaseFolder]) -> dict[str, Any]:
+    """Versions, inputs (one digest over all cases), seed and machine that the run's figures come from."""
     registry = installed()
     used = [study.room, *study.weeks.values(), *(c for case in study.cases.values() for c in case.blocks.values())]
     plugins = {entry.package: entry.version for entry in (registry.package_of(c.component) for c in used)}
@@ -204,5 +204,6 @@ def provenance(study: Study) -> dict[str, Any]:
         "packages": {name: version(name) for name in ("waxstudy", "numpy", "scipy", "numba", "llvmlite", "pandas")},
         "python": sys.version.split()[0],
         "machine": f"{platform.system()} {platform.machine()}",
+        "inputs": digest(job.key for job in jobs),
         "seed": study.ensemble.seed,
     }
