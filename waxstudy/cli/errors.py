@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from io import TextIOWrapper
 from typing import Any
 
 import click
@@ -13,15 +14,21 @@ DONE, CHECK_FAILED, USAGE, INVALID, PLUGIN, BACKEND, FAILED, INTERRUPTED = 0, 1,
 
 
 class CommandError(Exception):
-    """A message for the user and the exit code that goes with it."""
+    """A message for the user and the exit code that goes with it.
 
-    def __init__(self, message: str, code: int) -> None:
-        super().__init__(message)
+    Problems of a file start with its place, as compilers print it, and have no label.
+    """
+
+    def __init__(self, message: str, code: int, label: str = "error: ") -> None:
+        super().__init__(f"{label}{message}")
         self.code = code
 
 
 def exit_code(command: Callable[[], Any]) -> int:
     """Run a command; print what went wrong on stderr and return the exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # not every console has a plus-minus
     try:
         return int(command() or DONE)
     except click.ClickException as error:
@@ -31,9 +38,12 @@ def exit_code(command: Callable[[], Any]) -> int:
         click.echo("interrupted; what was finished is kept, the same command goes on from there", err=True)
         return INTERRUPTED
     except CommandError as error:
-        click.echo(f"error: {error}" if "\n" not in str(error) else str(error), err=True)
+        click.echo(error, err=True)
         return error.code
-    except BrokenPipeError:
-        # the reader has gone; keep Python from complaining when it flushes at exit
+    except OSError as error:  # of what a command writes to files it says so itself; what is left is its output
+        # keep Python from complaining once more when it flushes at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
+        if isinstance(error, BrokenPipeError):  # the reader has seen enough
+            return DONE
+        click.echo(f"error: the output cannot be written: {error.strerror or error}", err=True)
+        return FAILED
