@@ -19,8 +19,8 @@ from waxstudy.study.model import Choice
 
 DAY_S = 86400.0
 WARM_UP_DAYS = 7  # with the first day's weather
-# Repeated weather pulls all members of a case into the same cycle (seven days make them equal to the bit), so they
-# share the first six days and are displaced one day before the week.
+# Repeated weather pulls the members of a case into a few common cycles, or one. So they share the first six days,
+# which also costs less, and are displaced one day before the week.
 SHARED_DAYS = 6
 SLAB_ABOVE_K = 2.0  # a heated floor at the start of the warm-up
 
@@ -112,9 +112,10 @@ class Loop:
             block = self.chain.blocks[error.place]
             assert block
             port = block.output
+            unit = "" if port.unit == "1" else f" {port.unit}"
             raise SimulationError(
-                f"{block.kind} '{block.name}' gave NaN or a {port.quantity} outside {port.low:g} to {port.high:g} "
-                f"{port.unit} at {clock(error.time_s)}"
+                f"{block.kind} '{block.name}' gave NaN or a {port.quantity} outside {port.low:g} to {port.high:g}{unit} "
+                f"at {clock(error.time_s)}"
             ) from None
 
     def start(self, setpoint_C: float) -> State:
