@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -52,15 +54,32 @@ def small_study(tmp_path: Path) -> Path:
     return path
 
 
+def call(folder: Path, *arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
+    """Run the installed command in a folder; `env` adds to the environment."""
+    command = [str(WAXSTUDY), *map(str, arguments)]
+    environment = {**os.environ, "COLUMNS": "120", **options.pop("env", {})}  # type: ignore[dict-item]
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300, **options
+    )  # type: ignore[call-overload,no-any-return]
+
+
 @pytest.fixture
 def waxstudy(tmp_path: Path) -> Waxstudy:
     """Run the installed command in a folder of its own."""
+    return partial(call, tmp_path)
 
-    def run(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
-        command = [str(WAXSTUDY), *map(str, arguments)]
-        environment = {**os.environ, "COLUMNS": "120", **options.pop("env", {})}  # type: ignore[dict-item]
-        return subprocess.run(
-            command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300, **options
-        )  # type: ignore[call-overload,no-any-return]
 
-    return run
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Run folder of the small study, made once; not to be changed."""
+    folder = tmp_path_factory.mktemp("finished")
+    (folder / "small.toml").write_text(SMALL)
+    done = call(folder, "run", "small.toml", "--out", "run")
+    assert done.returncode == 0, done.stderr
+    return folder / "run"
+
+
+@pytest.fixture
+def small_run(finished: Path, tmp_path: Path) -> Path:
+    """A copy of the small study's run folder, beside the study of `small_study`."""
+    return shutil.copytree(finished, tmp_path / "run")

@@ -15,9 +15,8 @@ from pydantic import model_validator
 
 from waxstudy.plugin import Actuator, Parameters, parameter
 
-# Table 2: coefficients of t = a exp(-t_in / tau) + b (dead, rise) and a (1 - exp(-t_in / tau)) + b (hold).
-# Its common b of dead and rise time is 219(13) +- 13 s and 142(22) +- 21 s, a random intercept per product: product
-# B takes plus and A takes minus, as the text's 4 min of dead time and the full activation times of A and B say.
+# Table 2: t = a exp(-t_in / tau) + b (dead, rise) and a (1 - exp(-t_in / tau)) + b (hold). Its b of 219(13) +- 13 s
+# and 142(22) +- 21 s: B takes plus, A minus, as the text's 4 min of dead time and both full activation times say.
 _COMMON = {"dead_a_s": -192.0, "dead_tau_s": 780.0, "rise_a_s": -30.0, "rise_tau_s": 1140.0}
 PRODUCTS: Mapping[str, Mapping[str, float]] = {
     "A": _COMMON
@@ -271,7 +270,7 @@ class VariableTimes(Actuator):
 
     @classmethod
     def start(cls, p: Any, dt: float) -> VariableTimesState:
-        return VariableTimesState(undercooling_s=0.0) if p.form == "literal" else VariableTimesState()
+        return VariableTimesState(undercooling_s=0.0) if p.form == LITERAL else VariableTimesState()
 
     @staticmethod
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:

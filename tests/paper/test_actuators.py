@@ -11,6 +11,7 @@ from waxstudy.simulation.records import plain_parameters
 from waxstudy_paper.actuators import PRODUCTS, ConstantTimes, VariableTimes, steady_times
 
 STEP_S = 5.0
+FORMS = ("continuous", "literal")
 # on and off periods in steps: from one step to half an hour
 periods = st.lists(st.integers(1, 360), min_size=1, max_size=12)
 actuators = st.sampled_from([(VariableTimes, "A"), (VariableTimes, "B"), (ConstantTimes, "A"), (ConstantTimes, "B")])
@@ -82,8 +83,16 @@ def test_on_full_cycles_both_forms_agree(product, cycles):
     assert np.max(np.abs(continuous - literal)) <= 1.0 / shortest_ramp_s(VariableTimes, product) + 0.006
 
 
+def test_the_first_literal_cycle_starts_without_undercooling_and_the_continuous_one_cold():
+    """Table 2 sets t_uc to 0 until the first switch off; the continuous form starts after a long pause."""
+    p = PRODUCTS["B"]
+    first = {form: np.argmax(openings(VariableTimes, np.ones(500), dt=1.0, form=form) > 0) for form in FORMS}
+    assert first["literal"] == pytest.approx(p["dead_a_s"] + p["dead_b_s"], abs=2)
+    assert first["continuous"] == pytest.approx(p["dead_b_s"], abs=2)
+
+
 def test_the_literal_form_jumps_where_the_continuous_one_pauses():
-    signal = signal_of([60, 60, 40, 20])  # the third pulse ends within the rise
+    signal = signal_of([60, 60, 20, 20])  # the third pulse ends within the rise
     literal = np.abs(np.diff(openings(VariableTimes, signal, product="B", form="literal")))
     continuous = np.abs(np.diff(openings(VariableTimes, signal, product="B")))
     assert literal.max() > 0.3

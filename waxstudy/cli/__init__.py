@@ -42,4 +42,4 @@ def main(arguments: list[str] | None = None) -> Any:
     """Entry point; exit codes are those of `waxstudy.cli.errors`."""
     from waxstudy.cli.errors import exit_code
 
-    raise SystemExit(exit_code(lambda: group.main(arguments, standalone_mode=False)))
+    raise SystemExit(exit_code(lambda: group.main(arguments, "waxstudy", standalone_mode=False)))

@@ -26,9 +26,7 @@ class CommandError(Exception):
 
 def exit_code(command: Callable[[], Any]) -> int:
     """Run a command; print what went wrong on stderr and return the exit code."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="replace")  # not every console has a plus-minus
+    _make_streams_safe()
     try:
         return int(command() or DONE)
     except click.ClickException as error:
@@ -40,10 +38,24 @@ def exit_code(command: Callable[[], Any]) -> int:
     except CommandError as error:
         click.echo(error, err=True)
         return error.code
-    except OSError as error:  # of what a command writes to files it says so itself; what is left is its output
+
+
+def print_out(text: str) -> None:
+    """Write to stdout; a reader that has seen enough and closed it is no failure."""
+    try:
+        click.echo(text, nl=False)
+    except OSError as error:
         # keep Python from complaining once more when it flushes at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if isinstance(error, BrokenPipeError):  # the reader has seen enough
-            return DONE
-        click.echo(f"error: the output cannot be written: {error.strerror or error}", err=True)
-        return FAILED
+        if not isinstance(error, BrokenPipeError):
+            raise CommandError(f"the output cannot be written: {error.strerror or error}", FAILED) from error
+
+
+def _make_streams_safe() -> None:
+    """Whoever starts the program may have closed a stream, and not every console has a plus-minus."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - open to the end
+        elif isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError, print_out
 
 FORMATS = ("table", "csv", "md", "html", "json")
 
 
 @click.command("report")
 @click.argument("run_folder", metavar="RUN", type=click.Path(exists=True, file_okay=False, path_type=Path))
-@click.option("--format", "form", type=click.Choice(FORMATS), default="table", show_default=True)
+@click.option("--format", "form", type=click.Choice(FORMATS), default="table", show_default=True, help="What to print.")
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
 @click.option("--against", help="Published figures to put beside the run's, e.g. `paper`.")
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write to a file instead of printing.")
@@ -23,7 +23,7 @@ def command(run_folder: Path, form: str, as_json: bool, against: str | None, out
     """Print the comparison of a run again."""
     text = render(run_folder, "json" if as_json else form, against)
     if out is None:
-        click.echo(text, nl=False)
+        print_out(text)
         return
     from waxstudy.results.atomic import whole_file
 
@@ -37,7 +37,7 @@ def command(run_folder: Path, form: str, as_json: bool, against: str | None, out
 def render(folder: Path, form: str, against: str | None) -> str:
     """Return a run's report in one of the formats; turn what is wrong with the run into exit code 3 or 4."""
     from waxstudy.cli.run import load_study
-    from waxstudy.plugin.registry import PluginError
+    from waxstudy.plugin.registry import PluginError, installed
     from waxstudy.report.content import gather
     from waxstudy.results.run import Run, RunError
 
@@ -49,7 +49,8 @@ def render(folder: Path, form: str, against: str | None) -> str:
 
             return as_html(content)
     except PluginError as error:
-        raise CommandError(str(error), PLUGIN) from error
+        # an unknown name is a plugin's fault only if one is broken that may hold it
+        raise CommandError(str(error), PLUGIN if installed().broken else INVALID) from error
     except (RunError, ValueError) as error:
         raise CommandError(str(error), INVALID) from error
     from waxstudy.report import render as formats

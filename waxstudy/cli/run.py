@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError, print_out
 
 if TYPE_CHECKING:
     from waxstudy.simulation.run import Progress
@@ -31,15 +32,14 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
     """
     study = load_study(study_file)
     folder = out or Path("results") / study.name
-    with _failures(study_file), _progress(quiet) as progress:
+    with _failures(study_file, folder), _progress(quiet) as progress:
         from waxstudy.simulation.run import run
 
         run(study, folder, jit=not no_jit, progress=progress)
     from waxstudy.cli.report import render
 
-    click.echo(render(folder, "json" if as_json else "table", study.against), nl=False)
-    if not as_json:
-        click.echo(folder)
+    text = render(folder, "json" if as_json else "table", study.against)
+    print_out(text if as_json else f"{text}{folder}\n")
 
 
 def load_study(path: Path) -> Study:
@@ -50,12 +50,13 @@ def load_study(path: Path) -> Study:
     try:
         return read_study(path, installed())
     except StudyError as error:
-        raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID) from error
+        raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
 
 
 @contextmanager
-def _failures(study_file: Path) -> Iterator[None]:
+def _failures(study_file: Path, folder: Path) -> Iterator[None]:
     from waxstudy.plugin.registry import PluginError
+    from waxstudy.results.run import RunError
     from waxstudy.simulation.engine import SimulationError
     from waxstudy.simulation.run import InputError
     from waxstudy.study.read import problem_at
@@ -63,13 +64,15 @@ def _failures(study_file: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise CommandError(str(problem_at(study_file, tuple(error.table.split(".")), str(error))), INVALID) from error
+        problem = problem_at(study_file, tuple(error.table.split(".")), str(error))
+        raise CommandError(str(problem), INVALID, label="") from error
     except PluginError as error:
         raise CommandError(str(error), PLUGIN) from error
-    except SimulationError as error:
+    except (SimulationError, RunError) as error:
         raise CommandError(str(error), FAILED) from error
     except OSError as error:
-        raise CommandError(f"{error.filename or study_file}: {error.strerror or error}", FAILED) from error
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise CommandError(f"{folder}: the results cannot be written: {reason}", FAILED) from error
 
 
 @contextmanager

@@ -59,7 +59,8 @@ class Block(Component):
 
     `step(p, x, u, t, dt)` is a plain function: parameters `p` and state `x` by field name, input `u` held over
     the step, time `t` at the start of the step [s], step `dt` [s]; it changes `x` in place and returns the output
-    at the end of the step. Text parameters with fixed choices (`Literal`) arrive as the index of the choice.
+    at the end of the step. Text parameters with fixed choices (`Literal`) arrive as the index of the choice (-1
+    for none), an optional number that is not given as NaN.
     It must compile with numba and run unchanged in the interpreter.
     """
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import traceback
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
@@ -29,6 +30,17 @@ class PluginError(Exception):
     """A plugin cannot be used; the message says which, why, and what to do."""
 
 
+def described(error: BaseException) -> str:
+    """Return what a stranger's code raised in one line: type, message, and where.
+
+    >>> described(KeyError("flow"))
+    "KeyError: 'flow'"
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
+    return f"{type(error).__name__}: {error}{place}"
+
+
 @dataclass(frozen=True)
 class Registered:
     """A component and the package it came with."""
@@ -47,6 +59,7 @@ class Registry:
 
     components: dict[tuple[str, str], Registered] = field(default_factory=dict)
     broken: dict[str, str] = field(default_factory=dict)
+    contested: dict[tuple[str, str], str] = field(default_factory=dict)  # names that two packages claim
 
     def add(self, component: type[Component], package: str, version: str) -> None:
         """Register one component; raise `PluginError` for a duplicate, a foreign kind or another API."""
@@ -57,13 +70,16 @@ class Registry:
             raise PluginError(f"{entry}: made for plugin API {component.api_version}, this is {API_VERSION}")
         other = self.components.setdefault((component.kind, component.name), entry)
         if other is not entry:
-            raise PluginError(f"{entry} is registered already by {other.package} {other.version}")
+            clash = f"{entry} is registered already by {other.package} {other.version}"
+            raise PluginError(self.contested.setdefault((component.kind, component.name), clash))
 
     def names(self, kind: str) -> list[str]:
         return sorted(name for k, name in self.components if k == kind)
 
     def get(self, kind: str, name: str) -> type[Component]:
-        """Return the component; raise `PluginError` naming the nearest one and what is installed."""
+        """Return the component; raise `PluginError` naming the nearest one and what is installed, or who contest it."""
+        if (kind, name) in self.contested:
+            raise PluginError(f"{self.contested[kind, name]}; uninstall one of them")
         if (kind, name) in self.components:
             return self.components[kind, name].component
         installed = self.names(kind)
@@ -81,24 +97,27 @@ def installed() -> Registry:
     """Load every installed plugin once and return the registry."""
     registry = Registry()
     seen: set[str] = set()
-    for distribution in distributions():
-        for entry_point in distribution.entry_points:
-            if entry_point.group == GROUP and entry_point.value not in seen:
-                seen.add(entry_point.value)
-                _load(registry, entry_point, distribution)
+    found = [(e, d) for d in distributions() for e in d.entry_points if e.group == GROUP]
+    # our own first: a stranger that takes one of our names is the one to be refused
+    for entry_point, distribution in sorted(found, key=lambda pair: pair[1].name != GROUP):
+        if entry_point.value not in seen:
+            seen.add(entry_point.value)
+            _load(registry, entry_point, distribution)
     return registry
 
 
 def _load(registry: Registry, entry_point: EntryPoint, distribution: Distribution) -> None:
     try:
         plugin: ModuleType = entry_point.load()
-    except Exception as error:  # a stranger's import may raise anything
-        registry.broken[entry_point.name] = f"{type(error).__name__}: {error}"
+    except (Exception, SystemExit) as error:  # a stranger's import may raise anything
+        registry.broken[entry_point.name] = described(error)
         return
     try:
         _register(registry, plugin, distribution.metadata["Name"], distribution.version)
     except (PluginError, pluggy.PluginValidationError) as error:
         registry.broken[entry_point.name] = str(error)
+    except (Exception, SystemExit) as error:  # and so may its hook
+        registry.broken[entry_point.name] = described(error)
 
 
 def _register(registry: Registry, plugin: ModuleType, package: str, version: str) -> None:
@@ -111,7 +130,7 @@ def _register(registry: Registry, plugin: ModuleType, package: str, version: str
     manager.hook.waxstudy_register(register=found.append)
     if not found:
         raise PluginError(f"{plugin.__name__}: registers nothing (is `waxstudy_register` marked @hookimpl?)")
-    trial = Registry(dict(registry.components))
+    trial = Registry(dict(registry.components), contested=registry.contested)
     for component in found:
         trial.add(component, package, version)
     registry.components = trial.components

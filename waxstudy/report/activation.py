@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator, Sequence
+import logging
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +21,7 @@ CONDITIONING_S = 3600.0  # heated for long before the pause, as the first half o
 LONGEST_S = 3600.0  # a valve that has not opened by then counts as never
 OFF_TIMES_MIN = (0.5, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 37.5, 45, 60, 90, 120)
 MOST_OF_FLOW = 0.9
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -35,17 +38,24 @@ def activations(study: Study) -> list[Activation]:
     """Return the curve of every installed actuator's example, behind the valve of the first ladder's reference."""
     reference = next(iter(study.ladders.values())).reference
     valve = study.cases[reference].blocks.get("valve")
-    return [activation(label, choice, valve) for label, choice in _examples()]
+    found = []
+    for label, block, values in _examples():
+        try:
+            choice = Choice(block, block.Parameters.model_validate(dict(values)))
+            found.append(activation(label, choice, valve))
+        except Exception:  # a stranger's actuator that fails here is none of this study's
+            log.info("no activation curve of %s", label, exc_info=True)
+    return found
 
 
-def _examples() -> Iterator[tuple[str, Choice]]:
-    registry = installed()
-    for name in registry.names("actuator"):
-        block = registry.get("actuator", name)
-        assert issubclass(block, Block)
+def _examples() -> Iterator[tuple[str, type[Block], Mapping[str, Any]]]:
+    for (kind, name), registered in sorted(installed().components.items()):
+        block = registered.component
+        if kind != "actuator" or not issubclass(block, Block):
+            continue
         for label, values in block.examples.items():
             title = name if label == "default" else f"{name}, {label}"
-            yield title, Choice(block, block.Parameters.model_validate(dict(values)))
+            yield title, block, values
 
 
 def activation(

@@ -69,9 +69,9 @@ def member_values(kpis: pd.DataFrame, case: str, week: str, column: str) -> Floa
 
 
 def differences_percent(kpis: pd.DataFrame, case: str, reference: str, week: str) -> FloatArray:
-    """Return each member's heat relative to the same member's of the reference case [%]."""
+    """Return each member's heat relative to the same member's of the reference case [%]; NaN where that is none."""
     heat, other = (member_values(kpis, name, week, "heat_kWh_m2_week") for name in (case, reference))
-    return 100.0 * (heat - other) / other
+    return 100.0 * (heat - other) / np.where(other > 0.0, other, np.nan)
 
 
 def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
@@ -94,5 +94,5 @@ def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
         heat_vs_most_detailed_percent=difference,
         cycles_per_week=of("cycles_per_week"),
         hours_below_per_week=of("hours_below_per_week"),
-        resolved=None if is_reference else difference.excludes_zero,
+        resolved=None if is_reference or np.isnan(difference.mean) else difference.excludes_zero,
     )

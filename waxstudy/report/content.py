@@ -13,6 +13,7 @@ from waxstudy.report.activation import Activation, activations
 from waxstudy.report.comparison import Row, comparison, member_values
 from waxstudy.report.score import Cell, ColumnScore, cells, scores
 from waxstudy.results.run import Run
+from waxstudy.simulation.shift import LIMIT_K
 from waxstudy.study.model import Study
 
 
@@ -31,12 +32,13 @@ class Starts:
 
 @dataclass(frozen=True)
 class Against:
-    """What published figures say beside ours."""
+    """What published figures say beside ours; `lacking` says why there are no findings."""
 
     name: str
     cells: Sequence[Cell]
     scores: Sequence[ColumnScore]
     findings: Sequence[Finding]
+    lacking: str = ""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ class Content:
 def gather(run: Run, study: Study, against: str | None = None) -> Content:
     """Return the content of a run's report, optionally against a registered reference.
 
-    Raises `PluginError` for an unknown reference and `ValueError` where the run lacks what it needs.
+    Raises `PluginError` for an unknown reference.
     """
     rows = comparison(run)
     members = int(run.kpis["member"].nunique())
@@ -68,7 +70,7 @@ def gather(run: Run, study: Study, against: str | None = None) -> Content:
         activations=activations(study),
         starts=starts(run),
         against=_against(run, rows, members, against) if against else None,
-        notes=_notes(run, study, rows, members),
+        notes=_notes(study, rows, members),
     )
 
 
@@ -76,7 +78,10 @@ def _against(run: Run, rows: Sequence[Row], members: int, name: str) -> Against:
     reference = installed().get("reference", name)
     assert issubclass(reference, Reference)
     paired = cells(rows, reference.rows(), members)
-    return Against(name, paired, scores(paired), reference.findings(run))
+    try:
+        return Against(name, paired, scores(paired), reference.findings(run))
+    except ValueError as error:
+        return Against(name, paired, scores(paired), (), lacking=str(error))
 
 
 def starts(run: Run) -> list[Starts]:
@@ -92,18 +97,23 @@ def starts(run: Run) -> list[Starts]:
     return found
 
 
-def _notes(run: Run, study: Study, rows: Sequence[Row], members: int) -> list[str]:
+def _notes(study: Study, rows: Sequence[Row], members: int) -> list[str]:
     """What the reader must know: unsolved shifts, unresolved differences, a single member."""
     target = study.comfort.hours_below_per_week
-    notes = [
-        f"{row.case}, {row.week}: the hours below {study.comfort.operative_limit_C:g} C jump; "
-        f"the nearest shift gives {row.hours_below_per_week.mean:.1f} h instead of {target:g} h"
-        for row in rows
-        if abs(row.hours_below_per_week.mean - target) > 0.5
-    ]
+    notes = [_residual(row, target) for row in rows if abs(row.hours_below_per_week.mean - target) > 0.5]
     if members == 1:
         return [*notes, "one member per case: no spread, so no difference can be called resolved"]
     weak = [f"{row.case} ({row.week})" for row in rows if row.resolved is False]
     if weak:
         notes.append(f"differences that {members} members do not resolve: {', '.join(weak)}")
     return notes
+
+
+def _residual(row: Row, target_h: float) -> str:
+    """Why a case is not at equal comfort: out of reach, or a curve that jumps."""
+    shift_K, hours = row.setpoint_shift_K.mean, row.hours_below_per_week.mean
+    out_of_reach = abs(shift_K) >= LIMIT_K
+    why = (
+        f"are out of reach within {LIMIT_K:g} K of shift" if out_of_reach else "are jumped over as the setpoint shifts"
+    )
+    return f"{row.case}, {row.week}: {target_h:g} h below the limit {why}; it has {hours:.1f} h"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from waxstudy.report.content import Content
-from waxstudy.report.render import Table, tables
+from waxstudy.report.render import Table, all_notes, tables
 
 FIGURE_TEXT = re.compile(r"([-+]?\d|never|$)")
 
@@ -38,6 +38,7 @@ def as_html(content: Content) -> str:
         activation=activation,
         figures=[_drawn(content, plot) for plot in PAPER_FIGURES],
         provenance=provenance(content),
+        notes=all_notes(content),
     )
 
 
@@ -67,6 +68,8 @@ def _resolved(content: Content) -> str:
 
 def _findings(content: Content) -> str:
     assert content.against
+    if content.against.lacking:
+        return f"Findings are not judged: {content.against.lacking}."
     verdicts = [finding.verdict for finding in content.against.findings]
     counts = ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in ("held", "not held", "not resolved"))
     return f"Of the {_count(len(verdicts), 'finding')} of “{content.against.name}”: {counts}."
@@ -99,7 +102,9 @@ def _grouped(content: Content) -> tuple[list[PageTable], list[PageTable], list[P
     shown = [_page_table(content, table) for table in tables(content)]
     weeks = len(content.run.weeks)
     after = weeks + (2 if content.against else 0)
-    return shown[:weeks], shown[weeks:after], [table for table in shown[after:] if table.rows]
+    groups = shown[:weeks], shown[weeks:after], shown[after:]
+    comparison, against, activation = ([table for table in group if table.rows] for group in groups)
+    return comparison, against, activation
 
 
 def _page_table(content: Content, table: Table) -> PageTable:

@@ -21,6 +21,9 @@ HEADINGS = {
 }
 
 
+NARROWEST = 116  # columns that the comparison needs
+
+
 def resolved_word(row: Row) -> str:
     """Empty for the reference itself."""
     return {None: "", True: "yes", False: "no"}[row.resolved]
@@ -44,7 +47,11 @@ def as_csv(content: Content) -> str:
 
 
 def _mean_and_sd(value: Estimate) -> tuple[str, str]:
-    return f"{value.mean:.5f}", "" if math.isnan(value.sd) else f"{value.sd:.5f}"
+    return _decimals(value.mean), _decimals(value.sd)
+
+
+def _decimals(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.5f}"
 
 
 def _published_columns(content: Content, row: Row) -> list[str]:
@@ -76,7 +83,7 @@ def as_json(content: Content) -> str:
             }
             for a in content.activations
         ],
-        "notes": list(content.notes),
+        "notes": all_notes(content),
     }
     if against:
         data["against"] = {
@@ -89,6 +96,12 @@ def as_json(content: Content) -> str:
             "findings": [asdict(finding) for finding in against.findings],
         }
     return json.dumps(_finite(data), indent=1) + "\n"
+
+
+def all_notes(content: Content) -> list[str]:
+    """The notes of a report, with the reason where findings are missing."""
+    lacking = content.against.lacking if content.against else ""
+    return [*content.notes, *([lacking] if lacking else [])]
 
 
 def _finite(value: Any) -> Any:
@@ -114,6 +127,10 @@ def tables(content: Content) -> list[Table]:
     return [*found, *_activation_tables(content)]
 
 
+def _filled(content: Content) -> list[Table]:
+    return [table for table in tables(content) if table[2]]
+
+
 def _comparison_table(content: Content, week: str) -> Table:
     columns = [f"{name} {unit}" for name, unit, _ in HEADINGS.values()]
     if content.against:
@@ -136,6 +153,8 @@ def _comparison_row(content: Content, row: Row) -> list[str]:
 
 
 def _figure(value: Estimate, digits: int) -> str:
+    if math.isnan(value.mean):
+        return ""
     text = f"{value.mean:z.{digits}f}"  # z: no minus before a zero
     return text if math.isnan(value.sd) else f"{text} ± {value.sd:.{digits}f}"
 
@@ -193,11 +212,11 @@ def _seconds(value: float) -> str:
 def as_markdown(content: Content) -> str:
     """Pipe tables, then the notes."""
     parts = [f"# {content.run.study}\n"]
-    for title, headings, rows in tables(content):
+    for title, headings, rows in _filled(content):
         lines = [_pipes(headings), _pipes(["---"] * len(headings)), *map(_pipes, rows)]
         parts.append(f"## {title[0].upper()}{title[1:]}\n\n" + "\n".join(lines) + "\n")
-    if content.notes:
-        parts.append("## Notes\n\n" + "\n".join(f"- {note}" for note in content.notes) + "\n")
+    if notes := all_notes(content):
+        parts.append("## Notes\n\n" + "\n".join(f"- {note}" for note in notes) + "\n")
     return "\n".join(parts)
 
 
@@ -206,14 +225,14 @@ def _pipes(texts: Sequence[str]) -> str:
 
 
 def as_terminal(content: Content, width: int, colour: bool) -> str:
-    """Tables and notes for a terminal of a given width."""
+    """Tables and notes for a terminal of a given width; one too narrow for the figures wraps lines, but hides none."""
     from rich import box
     from rich.console import Console
     from rich.table import Table as RichTable
 
     out = io.StringIO()
-    console = Console(file=out, width=width, force_terminal=colour, highlight=False)
-    for title, headings, rows in tables(content):
+    console = Console(file=out, width=max(width, NARROWEST), force_terminal=colour, highlight=False)
+    for title, headings, rows in _filled(content):
         grid = RichTable(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False, title_style="bold")
         for i, heading in enumerate(headings):
             is_text = i == 0 or heading in ("finding", "verdict", "our figure", "week", "resolved")
@@ -227,6 +246,6 @@ def as_terminal(content: Content, width: int, colour: bool) -> str:
         for row in rows:
             grid.add_row(*row)
         console.print(grid)
-    for note in content.notes:
-        console.print(f"note: {note}", soft_wrap=False)
+    for note in all_notes(content):
+        console.print(f"note: {note}")
     return out.getvalue()

@@ -6,11 +6,14 @@
     cases/CASE_WEEK_KEY/ kpis.csv, durations.parquet, traces.parquet of one case in one week
 
 A folder without run.json is a run that has not finished; its cases are used again when it goes on.
+A case that is missing, or cut off by a power failure, is computed again.
 """
 
 from __future__ import annotations
 
 import json
+import os
+import re
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -25,6 +28,9 @@ from waxstudy.results.atomic import PARTIAL, whole_file, whole_folder
 
 FORMAT = 1
 MANIFEST = "run.json"
+CASES = "cases"
+PARQUET_END = b"PAR1"
+AGAIN = "`waxstudy run` the study again"
 
 
 class RunError(Exception):
@@ -60,14 +66,48 @@ class Ladder:
     cases: Sequence[str]
 
 
-def is_finished(folder: Path, case: CaseFolder) -> bool:
+def make_run_folder(folder: Path) -> None:
+    """Make a folder for a run; raise `RunError` for one that holds something else, `OSError` if it cannot be made."""
+    if folder.is_dir() and any(folder.iterdir()) and not any((folder / name).exists() for name in (MANIFEST, CASES)):
+        raise RunError(f"{folder}: this folder is in use and holds no run; choose another with --out")
+    (folder / CASES).mkdir(parents=True, exist_ok=True)
+
+
+def is_finished(folder: Path, case: CaseFolder, members: int) -> bool:
     """Say whether a case has been computed; its folder appears only when all its files are written."""
-    return (folder / "cases" / case.name).is_dir()
+    return _cut_off(folder / CASES / case.name, members) is None
+
+
+def _cut_off(place: Path, members: int) -> Path | None:
+    """Return the first file of a case that is missing or not whole: what a power failure or a full copy leaves."""
+    for name, is_whole in FILES.items():
+        try:
+            if is_whole(place / name, members):
+                continue
+        except (OSError, ValueError):
+            pass
+        return place / name
+    return None
+
+
+def _is_whole_csv(path: Path, members: int) -> bool:
+    text = path.read_text(encoding="utf-8")
+    return text.endswith("\n") and text.count("\n") == 1 + members
+
+
+def _is_whole_parquet(path: Path, members: int) -> bool:
+    """Parquet files end with their magic number."""
+    with path.open("rb") as file:
+        file.seek(-len(PARQUET_END), os.SEEK_END)
+        return file.read() == PARQUET_END
+
+
+FILES = {"kpis.csv": _is_whole_csv, "durations.parquet": _is_whole_parquet, "traces.parquet": _is_whole_parquet}
 
 
 def write_case(folder: Path, case: CaseFolder, result: CaseResult) -> None:
     """Write one case; raise `OSError` if the disk refuses."""
-    with whole_folder(folder / "cases" / case.name) as place:
+    with whole_folder(folder / CASES / case.name) as place:
         result.kpis.to_csv(place / "kpis.csv", index=False)
         result.durations.to_parquet(place / "durations.parquet", index=False)
         result.traces.astype("float32").to_parquet(place / "traces.parquet", index=False, compression="zstd")
@@ -82,27 +122,34 @@ def finish(
     provenance: Mapping[str, Any],
 ) -> None:
     """Put the finished cases together and publish them by writing the manifest last."""
-    frames = [pd.read_csv(folder / "cases" / case.name / "kpis.csv") for case in cases]
-    with whole_file(folder / "study.toml") as path:
-        path.write_bytes(tomli_w.dumps(dict(study)).encode())
-    with whole_file(folder / "kpis.csv") as path:
-        pd.concat(frames, ignore_index=True).to_csv(path, index=False)
+    frames = [pd.read_csv(folder / CASES / case.name / "kpis.csv") for case in cases]
     manifest = {
         "format": FORMAT,
         "study": study["study"]["name"],
+        "members": study["ensemble"]["members"],
         "ladders": [asdict(ladder) for ladder in ladders],
         "weeks": list(weeks),
         "cases": [asdict(case) for case in cases],
         "provenance": dict(provenance),
     }
-    with whole_file(folder / MANIFEST) as path:
-        path.write_text(json.dumps(manifest, indent=1) + "\n")
-    _remove_others(folder / "cases", {case.name for case in cases})
+    # all are written before the first takes its place, and the manifest, outermost, takes its place last
+    with (
+        whole_file(folder / MANIFEST) as manifest_path,
+        whole_file(folder / "study.toml") as study_path,
+        whole_file(folder / "kpis.csv") as kpis_path,
+    ):
+        manifest_path.write_text(json.dumps(manifest, indent=1) + "\n")
+        study_path.write_bytes(tomli_w.dumps(dict(study)).encode())
+        pd.concat(frames, ignore_index=True).to_csv(kpis_path, index=False)
+        (folder / MANIFEST).unlink(missing_ok=True)  # no moment at which it names other figures
+    _remove_others(folder, {case.name for case in cases})
 
 
-def _remove_others(cases: Path, keep: set[str]) -> None:
-    """Remove cases of earlier studies and what killed runs left unfinished."""
-    for place in [*cases.iterdir(), *cases.parent.glob(f"{PARTIAL}*")]:
+def _remove_others(folder: Path, keep: set[str]) -> None:
+    """Remove cases of earlier studies and what killed runs left unfinished; nothing that a run did not make."""
+    cases = [place for place in (folder / CASES).iterdir() if re.fullmatch(r".+_[0-9a-f]{16}", place.name)]
+    partial = [*folder.glob(f"{PARTIAL}*"), *folder.glob(f"{CASES}/{PARTIAL}*")]
+    for place in [*cases, *partial]:
         if place.name not in keep:
             shutil.rmtree(place) if place.is_dir() else place.unlink()
 
@@ -115,25 +162,25 @@ class Run:
         manifest = _manifest(folder)
         try:
             self.study: str = manifest["study"]
+            self.members: int = manifest["members"]
             self.weeks: list[str] = manifest["weeks"]
             self.ladders = [Ladder(**ladder) for ladder in manifest["ladders"]]
             self.cases = [CaseFolder(**case) for case in manifest["cases"]]
             self.provenance: dict[str, Any] = manifest["provenance"]
         except (KeyError, TypeError) as error:
-            raise RunError(f"{folder / MANIFEST}: damaged: {error} is missing or wrong; run the study again") from None
-        missing = [case.name for case in self.cases if not is_finished(folder, case)]
-        if missing:
-            raise RunError(
-                f"{folder}: {len(missing)} case folders are missing ({missing[0]}, ...); run the study again"
-            )
+            raise RunError(f"{folder / MANIFEST}: damaged: {error} is missing or wrong; {AGAIN}") from None
+        for case in self.cases:
+            if path := _cut_off(folder / CASES / case.name, self.members):
+                raise RunError(f"{path}: missing or cut off; {AGAIN}")
 
     @cached_property
     def kpis(self) -> pd.DataFrame:
         """One row per ladder case, week and member (columns of `results.kpis.key_figures` and the shift)."""
         frame: pd.DataFrame = self._read(self.folder / "kpis.csv")
-        expected = sum(1 for _ in self.cases)
-        if frame.groupby(["case", "week"]).ngroups != expected:
-            raise RunError(f"{self.folder / 'kpis.csv'}: cut off; run the study again")
+        expected = [(case.case, case.week) for case in self.cases for _ in range(self.members)]
+        found = [frame[name] for name in ("case", "week") if name in frame]
+        if list(zip(*found, strict=True)) != expected:
+            raise RunError(f"{self.folder / 'kpis.csv'}: cut off or changed; {AGAIN}")
         return frame
 
     def durations(self, case: str, week: str) -> pd.DataFrame:
@@ -149,7 +196,7 @@ class Run:
         return self.folder / "study.toml"
 
     def _case(self, case: str, week: str) -> Path:
-        return next(self.folder / "cases" / c.name for c in self.cases if (c.case, c.week) == (case, week))
+        return next(self.folder / CASES / c.name for c in self.cases if (c.case, c.week) == (case, week))
 
     def _read(self, path: Path) -> pd.DataFrame:
         try:
@@ -157,7 +204,7 @@ class Run:
                 return pd.read_csv(path)
             return pd.read_parquet(path)
         except (OSError, ValueError) as error:
-            raise RunError(f"{path}: cannot be read ({type(error).__name__}); run the study again") from error
+            raise RunError(f"{path}: cut off or damaged; {AGAIN}") from error
 
 
 def _manifest(folder: Path) -> dict[str, Any]:
@@ -165,13 +212,18 @@ def _manifest(folder: Path) -> dict[str, Any]:
     if not folder.is_dir():
         raise RunError(f"{folder}: no such run folder")
     if not path.is_file():
-        n = len(list(folder.glob("cases/[!.]*")))
-        raise RunError(f"{folder}: not a finished run ({n} cases computed); `waxstudy run` the study to finish it")
+        if not (folder / CASES).is_dir():
+            raise RunError(f"{folder}: holds no run (no {MANIFEST})")
+        n = sum(1 for _ in folder.glob(f"{CASES}/[!.]*"))
+        raise RunError(
+            f"{folder}: this run has not finished ({n} cases computed so far); "
+            f"`waxstudy run STUDY.toml --out {folder}` goes on from there"
+        )
     try:
-        manifest = json.loads(path.read_text())
-    except ValueError:
-        raise RunError(f"{path}: cut off or damaged; run the study again") from None
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        raise RunError(f"{path}: cut off or damaged; {AGAIN}") from None
     if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
         found = manifest.get("format") if isinstance(manifest, dict) else None
-        raise RunError(f"{path}: run folder format {found!r}, this version reads {FORMAT}; run the study again")
+        raise RunError(f"{path}: run folder of format {found}, this version reads {FORMAT}; {AGAIN}")
     return manifest

@@ -23,15 +23,15 @@ import numpy as np
 from numba import carray, cfunc, from_dtype, njit, types
 from numba.extending import intrinsic, overload
 
-from waxstudy.plugin import Block, delayed
-from waxstudy.plugin.registry import PluginError
+from waxstudy.plugin import Block, Component, delayed
+from waxstudy.plugin.registry import PluginError, nearest
 from waxstudy.simulation import kernel
 from waxstudy.simulation.records import RING, parameter_record, state_dtype
 
 GUARD = """\
 def guarded(p, x, u, t, dt):
     try:
-        return step(carray(p, 1)[0], carray(x, 1)[0], u, t, dt)
+        return step(carray(p, 1)[0], carray(x, 1)[0], u, t, dt) + 0.0
     except Exception:
         return nan
 """
@@ -105,6 +105,26 @@ def source_digest(module_name: str) -> str:
     return digest(files)
 
 
+def _helpers(function: FunctionType) -> dict[str, FunctionType]:
+    """The plain functions that a function calls by name."""
+    found = {name: function.__globals__.get(name) for name in function.__code__.co_names}
+    known = (delayed, function)
+    return {name: f for name, f in found.items() if isinstance(f, FunctionType) and f not in known}
+
+
+def _modules(function: FunctionType) -> set[str]:
+    """The modules of a function and of all helpers below it."""
+    return {function.__module__}.union(*(_modules(helper) for helper in _helpers(function).values()))
+
+
+def component_digest(component: type[Component]) -> str:
+    """Digest of the sources of a component: its bases' packages, and those of every function its step calls."""
+    modules = {base.__module__ for base in component.__mro__ if base is not object}
+    step = getattr(component, "step", None)
+    modules |= _modules(step) if isinstance(step, FunctionType) else set()
+    return digest(sorted({source_digest(module) for module in modules}))
+
+
 def cache_folder() -> Path:
     """Folder of the compiled code: `WAXSTUDY_CACHE`, or the user's cache folder; one subfolder per digest."""
     base = os.environ.get("WAXSTUDY_CACHE") or os.path.join(
@@ -115,22 +135,20 @@ def cache_folder() -> Path:
 
 
 def _cached(build: Callable[[Path | None], T]) -> T:
-    """Build with the disk cache; where it is corrupt, once more with an empty one; else without."""
+    """Build with the disk cache, or without it where it cannot be used; a damaged one is removed for the next time."""
     folder = cache_folder()
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(folder)
     try:
-        for attempt in range(2):
-            try:
-                folder.mkdir(parents=True, exist_ok=True)
-                return build(folder)
-            except (numba.core.errors.NumbaError, PluginError):
-                raise
-            except Exception as error:  # a damaged cache may raise anything while it is read
-                log.info("compiled code cannot be cached in %s: %s", folder, error)
-                if attempt == 0:
-                    shutil.rmtree(folder, ignore_errors=True)
-        return build(None)
+        folder.mkdir(parents=True, exist_ok=True)
+        return build(folder)
+    except numba.core.errors.NumbaError:
+        raise
+    except Exception as error:  # a damaged cache may raise anything while it is read
+        built = build(None)  # what is wrong with the code itself is raised here again
+        log.info("compiled code cannot be cached in %s: %s", folder, error)
+        shutil.rmtree(folder, ignore_errors=True)
+        return built
     finally:
         numba.config.CACHE_DIR = before
 
@@ -141,11 +159,7 @@ def _cached(build: Callable[[Path | None], T]) -> T:
 @cache
 def _jitted(function: FunctionType) -> Any:
     """Compile a plain function together with the plain helpers that it calls by name."""
-    namespace = dict(function.__globals__)
-    for name in function.__code__.co_names:
-        helper = namespace.get(name)
-        if isinstance(helper, FunctionType) and helper is not delayed:
-            namespace[name] = _jitted(helper)
+    namespace = function.__globals__ | {name: _jitted(helper) for name, helper in _helpers(function).items()}
     copy = FunctionType(function.__code__, namespace, function.__name__, function.__defaults__, function.__closure__)
     return njit(copy, error_model="python")
 
@@ -155,7 +169,7 @@ def _guarded(block: type[Block], parameter_dtype: np.dtype[Any]) -> Any:
     """Compile a block's guarded C function for one layout of its parameter record."""
     step = block.step
     assert isinstance(step, FunctionType)
-    layout = state_dtype(block.State)
+    layout = _layout(block)
     signature = types.float64(
         types.CPointer(from_dtype(parameter_dtype)),
         types.CPointer(from_dtype(layout)),
@@ -178,9 +192,24 @@ def _guarded(block: type[Block], parameter_dtype: np.dtype[Any]) -> Any:
 
     try:
         return _cached(build)
-    except numba.core.errors.NumbaError as error:
-        reason = str(error).strip().splitlines()
-        raise PluginError(f"{block.kind} '{block.name}' cannot be compiled: {' '.join(reason[:6])}") from error
+    except Exception as error:
+        raise PluginError(f"{block.kind} '{block.name}' cannot be compiled: {_reason(error, layout)}") from error
+
+
+def _layout(block: type[Block]) -> np.dtype[Any]:
+    try:
+        return state_dtype(block.State)
+    except TypeError as error:
+        raise PluginError(f"{block.kind} '{block.name}': {error}") from error
+
+
+def _reason(error: Exception, layout: np.dtype[Any]) -> str:
+    """What numba says, in one line; a misspelled state field comes from it as a bare KeyError."""
+    if isinstance(error, KeyError):
+        field = str(error.args[0])
+        near = nearest(field, layout.names or ())
+        return f"its state or parameters have no field '{field}'" + (f"; did you mean '{near}'?" if near else "")
+    return " ".join(str(error).split())[:500]
 
 
 def address(block: type[Block], plain: Any) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -19,9 +18,6 @@ from waxstudy.study.model import Choice
 
 DAY_S = 86400.0
 WARM_UP_DAYS = 7  # with the first day's weather
-# Repeated weather pulls the members of a case into a few common cycles, or one. So they share the first six days,
-# which also costs less, and are displaced one day before the week.
-SHARED_DAYS = 6
 SLAB_ABOVE_K = 2.0  # a heated floor at the start of the warm-up
 
 
@@ -35,10 +31,13 @@ class Stopped(Exception):
 
 @dataclass(frozen=True)
 class Start:
-    """What one ensemble member adds to the settled temperatures: to the floor, and to all else [K]."""
+    """Where one ensemble member starts its warm-up: what it adds to air and walls, and to the floor [K]."""
 
     air_K: float
     slab_K: float
+
+
+START = Start(0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -98,30 +97,31 @@ class Loop:
     def weeks(
         self, setpoint_C: float, starts: Iterable[Start], *, trace: bool = False, stop: np.ndarray | None = None
     ) -> Iterator[Week]:
-        """Settle once, then simulate the week from every start; raise `SimulationError` or `Stopped`."""
+        """Warm up and simulate the week from every start; raise `SimulationError` or `Stopped`."""
         stop = np.zeros(1, dtype=np.int64) if stop is None else stop
         starts = list(starts)
         try:
-            settled = self._settle(setpoint_C, stop)
             for start in starts:
-                yield self._week(setpoint_C, settled, start, trace, stop)
+                yield self._week(setpoint_C, start, trace, stop)
         except _OutOfRange as error:
             if self.jit:  # the interpreter tells what compiled code cannot: the exception and its line
                 interpreted = Loop(self.chain, self.driven, self.limit_C, jit=False)
                 deque(interpreted.weeks(setpoint_C, starts, stop=stop), maxlen=0)
+            if error.place == kernel.ROOM:
+                raise SimulationError(f"the room's temperatures are lost by {clock(error.time_s)}") from None
             block = self.chain.blocks[error.place]
             assert block
             port = block.output
             unit = "" if port.unit == "1" else f" {port.unit}"
             raise SimulationError(
-                f"{block.kind} '{block.name}' gave NaN or a {port.quantity} outside {port.low:g} to {port.high:g}{unit} "
-                f"at {clock(error.time_s)}"
+                f"{block.kind} '{block.name}' gave NaN or a {port.quantity} outside {port.low:g} to "
+                f"{port.high:g}{unit} at {clock(error.time_s)}"
             ) from None
 
-    def start(self, setpoint_C: float) -> State:
-        """Return the state of a room at its setpoint, the floor somewhat warmer, and of a chain at rest."""
-        driven = self.driven
-        nodes = setpoint_C + SLAB_ABOVE_K * (1.0 - driven.room.air_nodes)
+    def start(self, setpoint_C: float, start: Start = START) -> State:
+        """Return the state of a room near its setpoint, the floor somewhat warmer, and of a chain at rest."""
+        driven, air = self.driven, self.driven.room.air_nodes
+        nodes = setpoint_C + air * start.air_K + (1.0 - air) * (SLAB_ABOVE_K + start.slab_K)
         modes = driven.to_modes @ nodes
         blocks: Any = self.chain.start()
         if self.jit:
@@ -167,26 +167,14 @@ class Loop:
             raise _OutOfRange(code, start_s + float(counters[1]) * driven.step_s)
         return int(counters[0]), record
 
-    def _settle(self, setpoint_C: float, stop: np.ndarray) -> State:
-        """Run the days of the warm-up that all members share."""
-        state = self.start(setpoint_C)
-        self.advance(state, self._first_day(SHARED_DAYS), -WARM_UP_DAYS * DAY_S, setpoint_C, stop=stop)
-        return state
-
-    def _week(self, setpoint_C: float, settled: State, start: Start, trace: bool, stop: np.ndarray) -> Week:
-        """Displace the settled state, let it run the last day of the warm-up, then the week."""
-        driven, state = self.driven, copy.deepcopy(settled)
-        air, own_days = driven.room.air_nodes, WARM_UP_DAYS - SHARED_DAYS
-        displaced = driven.to_modes @ (air * start.air_K + (1.0 - air) * start.slab_K)
-        state.modes += displaced
-        state.readings += (driven.outputs @ displaced)[:3]
-        self.advance(state, self._first_day(own_days), -own_days * DAY_S, setpoint_C, stop=stop)
+    def _week(self, setpoint_C: float, start: Start, trace: bool, stop: np.ndarray) -> Week:
+        """Warm up from one start with the first day's weather, then simulate the week."""
+        driven, state = self.driven, self.start(setpoint_C, start)
+        first_day = np.arange(round(DAY_S / driven.weather.interval_s))
+        self.advance(state, np.tile(first_day, WARM_UP_DAYS), -WARM_UP_DAYS * DAY_S, setpoint_C, stop=stop)
         week = np.arange(len(driven.supply_C))
         cold, record = self.advance(state, week, 0.0, setpoint_C, trace=trace, stop=stop)
         return Week(hours_below=cold * driven.step_s / 3600.0, trace=record)
-
-    def _first_day(self, times: int) -> np.ndarray:
-        return np.tile(np.arange(round(DAY_S / self.driven.weather.interval_s)), times)
 
     def _compiled(self, state: State, room: tuple[Any, ...], rest: tuple[Any, ...], *out: np.ndarray) -> int:
         parameters = np.array([record.ctypes.data for record in self._records], dtype=np.int64)
@@ -218,7 +206,7 @@ def _named(block: type[Block]) -> Callable[..., float]:
 
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
         try:
-            return float(block.step(p, x, u, t, dt))
+            return float(block.step(p, x, u, t, dt)) + 0.0  # as the compiled guard: no negative zero
         except Exception as error:
             frame = traceback.extract_tb(error.__traceback__)[-1]
             raise SimulationError(

@@ -1,4 +1,7 @@
-"""Initial states of an ensemble: drawn once per member and shared by all cases, so that cases compare in pairs."""
+"""Initial states of an ensemble: drawn once per member and shared by all cases, so that cases compare in pairs.
+
+They are drawn before the warm-up, wide enough to reach every cycle that repeated weather pulls the loop into.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,8 @@ import numpy as np
 from waxstudy.simulation.engine import Start
 from waxstudy.study.model import Ensemble
 
-AIR_SPREAD_K = 0.5
-SLAB_SPREAD_K = 1.0
+AIR_SPREAD_K = 1.0
+SLAB_SPREAD_K = 2.0
 
 
 def starts(ensemble: Ensemble) -> list[Start]:

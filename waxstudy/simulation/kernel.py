@@ -31,6 +31,8 @@ TRACE = (
 )
 STOPPED = -2
 DONE = -1
+ROOM = CHAIN_LENGTH  # code of a failure that is not a block's
+COLDEST_C, HOTTEST_C = -200.0, 500.0  # no room leaves this range; NaN does
 
 
 def call_block(step: Any, p: Any, x: Any, u: float, t: float, dt: float) -> float:
@@ -82,7 +84,7 @@ def simulate(  # noqa: C901 - one loop, compiled as a whole
     counters: Any,  # (2,) cold steps; failing step
     stop: Any,  # (1,) set from outside to end the loop at the next interval
 ) -> int:
-    """Run the loop over all intervals; return DONE, STOPPED, or the index of the block that failed."""
+    """Run the loop over all intervals; return DONE, STOPPED, ROOM, or the index of the block that failed."""
     n_modes = len(decay)
     last = len(conductance) - 1
     recording = len(trace) > 0
@@ -151,6 +153,9 @@ def simulate(  # noqa: C901 - one loop, compiled as a whole
                 row[8] = u
                 row[9] = heat
             n += 1
+        if not (COLDEST_C < operative < HOTTEST_C and COLDEST_C < layer < HOTTEST_C):
+            counters[1] = n
+            return ROOM
     readings[0] = sensed
     readings[1] = layer
     readings[2] = operative

@@ -23,7 +23,10 @@ def _choices(annotation: Any) -> tuple[Any, ...]:
 
 
 def plain_parameters(parameters: Parameters) -> Any:
-    """Return the numbers of a parameter model as a namedtuple: choices as index (-1 for none), texts left out."""
+    """Return the numbers of a parameter model as a namedtuple.
+
+    Choices become their index (-1 for none), a number that is not given becomes NaN, texts are left out.
+    """
     values: dict[str, float | int | bool] = {}
     for name, field in type(parameters).model_fields.items():
         value = getattr(parameters, name)
@@ -32,6 +35,8 @@ def plain_parameters(parameters: Parameters) -> Any:
             values[name] = choices.index(value) if value in choices else -1
         elif isinstance(value, bool | int | float):
             values[name] = value
+        elif value is None and float in get_args(field.annotation):
+            values[name] = float("nan")
     return namedtuple("p", values)(**values) if values else ()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from functools import partial
@@ -16,17 +16,19 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from waxstudy.plugin import FloatArray, Room, Weather
-from waxstudy.plugin.registry import installed
+from waxstudy.plugin import FloatArray, Room, Weather, WeatherRecord
+from waxstudy.plugin.registry import PluginError, described, installed
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
-from waxstudy.results.run import CaseFolder, CaseResult, Ladder, finish, is_finished, write_case
+from waxstudy.results.run import CaseFolder, CaseResult, Ladder, finish, is_finished, make_run_folder, write_case
 from waxstudy.simulation import ensemble, kernel, shift
-from waxstudy.simulation.compiled import digest, source_digest
-from waxstudy.simulation.engine import Chain, Loop, SimulationError, Start, Week
+from waxstudy.simulation.compiled import component_digest, digest, source_digest
+from waxstudy.simulation.engine import DAY_S, Chain, Loop, SimulationError, Start, Stopped, Week
 from waxstudy.simulation.modes import DrivenRoom, drive
 from waxstudy.study.model import Case, Study, is_multiple
 
 WEEK_H = 168.0
+CLOSE_K = 0.02  # how near the few members' shift is to that of all
+MOST_WORKERS = 4  # each holds a member's full trace; more would not fit into half a gigabyte
 
 
 @dataclass
@@ -57,13 +59,15 @@ class Plan:
         blocks = {kind: choice.described() for kind, choice in case.blocks.items()}
         said = (study.step_s, study.comfort, study.ensemble, study.output, blocks, study.room.described())
         used = [*case.blocks.values(), study.room]
-        sources = sorted({source_digest(choice.component.__module__) for choice in used})
-        numbers = (driven.forcing, driven.offsets, driven.supply_C, driven.decay, driven.outputs)
-        return digest([repr(said), source_digest(__name__), *sources, *(array.tobytes() for array in numbers)])
+        sources = sorted({component_digest(choice.component) for choice in used})
+        numbers = [value for value in vars(driven).values() if isinstance(value, np.ndarray)]
+        room = (driven.room.floor_area_m2, driven.room.full_flow_L_h, driven.room.water_J_L_K)
+        parts = [repr((said, room)), source_digest(__name__), *sources]
+        return digest([*parts, *(array.tobytes() for array in numbers)])
 
 
 def prepare(study: Study, jit: bool = True) -> Plan:
-    """Build the room and read the weather; raise `ValueError` prefixed by the table at fault."""
+    """Build the room and read the weather; raise `InputError`, or `PluginError` for what a plugin did not foresee."""
     room_class = study.room.component
     assert issubclass(room_class, Room)
     room = _named("room", partial(room_class.build, study.room.parameters))
@@ -72,10 +76,21 @@ def prepare(study: Study, jit: bool = True) -> Plan:
         weather_class = choice.component
         assert issubclass(weather_class, Weather)
         record = _named(f"weather.{name}", partial(weather_class.load, choice.parameters, room.facades))
-        if not is_multiple(record.interval_s, of=study.step_s):
-            raise InputError(f"weather.{name}", f"step_s must divide the weather's interval of {record.interval_s:g} s")
+        for wrong in _weather_problems(record, study.step_s):
+            raise InputError(f"weather.{name}", wrong)
         plan.driven[name] = drive(room, record, study.step_s)
     return plan
+
+
+def _weather_problems(record: WeatherRecord, step_s: float) -> Iterator[str]:
+    series = {"outdoor_C": record.outdoor_C, **record.irradiance_W_m2}
+    yield from (
+        f"{name} has values that are no numbers" for name, values in series.items() if not np.isfinite(values).all()
+    )
+    if not is_multiple(DAY_S, of=record.interval_s) or not is_multiple(record.interval_s, of=step_s):
+        yield f"its interval of {record.interval_s:g} s must divide the day, and step_s must divide it"
+    if record.duration_s < DAY_S:
+        yield "it must last a day at least, for the warm-up"
 
 
 class InputError(ValueError):
@@ -91,20 +106,22 @@ def _named(table: str, load: Callable[[], Any]) -> Any:
         return load()
     except ValueError as error:
         raise InputError(table, str(error)) from error
+    except Exception as error:  # a stranger's room or weather may raise anything
+        raise PluginError(f"[{table}]: {described(error)}") from error
 
 
 def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | None = None) -> Plan:
     """Compute what is missing in the folder and finish it.
 
-    Raises `InputError`, `SimulationError` (naming case and week), `OSError`, or `KeyboardInterrupt`; what was
-    finished before that is kept.
+    Raises `InputError`, `PluginError`, `SimulationError` (naming case and week), `RunError` if the folder is none for
+    runs, `OSError`, or `KeyboardInterrupt`; what was finished before that is kept.
     """
     progress = progress or Progress()
     plan = prepare(study, jit)
     jobs = plan.jobs()
-    (folder / "cases").mkdir(parents=True, exist_ok=True)
+    make_run_folder(folder)
     progress.total(len(jobs))
-    missing = [job for job in jobs if not is_finished(folder, job)]
+    missing = [job for job in jobs if not is_finished(folder, job, study.ensemble.members)]
     for job in jobs:
         if job not in missing:
             progress.done(job, False)
@@ -116,14 +133,13 @@ def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | No
 
 def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Progress) -> None:
     """Compute the jobs in threads; on any error or Ctrl-C stop the others at their next weather interval."""
-    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-        pending: set[Future[None]] = set()
+    with ThreadPoolExecutor(max_workers=min(MOST_WORKERS, os.cpu_count() or 1)) as pool:
         try:
             names: dict[Future[None], CaseFolder] = {}
             for job in jobs:
                 loop = _loop(plan, job)  # compiles here, so that threads only compute
                 names[pool.submit(_job, plan, job, loop, folder)] = job
-            pending = set(names)
+            pending: set[Future[None]] = set(names)
             while pending:
                 ended, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
                 for future in ended:
@@ -131,8 +147,7 @@ def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Pro
                     progress.done(names[future], True)
         except BaseException:
             plan.stop[0] = 1
-            for future in pending:
-                future.cancel()
+            pool.shutdown(wait=False, cancel_futures=True)
             raise
 
 
@@ -145,8 +160,11 @@ def _loop(plan: Plan, job: CaseFolder) -> Loop:
 def _job(plan: Plan, job: CaseFolder, loop: Loop, folder: Path) -> None:
     try:
         result = simulate_case(plan, job, loop)
-    except SimulationError as error:
-        raise SimulationError(f"case {job.case}, {job.week}: {error}") from error
+    except Stopped:
+        raise
+    except Exception as error:
+        reason = str(error) if isinstance(error, SimulationError) else described(error)
+        raise SimulationError(f"case {job.case}, {job.week}: {reason}") from error
     write_case(folder, job, result)
 
 
@@ -155,13 +173,18 @@ def simulate_case(plan: Plan, job: CaseFolder, loop: Loop) -> CaseResult:
     study, comfort = plan.study, plan.study.comfort
     per_week = WEEK_H * 3600.0 / loop.driven.weather.duration_s
 
-    def hours_at(shift_K: float) -> FloatArray:
-        setpoint_C = comfort.setpoint_C + shift_K
-        weeks = loop.weeks(setpoint_C, plan.starts, stop=plan.stop)
+    def hours_at(starts: Sequence[Start], shift_K: float) -> FloatArray:
+        weeks = loop.weeks(comfort.setpoint_C + shift_K, starts, stop=plan.stop)
         return np.array([week.hours_below for week in weeks]) * per_week
 
-    found = shift.solve(hours_at, comfort.hours_below_per_week)
-    single_K = found.single_run_shifts_K(comfort.hours_below_per_week)
+    target_h = comfort.hours_below_per_week
+    # a few members find the neighbourhood at a fraction of the cost
+    few = plan.starts[: -(-len(plan.starts) // 4)]
+    near = shift.solve(partial(hours_at, few), target_h)
+    found = near
+    if len(few) < len(plan.starts):
+        found = shift.solve(partial(hours_at, plan.starts), target_h, near.shift_K, CLOSE_K)
+    single_K = found.single_run_shifts_K(target_h)
     kpis, spans, traces = [], [], []
     setpoint_C = comfort.setpoint_C + found.shift_K
     for member, simulated in enumerate(loop.weeks(setpoint_C, plan.starts, trace=True, stop=plan.stop)):

@@ -31,8 +31,10 @@ class Shift:
         return self.shift_K + (target_h - self.hours) / self.slope_h_K
 
 
-def solve(hours_at: Callable[[float], FloatArray], target_h: float) -> Shift:
-    """Find the shift at which the mean of `hours_at(shift)` (members,) is `target_h`.
+def solve(
+    hours_at: Callable[[float], FloatArray], target_h: float, near_K: float = 0.0, step_K: float = FIRST_STEP_K
+) -> Shift:
+    """Find the shift at which the mean of `hours_at(shift)` (members,) is `target_h`, looking outwards from `near_K`.
 
     Where the target is never reached within `LIMIT_K`, or the curve jumps over it, the nearest point is returned;
     its hours tell the residual.
@@ -45,23 +47,22 @@ def solve(hours_at: Callable[[float], FloatArray], target_h: float) -> Shift:
         off = float(np.mean(seen[shift_K])) - target_h
         return 0.0 if abs(off) <= TOLERANCE_H else off
 
-    low, high = _bracket(residual)
+    low, high = _bracket(residual, near_K, step_K)
     if residual(low) * residual(high) < 0.0:
         brentq(residual, low, high, xtol=TOLERANCE_K)
     # among equals the last: where the curve jumps it is the one nearest to the jump
     best = min(reversed(seen), key=lambda shift_K: abs(float(np.mean(seen[shift_K])) - target_h))
     if len(seen) == 1:
-        residual(best + FIRST_STEP_K)  # a second point, for the slope
+        residual(best + step_K)  # a second point, for the slope
     return Shift(best, seen[best], _slope(best, {shift_K: float(np.mean(h)) for shift_K, h in seen.items()}))
 
 
-def _bracket(residual: Callable[[float], float]) -> tuple[float, float]:
-    """Step away from zero in growing steps until the sign changes or the limit is reached."""
-    here, step = 0.0, FIRST_STEP_K
+def _bracket(residual: Callable[[float], float], here: float, step: float) -> tuple[float, float]:
+    """Step away in growing steps until the sign changes or the limit is reached."""
     off = residual(here)
     direction = 1.0 if off > 0.0 else -1.0
-    while off != 0.0 and abs(here) < LIMIT_K:
-        there = direction * min(LIMIT_K, abs(here) + step)
+    while off != 0.0 and direction * here < LIMIT_K:
+        there = direction * min(LIMIT_K, direction * here + step)
         next_off = residual(there)
         if next_off * off <= 0.0:
             return min(here, there), max(here, there)

@@ -1,0 +1,27 @@
+"""What a run folder holds, for comparing it before and after."""
+
+from __future__ import annotations
+
+from hashlib import sha256
+from pathlib import Path
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Digest of every file below a folder; what a running or killed process was writing is left out."""
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    names = {path: path.relative_to(folder).as_posix() for path in files}
+    return {names[path]: sha256(path.read_bytes()).hexdigest() for path in files if ".partial-" not in names[path]}
+
+
+def finished_cases(folder: Path) -> dict[str, str]:
+    """The same for the finished cases alone."""
+    return {name: digest for name, digest in contents(folder).items() if name.startswith("cases/")}
+
+
+def computed_at(folder: Path) -> dict[str, tuple[int, int]]:
+    """Inode and time of each file of each case, by case id: what tells a case that was computed again."""
+    files = {path: path.stat() for path in folder.glob("cases/*/*")}
+    return {
+        f"{path.parent.name.rpartition('_')[0]}/{path.name}": (stat.st_ino, stat.st_mtime_ns)
+        for path, stat in files.items()
+    }

@@ -1,0 +1,193 @@
+"""Runs that are killed, interrupted, or find the disk full: what is finished stays, and the rest follows."""
+
+from __future__ import annotations
+
+import os
+import random
+import resource
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.cli.folders import contents, finished_cases
+from tests.conftest import SMALL, WAXSTUDY, Waxstudy
+
+FAILED, INTERRUPTED = 6, 130
+KILLS = 10
+
+# seven cases at a fine step: some seconds
+DEAD_BANDS_K = (1.8, 1.6, 1.4, 1.2, 1.0, 0.5)
+STEPS = "".join(f'  {{ id = "b{band}", controller = {{ dead_band_K = {band} }} }},\n' for band in DEAD_BANDS_K)
+LONG = f"""\
+[study]
+name = "long"
+step_s = 2
+[room]
+use = "nzeb"
+[weather.january]
+use = "tallinn-week"
+month = "january"
+[ensemble]
+members = 6
+[ladder.on-off]
+reference = "b0.5"
+start = {{ id = "b2.0", controller = {{ use = "on-off" }} }}
+steps = [
+{STEPS}]
+"""
+
+
+def start(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    """Start the command in a folder, open to Ctrl-C even where the tests run in the background."""
+    return subprocess.Popen(
+        [str(WAXSTUDY), *arguments],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+
+
+def kill_after(process: subprocess.Popen[str], seconds: float) -> None:
+    try:
+        process.communicate(timeout=seconds)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.slow
+def test_a_run_killed_at_any_moment_goes_on_to_the_same_figures(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    (tmp_path / "long.toml").write_text(LONG)
+    began = time.perf_counter()
+    assert waxstudy("run", "long.toml", "--out", "whole").returncode == 0
+    whole_s = time.perf_counter() - began
+    whole = contents(tmp_path / "whole")
+    moments, partly = random.Random(7), 0
+    for i in range(KILLS):
+        out = f"killed{i}"
+        kill_after(start(tmp_path, "run", "long.toml", "--out", out), whole_s * (i + moments.random()) / KILLS)
+        before = finished_cases(tmp_path / out)
+        partly += 0 < len(before) < len(finished_cases(tmp_path / "whole"))
+        inodes = {name: (tmp_path / out / name).stat().st_ino for name in before}
+        done = waxstudy("run", "long.toml", "--out", out)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert contents(tmp_path / out) == whole, f"kill {i}"
+        assert {name: (tmp_path / out / name).stat().st_ino for name in before} == inodes
+        assert not list((tmp_path / out).rglob(".partial-*"))
+    assert partly > 0  # else no kill fell between the first case and the last
+
+
+@pytest.mark.slow
+def test_a_run_killed_again_and_again_loses_no_finished_case(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    (tmp_path / "long.toml").write_text(LONG)
+    assert waxstudy("run", "long.toml", "--out", "whole").returncode == 0
+    whole, kept = contents(tmp_path / "whole"), dict[str, str]()
+    for _ in range(4 * len(DEAD_BANDS_K)):
+        process = start(tmp_path, "run", "long.toml", "--out", "killed")
+        while process.poll() is None and len(finished_cases(tmp_path / "killed")) <= len(kept):
+            time.sleep(0.02)
+        process.kill()
+        process.communicate()
+        now = finished_cases(tmp_path / "killed")
+        assert now.items() >= kept.items()
+        kept = now
+        if process.returncode == 0:
+            break
+    assert contents(tmp_path / "killed") == whole
+
+
+def interrupt(folder: Path, *options: str) -> tuple[float, subprocess.Popen[str], str, str]:
+    """Press Ctrl-C once the first case is finished; return the seconds to the end, and what was printed."""
+    process = start(folder, "run", "long.toml", "--out", "run", *options)
+    while process.poll() is None and not finished_cases(folder / "run"):
+        time.sleep(0.02)
+    pressed = time.perf_counter()
+    process.send_signal(signal.SIGINT)
+    stdout, stderr = process.communicate(timeout=60)
+    return time.perf_counter() - pressed, process, stdout, stderr
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_a_run_within_a_second_and_keeps_what_is_finished(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    taken_s = []
+    for i in range(3):  # another program may hold the processor once
+        folder = tmp_path / str(i)
+        folder.mkdir()
+        (folder / "long.toml").write_text(LONG)
+        seconds, process, stdout, stderr = interrupt(folder)
+        assert (process.returncode, stdout) == (INTERRUPTED, "")
+        assert stderr.strip() == "interrupted; what was finished is kept, the same command goes on from there"
+        taken_s.append(seconds)
+        if seconds <= 1.0:
+            break
+    assert min(taken_s) <= 1.0
+    kept = finished_cases(folder / "run")
+    assert kept
+    report = waxstudy("report", folder / "run")
+    assert report.returncode == 3
+    assert f"`waxstudy run STUDY.toml --out {folder / 'run'}` goes on from there" in report.stderr
+    assert waxstudy("run", folder / "long.toml", "--out", folder / "run").returncode == 0
+    assert finished_cases(folder / "run").items() >= kept.items()
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_an_interpreted_run_as_quickly(tmp_path: Path) -> None:
+    text = LONG.replace("step_s = 2", "step_s = 60").replace("members = 6", "members = 1")
+    (tmp_path / "long.toml").write_text(text)
+    seconds, process, stdout, stderr = interrupt(tmp_path, "--no-jit")
+    assert (process.returncode, stdout) == (INTERRUPTED, "")
+    assert "Traceback" not in stderr
+    assert seconds <= 1.0
+    assert finished_cases(tmp_path / "run")
+
+
+@pytest.mark.parametrize("limit", [4 * 1024, 64 * 1024], ids=["tables", "traces"])
+def test_a_disk_that_takes_no_more_fails_the_run_and_leaves_earlier_results(
+    waxstudy: Waxstudy, small_study: Path, small_run: Path, limit: int
+) -> None:
+    before = contents(small_run)
+    small_study.write_text(SMALL.replace("dead_band_K = 0.5", "dead_band_K = 0.7"))
+
+    def full() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    done = waxstudy("run", "small.toml", "--out", "run", preexec_fn=full)
+    assert (done.returncode, done.stdout) == (FAILED, "")
+    assert done.stderr == "error: run: the results cannot be written: File too large\n"
+    assert contents(small_run) == before
+    assert waxstudy("report", "run").returncode == 0
+    assert waxstudy("run", "small.toml", "--out", "run").returncode == 0
+
+
+def test_a_disk_that_is_full_only_at_the_end_leaves_the_earlier_run_whole(
+    waxstudy: Waxstudy, small_study: Path, small_run: Path
+) -> None:
+    """The cases are there; what puts them together no longer fits."""
+    before = contents(small_run)
+
+    def full() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
+
+    small_study.write_text(SMALL.replace('reference = "O_WM"', 'reference = "O_CP"'))  # computes nothing
+    done = waxstudy("run", "small.toml", "--out", "run", preexec_fn=full)
+    assert (done.returncode, done.stdout) == (FAILED, "")
+    assert done.stderr == "error: run: the results cannot be written: File too large\n"
+    assert contents(small_run) == before
+
+
+def test_a_full_output_is_told_and_a_reader_that_has_seen_enough_is_not(small_run: Path) -> None:
+    command = [str(WAXSTUDY), "report", str(small_run), "--json"]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == FAILED
+    assert done.stderr == "error: the output cannot be written: No space left on device\n"
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "")

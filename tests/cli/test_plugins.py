@@ -1,0 +1,164 @@
+"""Plugins that are broken, clash or fail: what they take down, and what they must not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Plugin
+from tests.cli.folders import finished_cases
+from tests.conftest import SMALL, Waxstudy
+
+INVALID, PLUGIN, FAILED = 3, 4, 6
+
+IMPORTS = "from waxstudy.plugin import Actuator, Room, Valve, Weather, hookimpl\n"
+REGISTER = """
+@hookimpl
+def {hook}(register):
+    register({component})
+"""
+VALVE = """
+class Extra(Valve):
+    name = "{name}"
+
+    @staticmethod
+    def step(p, x, u, t, dt):
+        return u
+"""
+
+
+def offering(component: str, source: str, hook: str = "waxstudy_register") -> str:
+    return IMPORTS + source + REGISTER.format(hook=hook, component=component)
+
+
+BROKEN = {
+    "import raises": ('raise RuntimeError("no licence server")', "RuntimeError: no licence server"),
+    "import exits": ('import sys\nsys.exit("no licence server")', "SystemExit: no licence server"),
+    "syntax": ("def broken(:\n    pass", "SyntaxError: "),
+    "misspelled hook": (offering("Extra", VALVE.format(name="extra"), "waxstudy_registre"), "waxstudy_registre"),
+    "hook raises": (offering("Missing", ""), "NameError: name 'Missing' is not defined"),
+    "no component": (offering("int", ""), "AttributeError: type object 'int' has no attribute"),
+    "nothing": ("", "registers nothing"),
+    "other API": (offering("Extra", VALVE.format(name="extra") + '    api_version = "9.0"\n'), "plugin API 9.0"),
+}
+
+
+@pytest.mark.parametrize(("source", "reason"), BROKEN.values(), ids=BROKEN)
+def test_a_broken_plugin_stops_only_a_study_that_may_need_it(
+    waxstudy: Waxstudy, plugin: Plugin, small_study: Path, small_run: Path, source: str, reason: str
+) -> None:
+    env = plugin("stranger", source)
+    done = waxstudy("report", "run", "--format", "csv", env=env)
+    assert (done.returncode, done.stderr) == (0, "")
+    small_study.write_text(SMALL.replace("quick-opening", "extra"))
+    done = waxstudy("run", small_study, env=env)
+    assert (done.returncode, done.stdout) == (PLUGIN, "")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"{small_study}:19: case O_WM: valve.use = \"extra\": no valve 'extra' (installed: linear, ")
+    assert "plugin 'stranger' is broken: " in line
+    assert reason in line
+
+
+def test_a_run_goes_on_beside_a_broken_plugin(waxstudy: Waxstudy, plugin: Plugin, small_study: Path) -> None:
+    done = waxstudy("run", small_study, env=plugin("stranger", BROKEN["import raises"][0]))
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_name_that_two_plugins_claim_stops_only_a_study_that_uses_it(
+    waxstudy: Waxstudy, plugin: Plugin, small_study: Path, small_run: Path
+) -> None:
+    env = plugin("twin", offering("Extra", VALVE.format(name="linear")))
+    done = waxstudy("run", small_study, "--out", "run", env=env)
+    assert (done.returncode, done.stdout) == (PLUGIN, "")
+    assert done.stderr.startswith(f"{small_study}:16: case O_0: valve.use = \"linear\": valve 'linear' of twin 1.0 is ")
+    assert "registered already by waxstudy " in done.stderr
+    small_study.write_text(SMALL.replace(', valve = { use = "linear" }', ""))
+    done = waxstudy("run", small_study, "--out", "run", env=env)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_an_actuator_that_fails_does_not_spoil_the_report_of_a_study_without_it(
+    waxstudy: Waxstudy, plugin: Plugin, small_run: Path
+) -> None:
+    source = VALVE.format(name="seized").replace("Valve", "Actuator").replace("return u", "return 1.0 / 0.0")
+    done = waxstudy("report", "run", env=plugin("stranger", offering("Extra", source)))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "variable-times, product B" in done.stdout
+
+
+# --- components that fail when they are used ---------------------------------------------------------
+
+SEIZED = VALVE.format(name="extra").replace(
+    "        return u", "        if t >= 3600.0:\n            {what}\n        return u"
+)
+
+
+@pytest.mark.parametrize("options", [(), ("--no-jit",)], ids=["compiled", "interpreted"])
+@pytest.mark.parametrize(
+    ("what", "says"),
+    [
+        ('raise ValueError("bearing seized")', "failed at day 1, 01:00:00 with input "),
+        ('return float("nan")', "gave NaN or a level outside 0 to 1 at day 1, 01:00:00"),
+    ],
+    ids=["raises", "nan"],
+)
+def test_a_block_that_fails_is_named_with_its_case_week_and_time(
+    waxstudy: Waxstudy,
+    plugin: Plugin,
+    small_study: Path,
+    small_run: Path,
+    what: str,
+    says: str,
+    options: tuple[str, ...],
+) -> None:
+    before = finished_cases(small_run)
+    env = plugin("stranger", offering("Extra", SEIZED.format(what=what)))
+    small_study.write_text(SMALL.replace("quick-opening", "extra"))
+    done = waxstudy("run", small_study, "--out", "run", *options, env=env)
+    assert (done.returncode, done.stdout) == (FAILED, "")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"error: case O_WM, january: valve 'extra' {says}")
+    assert ("ValueError: bearing seized (" in line) == ("seized" in what)
+    assert finished_cases(small_run).items() >= before.items()
+
+
+UNFORESEEN = {
+    "start": (
+        VALVE.format(name="extra") + '\n    @classmethod\n    def start(cls, p, dt):\n        return p["nothing"]\n',
+        SMALL.replace("quick-opening", "extra"),
+        FAILED,
+        "error: case O_WM, january: TypeError: ",
+    ),
+    "weather": (
+        'class Extra(Weather):\n    name = "extra"\n\n    @classmethod\n    def load(cls, p, facades):\n'
+        '        return {}["south"]\n',
+        SMALL.replace('"tallinn-week"\nmonth = "january"', '"extra"'),
+        PLUGIN,
+        "error: [weather.january]: KeyError: 'south' (",
+    ),
+    "room": (
+        'class Extra(Room):\n    name = "extra"\n\n    @classmethod\n    def build(cls, p):\n        return p.walls\n',
+        SMALL.replace('"nzeb"', '"extra"'),
+        PLUGIN,
+        "error: [room]: AttributeError: 'Parameters' object has no attribute 'walls' (",
+    ),
+    "room's reason": (
+        'class Extra(Room):\n    name = "extra"\n\n    @classmethod\n    def build(cls, p):\n'
+        '        raise ValueError("a wall is missing")\n',
+        SMALL.replace('"nzeb"', '"extra"'),
+        INVALID,
+        "{study}:4: [room]: a wall is missing",
+    ),
+}
+
+
+@pytest.mark.parametrize(("source", "study", "code", "says"), UNFORESEEN.values(), ids=UNFORESEEN)
+def test_what_a_plugin_raises_is_one_line(
+    waxstudy: Waxstudy, plugin: Plugin, small_study: Path, source: str, study: str, code: int, says: str
+) -> None:
+    small_study.write_text(study)
+    done = waxstudy("run", small_study, env=plugin("stranger", offering("Extra", source)))
+    assert (done.returncode, done.stdout) == (code, "")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(says.format(study=small_study))

@@ -1,0 +1,168 @@
+"""`waxstudy report`: every format, and what it says of a run that it cannot read."""
+
+from __future__ import annotations
+
+import csv
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Entry
+from tests.cli.folders import contents
+from tests.cli.test_bad_input import INVALID, assert_clear
+from tests.conftest import WAXSTUDY
+
+FIGURES = ("setpoint_shift_K", "mae_K", "heat_kWh_m2_week", "heat_vs_most_detailed_percent")
+STARTS_WITH = {
+    "table": "january: 2 members",
+    "csv": "case,week,",
+    "md": "# small",
+    "json": "{",
+    "html": "<!DOCTYPE html>",
+}
+
+
+@pytest.mark.parametrize("form", STARTS_WITH)
+def test_every_format_is_printed_or_written_to_a_file(entry: Entry, small_run: Path, form: str) -> None:
+    printed = entry("report", "run", "--format", form)
+    assert (printed.code, printed.stderr) == (0, "")
+    assert printed.stdout.startswith(STARTS_WITH[form])
+    written = entry("report", "run", "--format", form, "--out", "report.txt")
+    assert written == (0, "", "")
+    assert (small_run.parent / "report.txt").read_text(encoding="utf-8") == printed.stdout
+
+
+def test_the_csv_has_the_columns_of_table_5_each_with_its_spread(entry: Entry, small_run: Path) -> None:
+    rows = list(csv.DictReader(entry("report", "run", "--format", "csv").stdout.splitlines()))
+    pairs = [name for figure in FIGURES for name in (figure, f"{figure}_sd")]
+    assert list(rows[0]) == ["case", "week", *pairs, "cycles_per_week", "resolved"]
+    assert [(row["case"], row["week"]) for row in rows] == [(case, "january") for case in ("O_0", "O_CP", "O_WM")]
+    assert all(float(row[name]) == float(row[name]) for row in rows for name in (*pairs, "cycles_per_week"))
+    assert [row["resolved"] in ("yes", "no") for row in rows] == [True, True, False]
+    assert rows[2]["resolved"] == ""
+
+
+def test_json_is_the_same_by_either_option(entry: Entry, small_run: Path) -> None:
+    short, long = entry("report", "run", "--json"), entry("report", "run", "--format", "json")
+    assert short == long
+    assert json.loads(short.stdout)["run"] == "run"
+
+
+def test_a_report_changes_nothing_in_the_run_folder(entry: Entry, small_run: Path) -> None:
+    before = contents(small_run)
+    for form in STARTS_WITH:
+        assert entry("report", "run", "--format", form).code == 0
+    assert contents(small_run) == before
+
+
+def test_piping_into_head_is_quiet(small_run: Path) -> None:
+    command = f"set -o pipefail; '{WAXSTUDY}' report '{small_run}' --format html | head -n 1"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "<!DOCTYPE html>\n", "")
+
+
+# --- runs that cannot be read -----------------------------------------------------------------------
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 2 // 3])
+
+
+def a_case(run: Path) -> Path:
+    return sorted((run / "cases").iterdir())[1]
+
+
+DAMAGE = {
+    "run.json": lambda run: cut(run / "run.json"),
+    "kpis.csv": lambda run: cut(run / "kpis.csv"),
+    "study.toml": lambda run: cut(run / "study.toml"),
+    "study.toml gone": lambda run: (run / "study.toml").unlink(),
+    "traces.parquet": lambda run: cut(a_case(run) / "traces.parquet"),
+    "durations.parquet": lambda run: cut(a_case(run) / "durations.parquet"),
+    "a case's kpis.csv": lambda run: cut(a_case(run) / "kpis.csv"),
+    "a case gone": lambda run: shutil.rmtree(a_case(run)),
+    "all cases gone": lambda run: shutil.rmtree(run / "cases"),
+}
+
+
+@pytest.mark.parametrize("form", ["table", "html"])
+@pytest.mark.parametrize("what", DAMAGE)
+def test_a_run_folder_that_is_cut_off_is_refused_by_the_name_of_the_file(
+    entry: Entry, small_run: Path, what: str, form: str
+) -> None:
+    whole = contents(small_run)
+    DAMAGE[what](small_run)
+    changed = [name for name in whole if contents(small_run).get(name) != whole[name]]
+    ended = entry("report", "run", "--format", form)
+    assert_clear(ended, INVALID)
+    (line,) = ended.stderr.splitlines()
+    assert line.removeprefix("error: ").split(":")[0] in [f"run/{name}" for name in changed]
+
+
+def test_running_the_study_again_mends_what_was_cut_off(entry: Entry, small_study: Path, small_run: Path) -> None:
+    whole = contents(small_run)
+    for what in DAMAGE:
+        DAMAGE[what](small_run)
+        assert contents(small_run) != whole
+        assert entry("run", "small.toml", "--out", "run").code == 0
+        assert contents(small_run) == whole, what
+
+
+def test_a_run_folder_of_another_version_is_refused_by_name(entry: Entry, small_run: Path) -> None:
+    manifest = json.loads((small_run / "run.json").read_text())
+    (small_run / "run.json").write_text(json.dumps({**manifest, "format": 99}))
+    ended = entry("report", "run")
+    assert_clear(ended, INVALID)
+    assert ended.stderr == (
+        "error: run/run.json: run folder of format 99, this version reads 1; `waxstudy run` the study again\n"
+    )
+
+
+@pytest.mark.parametrize("manifest", ['{"format": 1}', "[]", "null", '{"format": 1, "study": "x", "cases": 3}'])
+def test_a_manifest_that_is_none_is_refused_by_name(entry: Entry, small_run: Path, manifest: str) -> None:
+    (small_run / "run.json").write_text(manifest)
+    ended = entry("report", "run")
+    assert_clear(ended, INVALID)
+    assert ended.stderr.startswith("error: run/run.json: ")
+
+
+def test_the_report_of_an_unfinished_run_says_how_to_finish_it(entry: Entry, small_run: Path) -> None:
+    (small_run / "run.json").unlink()
+    shutil.rmtree(a_case(small_run))
+    ended = entry("report", "run")
+    assert_clear(ended, INVALID)
+    assert ended.stderr == (
+        "error: run: this run has not finished (2 cases computed so far); "
+        "`waxstudy run STUDY.toml --out run` goes on from there\n"
+    )
+
+
+def test_a_folder_without_a_run_is_said_to_be_one(entry: Entry, tmp_path: Path) -> None:
+    ended = entry("report", ".")
+    assert_clear(ended, INVALID)
+    assert ended.stderr == "error: .: holds no run (no run.json)\n"
+
+
+# --- published figures ------------------------------------------------------------------------------
+
+
+def test_unknown_published_figures_are_refused_with_what_is_installed(entry: Entry, small_run: Path) -> None:
+    ended = entry("report", "run", "--against", "papers")
+    assert_clear(ended, INVALID)
+    assert ended.stderr == "error: no reference 'papers'; did you mean 'paper'? (installed: paper)\n"
+
+
+def test_a_run_without_the_paper_s_cases_is_told_which_the_findings_lack(
+    entry: Entry, small_study: Path, small_run: Path
+) -> None:
+    lacks = "the paper's findings need all its cases and weeks; missing: O_D, O_VC, P_0, P_CP, P_D, P_MC, P_VC, P_WM, "
+    reported = entry("report", "run", "--against", "paper", "--json")
+    assert (reported.code, reported.stderr) == (0, "")
+    printed = json.loads(reported.stdout)
+    assert f"{lacks}february" in printed["notes"]
+    assert {cell["case"] for cell in printed["against"]["cells"]} == {"O_0", "O_CP", "O_WM"}
+    small_study.write_text(small_study.read_text().replace('"small"', '"small"\nagainst = "paper"'))
+    assert entry("run", "small.toml", "--out", "run").code == 0
