@@ -58,9 +58,7 @@ def call(folder: Path, *arguments: object, **options: object) -> subprocess.Comp
     """Run the installed command in a folder; `env` adds to the environment."""
     command = [str(WAXSTUDY), *map(str, arguments)]
     environment = {**os.environ, "COLUMNS": "120", **options.pop("env", {})}  # type: ignore[dict-item]
-    return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300, **options
-    )  # type: ignore[call-overload,no-any-return]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300, **options)  # type: ignore[call-overload,no-any-return]
 
 
 @pytest.fixture

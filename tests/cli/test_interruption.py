@@ -24,7 +24,7 @@ STEPS = "".join(f'  {{ id = "b{band}", controller = {{ dead_band_K = {band} }} }
 LONG = f"""\
 [study]
 name = "long"
-step_s = 2
+step_s = 4
 [room]
 use = "nzeb"
 [weather.january]
@@ -137,7 +137,7 @@ def test_ctrl_c_ends_a_run_within_a_second_and_keeps_what_is_finished(waxstudy: 
 
 @pytest.mark.slow
 def test_ctrl_c_ends_an_interpreted_run_as_quickly(tmp_path: Path) -> None:
-    text = LONG.replace("step_s = 2", "step_s = 60").replace("members = 6", "members = 1")
+    text = LONG.replace("step_s = 4", "step_s = 60").replace("members = 6", "members = 1")
     (tmp_path / "long.toml").write_text(text)
     seconds, process, stdout, stderr = interrupt(tmp_path, "--no-jit")
     assert (process.returncode, stdout) == (INTERRUPTED, "")

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from waxstudy.plugin import Actuator, FloatArray, Parameters
-from waxstudy.plugin.registry import installed
+from waxstudy.plugin.registry import PluginError, installed
 from waxstudy.simulation import kernel
 from waxstudy.simulation.engine import Chain, Loop, SimulationError, Start
 from waxstudy.simulation.modes import DrivenRoom, drive
@@ -204,6 +204,58 @@ def test_a_failing_block_is_named_with_its_time(block: Any, words: list[str], ji
         list(loop.weeks(21.0, [Start(0.0, 0.0)]))
     for word in [*words, "warm-up"]:
         assert word in str(caught.value)
+
+
+class Open(Actuator):
+    """Opens up to a limit that may be left out."""
+
+    name = "open"
+
+    class Parameters(Parameters):
+        limit: float | None = None
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        return min(u, p.limit) if p.limit == p.limit else u
+
+
+@pytest.mark.parametrize(("given", "opening"), [({}, 1.0), ({"limit": 0.4}, 0.4)])
+@pytest.mark.parametrize("jit", [True, False])
+def test_an_optional_number_that_is_not_given_arrives_as_nan(
+    given: dict[str, float], opening: float, jit: bool, room: DrivenRoom
+) -> None:
+    loop = Loop(Chain({**ON_OFF, "actuator": choice(Open, **given)}, STEP_S), room, 21.0, jit=jit)
+    assert hours(loop, 24)[:, kernel.TRACE.index("opening")].max() == opening
+
+
+class Silent(Actuator):
+    """Forgets to return an opening when it is closed."""
+
+    name = "silent"
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:  # type: ignore[return]
+        if u > 0.5:
+            return 1.0
+
+
+@pytest.mark.parametrize("jit", [True, False])
+def test_a_path_without_a_return_is_named(jit: bool, room: DrivenRoom) -> None:
+    loop = Loop(Chain({**ON_OFF, "actuator": choice(Silent)}, STEP_S), room, 21.0, jit=jit)
+    with pytest.raises(SimulationError, match=r"actuator 'silent' failed .* TypeError"):
+        list(loop.weeks(21.0, [Start(0.0, 0.0)]))
+
+
+def test_a_misspelled_state_field_is_named_with_the_nearest(room: DrivenRoom) -> None:
+    chain = Chain({**ON_OFF, "actuator": choice(Misspelled)}, STEP_S)
+    with pytest.raises(PluginError, match=r"'misspelled' cannot be compiled: .*'stepps'; did you mean 'steps'\?"):
+        Loop(chain, room, 21.0)
+
+
+def test_weather_that_is_not_a_number_ends_the_run(room: DrivenRoom) -> None:
+    lost = replace(room, offsets=np.where(np.arange(len(room.offsets))[:, None] == 30, np.nan, room.offsets))
+    with pytest.raises(SimulationError, match="the room's temperatures are lost by day 2, 07:00:00"):
+        list(Loop(Chain({"controller": choice(controllers.PI)}, STEP_S), lost, 21.0).weeks(21.0, [Start(0.0, 0.0)]))
 
 
 def test_every_registered_block_has_its_own_name_and_kind() -> None:

@@ -10,7 +10,7 @@ import tomli_w
 
 from waxstudy.plugin.registry import Registry, installed
 from waxstudy.study.model import Case, Comfort, Ensemble, Output, Study, StudyTable
-from waxstudy.study.read import read_study
+from waxstudy.study.read import StudyError, read_study
 
 Read = Callable[[str], Study]
 
@@ -117,6 +117,11 @@ def test_a_path_is_relative_to_the_study_file(
 
     (tmp_path / "run.toml").write_text(tomli_w.dumps(study.described()))
     assert read_study(tmp_path / "run.toml", registry) == study, "a run folder is elsewhere"
+
+    (folder / "own.epw").unlink()
+    with pytest.raises(StudyError, match="no such file"):
+        read_study(tmp_path / "run.toml", registry)
+    assert read_study(tmp_path / "run.toml", registry, needs_files=False) == study, "enough for a report"
 
 
 def order(study: Study) -> list[object]:

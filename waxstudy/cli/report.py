@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError, print_out
+from waxstudy.cli.study import load_study
 
 FORMATS = ("table", "csv", "md", "html", "json")
 
@@ -36,14 +37,13 @@ def command(run_folder: Path, form: str, as_json: bool, against: str | None, out
 
 def render(folder: Path, form: str, against: str | None) -> str:
     """Return a run's report in one of the formats; turn what is wrong with the run into exit code 3 or 4."""
-    from waxstudy.cli.run import load_study
     from waxstudy.plugin.registry import PluginError, installed
     from waxstudy.report.content import gather
     from waxstudy.results.run import Run, RunError
 
     try:
         run = Run(folder)
-        content = gather(run, load_study(run.study_file), against)
+        content = gather(run, load_study(run.study_file, needs_files=False), against)
         if form == "html":
             from waxstudy.report.page import as_html
 

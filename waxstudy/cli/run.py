@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError, print_out
+from waxstudy.cli.study import load_study
 
 if TYPE_CHECKING:
     from waxstudy.simulation.run import Progress
-    from waxstudy.study.model import Study
 
 
 @click.command("run")
@@ -40,17 +40,6 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
 
     text = render(folder, "json" if as_json else "table", study.against)
     print_out(text if as_json else f"{text}{folder}\n")
-
-
-def load_study(path: Path) -> Study:
-    """Read a study file; turn its problems into exit code 3, or 4 where a plugin is at fault."""
-    from waxstudy.plugin.registry import installed
-    from waxstudy.study.read import StudyError, read_study
-
-    try:
-        return read_study(path, installed())
-    except StudyError as error:
-        raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
 
 
 @contextmanager

@@ -96,10 +96,10 @@ def _is_whole_csv(path: Path, members: int) -> bool:
 
 
 def _is_whole_parquet(path: Path, members: int) -> bool:
-    """Parquet files end with their magic number."""
+    """Parquet files begin and end with their magic number."""
     with path.open("rb") as file:
-        file.seek(-len(PARQUET_END), os.SEEK_END)
-        return file.read() == PARQUET_END
+        size = file.seek(-len(PARQUET_END), os.SEEK_END)
+        return size > 0 and file.read() == PARQUET_END
 
 
 FILES = {"kpis.csv": _is_whole_csv, "durations.parquet": _is_whole_parquet, "traces.parquet": _is_whole_parquet}

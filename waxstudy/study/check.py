@@ -26,6 +26,7 @@ class Check:
 
     source: Source
     registry: Registry
+    needs_files: bool = True  # a report of a finished run does not
     problems: list[Problem] = field(default_factory=list)
     said: set[tuple[Spot, str]] = field(default_factory=set)
 
@@ -121,6 +122,6 @@ class Check:
             found = full.is_file()
         except (OSError, ValueError):  # too long, or with characters that no file name has
             found = False
-        if not found:
+        if self.needs_files and not found:
             self.problem(path.spot, "no such file", value=path.value, allowed=f"looked for {full}")
         return str(full)

@@ -35,9 +35,12 @@ TABLES = ("study", "room", "weather", "comfort", "ensemble", "output", "ladder")
 P = TypeVar("P", bound=Parameters)
 
 
-def read_study(path: Path, registry: Registry) -> Study:
-    """Return the checked study; raise `StudyError` with every problem of the file."""
-    check = Check(read_source(path), registry)
+def read_study(path: Path, registry: Registry, *, needs_files: bool = True) -> Study:
+    """Return the checked study; raise `StudyError` with every problem of the file.
+
+    Without `needs_files` a weather file may have gone, as it may when a finished run is reported.
+    """
+    check = Check(read_source(path), registry, needs_files)
     check.unknown_keys(Spot.table(), check.source.values, TABLES)
     study, comfort = _part(check, "study", StudyTable), _part(check, "comfort", Comfort)
     if study and study.against is not None:
