@@ -12,7 +12,6 @@ import shutil
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,7 @@ STUDY = Path(__file__).parents[1] / "studies" / "table5.toml"
 MEMBERS = 8
 WEEKS = ("january", "february")
 DAYS = range(1, 8)
-PAIRS, CHOSEN_PAIR = list(combinations(DAYS, 2)), (2, 5)
+PAIRS, CHOSEN_PAIR = ((2, 5), (3, 5), (3, 6), (1, 4), (4, 6)), (2, 5)
 COLUMNS, DIFFERENCE = ("setpoint_shift_K", "mae_K", "heat_kWh_m2_week"), "heat_vs_most_detailed_percent"
 
 # what is changed: a key of the study file, or of a case by its id, with dots between tables
