@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -142,10 +143,12 @@ def write_epw(folder: Path, rows: list[str]) -> None:
     (folder / "small.toml").write_text(WITH_EPW)
 
 
-def test_the_weather_file_of_these_tests_is_a_good_one(entry: Entry, tmp_path: Path) -> None:
+def test_a_weather_file_is_needed_for_the_run_and_not_for_its_report(entry: Entry, tmp_path: Path) -> None:
     write_epw(tmp_path, january())
     ended = entry("run", "small.toml")
     assert (ended.code, ended.stderr) == (0, "")
+    shutil.rmtree(tmp_path / "weather")
+    assert entry("report", "results/small").code == 0  # a finished run needs it no more
 
 
 @pytest.mark.parametrize(

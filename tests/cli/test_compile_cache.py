@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,11 +11,12 @@ import pytest
 from tests.cli.folders import contents
 from tests.conftest import Waxstudy
 
+Same = Callable[[Path], None]
 pytestmark = pytest.mark.slow  # every run compiles
 
 
 @pytest.fixture
-def same(waxstudy: Waxstudy, small_study: Path, finished: Path) -> object:
+def same(waxstudy: Waxstudy, small_study: Path, finished: Path) -> Same:
     """Run the small study with a cache and compare with the run that had the usual one."""
 
     def check(cache: Path) -> None:
@@ -26,22 +28,23 @@ def same(waxstudy: Waxstudy, small_study: Path, finished: Path) -> object:
     return check
 
 
-def damage(cache: Path, pattern: str, data: bytes) -> None:
-    files = [file for file in cache.rglob(pattern) if file.is_file()]
+def damage(cache: Path, pattern: str, damaged: Callable[[bytes], bytes]) -> None:
+    files = list(cache.rglob(pattern))
     assert files
     for file in files:
-        file.write_bytes(data)
+        file.write_bytes(damaged(file.read_bytes()))
 
 
-def test_damaged_files_in_the_cache_are_replaced(same, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_damaged_files_in_the_cache_are_replaced(same: Same, tmp_path: Path) -> None:
     cache, noise = tmp_path / "cache", random.Random(3).randbytes(600)
     same(cache)
-    for pattern, data in (("*.nbi", noise), ("*.nbc", noise), ("*.nb?", b"")):
-        damage(cache, pattern, data)
-        same(cache)
+    damage(cache, "*.nbi", lambda data: noise)
+    same(cache)
+    damage(cache, "*.nbc", lambda data: data[: len(data) // 2])
+    same(cache)
 
 
-def test_a_cache_that_cannot_be_written_is_done_without(same, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_a_cache_that_cannot_be_written_is_done_without(same: Same, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("not a folder\n")
     same(tmp_path / "file")
     same(Path("/proc/waxstudy"))

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.cli.conftest import Plugin
+from tests.cli.conftest import Entry, Plugin
 from tests.cli.folders import finished_cases
 from tests.conftest import SMALL, Waxstudy
+from waxstudy.plugin.registry import installed
 
 INVALID, PLUGIN, FAILED = 3, 4, 6
 
@@ -44,47 +47,57 @@ BROKEN = {
 }
 
 
+@pytest.fixture
+def loaded(plugin: Plugin, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], None]]:
+    """Install a plugin for the entry point as it is called within the test process."""
+
+    def load(source: str) -> None:
+        monkeypatch.syspath_prepend(plugin("stranger", source)["PYTHONPATH"])
+        installed.cache_clear()
+
+    yield load
+    sys.modules.pop("stranger", None)
+    installed.cache_clear()
+
+
 @pytest.mark.parametrize(("source", "reason"), BROKEN.values(), ids=BROKEN)
 def test_a_broken_plugin_stops_only_a_study_that_may_need_it(
-    waxstudy: Waxstudy, plugin: Plugin, small_study: Path, small_run: Path, source: str, reason: str
+    entry: Entry, loaded: Callable[[str], None], small_study: Path, small_run: Path, source: str, reason: str
 ) -> None:
-    env = plugin("stranger", source)
-    done = waxstudy("report", "run", "--format", "csv", env=env)
-    assert (done.returncode, done.stderr) == (0, "")
+    loaded(source)
+    done = entry("run", small_study, "--out", "run")
+    assert (done.code, done.stderr) == (0, "")
     small_study.write_text(SMALL.replace("quick-opening", "extra"))
-    done = waxstudy("run", small_study, env=env)
-    assert (done.returncode, done.stdout) == (PLUGIN, "")
+    done = entry("run", small_study)
+    assert (done.code, done.stdout) == (PLUGIN, "")
     (line,) = done.stderr.splitlines()
     assert line.startswith(f"{small_study}:19: case O_WM: valve.use = \"extra\": no valve 'extra' (installed: linear, ")
     assert "plugin 'stranger' is broken: " in line
     assert reason in line
 
 
-def test_a_run_goes_on_beside_a_broken_plugin(waxstudy: Waxstudy, plugin: Plugin, small_study: Path) -> None:
-    done = waxstudy("run", small_study, env=plugin("stranger", BROKEN["import raises"][0]))
-    assert (done.returncode, done.stderr) == (0, "")
-
-
 def test_a_name_that_two_plugins_claim_stops_only_a_study_that_uses_it(
-    waxstudy: Waxstudy, plugin: Plugin, small_study: Path, small_run: Path
+    entry: Entry, loaded: Callable[[str], None], small_study: Path, small_run: Path
 ) -> None:
-    env = plugin("twin", offering("Extra", VALVE.format(name="linear")))
-    done = waxstudy("run", small_study, "--out", "run", env=env)
-    assert (done.returncode, done.stdout) == (PLUGIN, "")
-    assert done.stderr.startswith(f"{small_study}:16: case O_0: valve.use = \"linear\": valve 'linear' of twin 1.0 is ")
-    assert "registered already by waxstudy " in done.stderr
+    loaded(offering("Extra", VALVE.format(name="linear")))
+    done = entry("run", small_study, "--out", "run")
+    assert (done.code, done.stdout) == (PLUGIN, "")
+    claimed = "valve.use = \"linear\": valve 'linear' of stranger 1.0 is registered already by waxstudy "
+    assert done.stderr.startswith(f"{small_study}:16: case O_0: {claimed}")
     small_study.write_text(SMALL.replace(', valve = { use = "linear" }', ""))
-    done = waxstudy("run", small_study, "--out", "run", env=env)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = entry("run", small_study, "--out", "run")
+    assert (done.code, done.stderr) == (0, "")
 
 
 def test_an_actuator_that_fails_does_not_spoil_the_report_of_a_study_without_it(
-    waxstudy: Waxstudy, plugin: Plugin, small_run: Path
+    entry: Entry, loaded: Callable[[str], None], small_run: Path
 ) -> None:
     source = VALVE.format(name="seized").replace("Valve", "Actuator").replace("return u", "return 1.0 / 0.0")
-    done = waxstudy("report", "run", env=plugin("stranger", offering("Extra", source)))
-    assert (done.returncode, done.stderr) == (0, "")
+    loaded(offering("Extra", source))
+    done = entry("report", "run")
+    assert (done.code, done.stderr) == (0, "")
     assert "variable-times, product B" in done.stdout
+    assert "seized" not in done.stdout
 
 
 # --- components that fail when they are used ---------------------------------------------------------
@@ -94,14 +107,14 @@ SEIZED = VALVE.format(name="extra").replace(
 )
 
 
-@pytest.mark.parametrize("options", [(), ("--no-jit",)], ids=["compiled", "interpreted"])
+RAISES = ('raise ValueError("bearing seized")', "failed at day 1, 01:00:00 with input ")
+GIVES_NAN = ('return float("nan")', "gave NaN or a level outside 0 to 1 at day 1, 01:00:00")
+
+
 @pytest.mark.parametrize(
-    ("what", "says"),
-    [
-        ('raise ValueError("bearing seized")', "failed at day 1, 01:00:00 with input "),
-        ('return float("nan")', "gave NaN or a level outside 0 to 1 at day 1, 01:00:00"),
-    ],
-    ids=["raises", "nan"],
+    ("what", "says", "options"),
+    [(*RAISES, ()), (*RAISES, ("--no-jit",)), (*GIVES_NAN, ())],
+    ids=["raises", "raises interpreted", "nan"],
 )
 def test_a_block_that_fails_is_named_with_its_case_week_and_time(
     waxstudy: Waxstudy,

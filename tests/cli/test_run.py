@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.conftest import Entry
 from tests.cli.folders import computed_at, contents
 from tests.conftest import SMALL, WAXSTUDY, Waxstudy
 
@@ -30,18 +31,18 @@ def test_a_run_prints_the_comparison_and_last_the_folder_that_it_wrote(waxstudy:
         assert {path.name for path in case.iterdir()} == {"kpis.csv", "durations.parquet", "traces.parquet"}
 
 
-def test_with_json_stdout_holds_json_and_nothing_else(waxstudy: Waxstudy, small_study: Path, small_run: Path) -> None:
-    done = waxstudy("run", small_study, "--out", "run", "--json")
-    assert (done.returncode, done.stderr) == (0, "")
+def test_with_json_stdout_holds_json_and_nothing_else(entry: Entry, small_study: Path, small_run: Path) -> None:
+    done = entry("run", small_study, "--out", "run", "--json")
+    assert (done.code, done.stderr) == (0, "")
     printed = json.loads(done.stdout)
     assert printed["run"] == "run"
     assert [row["case"] for row in printed["rows"]] == list(CASES)
 
 
-def test_with_json_a_failure_leaves_stdout_empty(waxstudy: Waxstudy, small_study: Path) -> None:
+def test_with_json_a_failure_leaves_stdout_empty(entry: Entry, small_study: Path) -> None:
     small_study.write_text(SMALL.replace("members = 2", "members = 0"))
-    done = waxstudy("run", small_study, "--json")
-    assert (done.returncode, done.stdout) == (3, "")
+    done = entry("run", small_study, "--json")
+    assert (done.code, done.stdout) == (3, "")
 
 
 def stderr_on_a_terminal(*arguments: object, folder: Path) -> str:
@@ -69,9 +70,9 @@ def test_progress_is_shown_on_a_terminal_and_not_with_quiet(small_study: Path, s
     assert stderr_on_a_terminal("run", small_study, "--out", "run", "--quiet", folder=small_study.parent) == ""
 
 
-def test_the_resolved_study_gives_the_same_key_figures_byte_for_byte(waxstudy: Waxstudy, small_run: Path) -> None:
-    done = waxstudy("run", small_run / "study.toml", "--out", "again")
-    assert done.returncode == 0, done.stderr
+def test_the_resolved_study_gives_the_same_key_figures_byte_for_byte(entry: Entry, small_run: Path) -> None:
+    done = entry("run", small_run / "study.toml", "--out", "again")
+    assert done.code == 0, done.stderr
     first, again = contents(small_run), contents(small_run.parent / "again")
     assert again["kpis.csv"] == first["kpis.csv"]
     assert again["study.toml"] == first["study.toml"]
@@ -87,19 +88,19 @@ def test_interpreted_blocks_give_the_same_key_figures_byte_for_byte(waxstudy: Wa
     assert contents(tmp_path / "interpreted") == contents(tmp_path / "compiled")
 
 
-def test_what_has_not_changed_is_not_computed_again(waxstudy: Waxstudy, small_study: Path, small_run: Path) -> None:
+def test_what_has_not_changed_is_not_computed_again(entry: Entry, small_study: Path, small_run: Path) -> None:
     before, files = computed_at(small_run), contents(small_run)
-    assert waxstudy("run", small_study, "--out", "run").returncode == 0
+    assert entry("run", small_study, "--out", "run").code == 0
     assert computed_at(small_run) == before
     assert contents(small_run) == files
 
 
 def test_a_changed_parameter_computes_its_case_and_those_that_inherit_it(
-    waxstudy: Waxstudy, small_study: Path, small_run: Path
+    entry: Entry, small_study: Path, small_run: Path
 ) -> None:
     before = computed_at(small_run)
     small_study.write_text(SMALL.replace("dead_band_K = 0.5", "dead_band_K = 0.6"))
-    assert waxstudy("run", small_study, "--out", "run").returncode == 0
+    assert entry("run", small_study, "--out", "run").code == 0
     after = computed_at(small_run)
     assert after.keys() == before.keys()  # those of the old dead band are gone
     same = {name.split("_january")[0] for name in before if after[name] == before[name]}
@@ -107,10 +108,10 @@ def test_a_changed_parameter_computes_its_case_and_those_that_inherit_it(
     assert (same, changed) == ({"O_0"}, {"O_CP", "O_WM"})
 
 
-def test_one_more_case_changes_no_figure_of_the_others(waxstudy: Waxstudy, small_study: Path, small_run: Path) -> None:
+def test_one_more_case_changes_no_figure_of_the_others(entry: Entry, small_study: Path, small_run: Path) -> None:
     before, rows = computed_at(small_run), (small_run / "kpis.csv").read_text().splitlines()
     small_study.write_text(SMALL.removesuffix("]\n") + '  { id = "O_D", sensor = { use = "delay" } },\n]\n')
-    assert waxstudy("run", small_study, "--out", "run").returncode == 0
+    assert entry("run", small_study, "--out", "run").code == 0
     after = computed_at(small_run)
     assert {name: after[name] for name in before} == before
     grown = (small_run / "kpis.csv").read_text().splitlines()
@@ -118,18 +119,18 @@ def test_one_more_case_changes_no_figure_of_the_others(waxstudy: Waxstudy, small
     assert [row.split(",")[0] for row in grown[len(rows) :]] == ["O_D", "O_D"]
 
 
-def test_a_folder_that_holds_something_else_is_left_alone(waxstudy: Waxstudy, small_study: Path) -> None:
+def test_a_folder_that_holds_something_else_is_left_alone(entry: Entry, small_study: Path) -> None:
     home = small_study.parent / "home"
     home.mkdir()
     (home / "study.toml").write_text("my own work\n")
-    done = waxstudy("run", small_study, "--out", "home")
-    assert (done.returncode, done.stdout) == (6, "")
+    done = entry("run", small_study, "--out", "home")
+    assert (done.code, done.stdout) == (6, "")
     assert done.stderr == "error: home: this folder is in use and holds no run; choose another with --out\n"
     assert contents(home).keys() == {"study.toml"}
     assert (home / "study.toml").read_text() == "my own work\n"
 
 
-def test_a_run_removes_nothing_that_no_run_has_made(waxstudy: Waxstudy, small_study: Path, small_run: Path) -> None:
+def test_a_run_removes_nothing_that_no_run_has_made(entry: Entry, small_study: Path, small_run: Path) -> None:
     mine = [small_run / "notes.md", small_run / "cases" / "notes.md", small_run / "cases" / "my_case" / "data.csv"]
     mine[2].parent.mkdir()
     for path in mine:
@@ -138,7 +139,7 @@ def test_a_run_removes_nothing_that_no_run_has_made(waxstudy: Waxstudy, small_st
     old.mkdir()
     left = small_run / "cases" / ".partial-left-by-a-killed-run"
     left.mkdir()
-    assert waxstudy("run", small_study, "--out", "run").returncode == 0
+    assert entry("run", small_study, "--out", "run").code == 0
     assert all(path.read_text() == "mine\n" for path in mine)
     assert not old.exists()
     assert not left.exists()

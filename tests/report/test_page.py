@@ -178,7 +178,7 @@ def test_foreign_words_are_shown_and_never_become_markup(against_text: str) -> N
 def test_the_summary_counts_cases_resolved_differences_and_findings(against_text: str) -> None:
     words = " ".join(Page(against_text).words)
     assert "5 cases in 2 ladders (switching, steady) over 2 weeks (cold, sunny), with 2 members per case." in words
-    assert "Of 6 differences in heat from the most detailed case, 2 are resolved." in words
+    assert "Of 6 differences in heat from the reference case, 2 are resolved." in words
     assert "Of the 2 findings of “book”: 1 held, 1 not held, 0 not resolved." in words
 
 

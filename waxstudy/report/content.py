@@ -16,6 +16,8 @@ from waxstudy.results.run import Run
 from waxstudy.simulation.shift import LIMIT_K
 from waxstudy.study.model import Study
 
+ALIKE = 1e-6  # spread of a difference, in %, below which members have not differed at all
+
 
 @dataclass(frozen=True)
 class Starts:
@@ -103,6 +105,11 @@ def _notes(study: Study, rows: Sequence[Row], members: int) -> list[str]:
     notes = [_residual(row, target) for row in rows if abs(row.hours_below_per_week.mean - target) > 0.5]
     if members == 1:
         return [*notes, "one member per case: no spread, so no difference can be called resolved"]
+    alike = [
+        f"{row.case} ({row.week})" for row in rows if row.resolved and row.heat_vs_most_detailed_percent.sd < ALIKE
+    ]
+    if alike:
+        notes.append(f"all members meet in one course, so that their interval says nothing: {', '.join(alike)}")
     weak = [f"{row.case} ({row.week})" for row in rows if row.resolved is False]
     if weak:
         notes.append(f"differences that {members} members do not resolve: {', '.join(weak)}")

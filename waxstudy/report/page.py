@@ -61,7 +61,7 @@ def _resolved(content: Content) -> str:
         return "With one member per case there is no spread, so that no difference can be called resolved."
     resolved = sum(bool(row.resolved) for row in judged)
     return (
-        f"Of {_count(len(judged), 'difference')} in heat from the most detailed case, "
+        f"Of {_count(len(judged), 'difference')} in heat from the reference case, "
         f"{resolved} {'is' if resolved == 1 else 'are'} resolved."
     )
 

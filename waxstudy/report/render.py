@@ -201,7 +201,7 @@ def _activation_tables(content: Content) -> list[Table]:
         rows.append([a.actuator, *(f"{_seconds(a.opening_s[i])} / {_seconds(a.flow_s[i])}" for i in index)])
     title = "seconds to full opening / to 90 % of full flow, by time off before"
     shares = [[s.case, str(s.starts), str(s.over_300_s), f"{100 * s.share:.0f} %"] for s in content.starts]
-    second = "starts from a closed valve in this run, and those that take over 300 s to open fully"
+    second = "starts from a closed valve that reach full opening, and those of them that take over 300 s"
     return [(title, headings, rows), (second, ["case", "starts", "over 300 s", "share"], shares)]
 
 

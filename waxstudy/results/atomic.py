@@ -1,13 +1,17 @@
-"""Write files and folders so that a reader sees all of them or nothing."""
+"""Write files and folders so that a reader sees all of them or nothing, and no two runs write at once."""
 
 from __future__ import annotations
 
 import os
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+if sys.platform != "win32":
+    import fcntl
 
 PARTIAL = ".partial-"
 # read once: to ask for it is to change it for a moment, for every thread
@@ -40,3 +44,26 @@ def whole_folder(path: Path) -> Iterator[Path]:
         os.replace(temporary, path)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+@contextmanager
+def sole_use(folder: Path) -> Iterator[bool]:
+    """Lock a folder and say whether that succeeded; the system lets go of the lock however the process ends."""
+    if sys.platform == "win32":  # folders cannot be opened there
+        yield True
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        yield _lock(handle)
+    finally:
+        os.close(handle)
+
+
+def _lock(handle: int) -> bool:
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system that knows no locks
+        return True
+    return True

@@ -15,7 +15,8 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -24,7 +25,7 @@ from typing import Any
 import pandas as pd
 import tomli_w
 
-from waxstudy.results.atomic import PARTIAL, whole_file, whole_folder
+from waxstudy.results.atomic import PARTIAL, sole_use, whole_file, whole_folder
 
 FORMAT = 1
 MANIFEST = "run.json"
@@ -66,11 +67,21 @@ class Ladder:
     cases: Sequence[str]
 
 
-def make_run_folder(folder: Path) -> None:
-    """Make a folder for a run; raise `RunError` for one that holds something else, `OSError` if it cannot be made."""
+@contextmanager
+def run_folder(folder: Path) -> Iterator[None]:
+    """Make a folder for a run, and hold it.
+
+    Raises `RunError` where it holds something else or another run is at work, `OSError` if it cannot be made.
+    """
     if folder.is_dir() and any(folder.iterdir()) and not any((folder / name).exists() for name in (MANIFEST, CASES)):
         raise RunError(f"{folder}: this folder is in use and holds no run; choose another with --out")
     (folder / CASES).mkdir(parents=True, exist_ok=True)
+    with sole_use(folder) as is_ours:
+        if not is_ours:
+            raise RunError(
+                f"{folder}: another run is at work in this folder; wait for it, or choose another with --out"
+            )
+        yield
 
 
 def is_finished(folder: Path, case: CaseFolder, members: int) -> bool:
@@ -90,9 +101,9 @@ def _cut_off(place: Path, members: int) -> Path | None:
     return None
 
 
-def _is_whole_csv(path: Path, members: int) -> bool:
+def _is_whole_csv(path: Path, rows: int) -> bool:
     text = path.read_text(encoding="utf-8")
-    return text.endswith("\n") and text.count("\n") == 1 + members
+    return text.endswith("\n") and text.count("\n") == 1 + rows
 
 
 def _is_whole_parquet(path: Path, members: int) -> bool:
@@ -176,11 +187,12 @@ class Run:
     @cached_property
     def kpis(self) -> pd.DataFrame:
         """One row per ladder case, week and member (columns of `results.kpis.key_figures` and the shift)."""
-        frame: pd.DataFrame = self._read(self.folder / "kpis.csv")
+        path = self.folder / "kpis.csv"
+        frame: pd.DataFrame = self._read(path)
         expected = [(case.case, case.week) for case in self.cases for _ in range(self.members)]
         found = [frame[name] for name in ("case", "week") if name in frame]
-        if list(zip(*found, strict=True)) != expected:
-            raise RunError(f"{self.folder / 'kpis.csv'}: cut off or changed; {AGAIN}")
+        if list(zip(*found, strict=True)) != expected or not _is_whole_csv(path, len(expected)):
+            raise RunError(f"{path}: cut off or changed; {AGAIN}")
         return frame
 
     def durations(self, case: str, week: str) -> pd.DataFrame:

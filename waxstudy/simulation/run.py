@@ -19,7 +19,7 @@ import pandas as pd
 from waxstudy.plugin import FloatArray, Room, Weather, WeatherRecord
 from waxstudy.plugin.registry import PluginError, described, installed
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
-from waxstudy.results.run import CaseFolder, CaseResult, Ladder, finish, is_finished, make_run_folder, write_case
+from waxstudy.results.run import CaseFolder, CaseResult, Ladder, finish, is_finished, run_folder, write_case
 from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.compiled import component_digest, digest, source_digest
 from waxstudy.simulation.engine import DAY_S, Chain, Loop, SimulationError, Start, Stopped, Week
@@ -113,21 +113,21 @@ def _named(table: str, load: Callable[[], Any]) -> Any:
 def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | None = None) -> Plan:
     """Compute what is missing in the folder and finish it.
 
-    Raises `InputError`, `PluginError`, `SimulationError` (naming case and week), `RunError` if the folder is none for
-    runs, `OSError`, or `KeyboardInterrupt`; what was finished before that is kept.
+    Raises `InputError`, `PluginError`, `SimulationError` (naming case and week), `RunError` if the folder is in use,
+    `OSError`, or `KeyboardInterrupt`; what was finished before that is kept.
     """
     progress = progress or Progress()
     plan = prepare(study, jit)
     jobs = plan.jobs()
-    make_run_folder(folder)
-    progress.total(len(jobs))
-    missing = [job for job in jobs if not is_finished(folder, job, study.ensemble.members)]
-    for job in jobs:
-        if job not in missing:
-            progress.done(job, False)
-    _compute(plan, missing, folder, progress)
     ladders = [Ladder(ladder.name, ladder.reference, list(ladder.cases)) for ladder in study.ladders.values()]
-    finish(folder, study.described(), ladders, list(plan.driven), jobs, provenance(study, jobs))
+    with run_folder(folder):
+        progress.total(len(jobs))
+        missing = [job for job in jobs if not is_finished(folder, job, study.ensemble.members)]
+        for job in jobs:
+            if job not in missing:
+                progress.done(job, False)
+        _compute(plan, missing, folder, progress)
+        finish(folder, study.described(), ladders, list(plan.driven), jobs, provenance(study, jobs))
     return plan
 
 

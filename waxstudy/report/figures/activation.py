@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 TITLE = "Full activation time against the time off before"
 CAPTION = (
     "Time from the signal to full opening (solid) and to 90 % of the full flow behind the valve of the first "
-    "ladder's most detailed case (dashed), after a long heating period and the given time off. After a short "
+    "ladder's reference case (dashed), after a long heating period and the given time off. After a short "
     "pause the valve is still open. The grey line is the limit for the reserve market."
 )
 TICKS_MIN = (0.5, 1, 2, 5, 10, 20, 45, 120)

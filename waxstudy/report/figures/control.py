@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 TITLE = "From controller output to flow"
 CAPTION = (
-    "A few hours of the most detailed case of the ladder with modulation (else of the last ladder), in the "
+    "A few hours of the reference case of the ladder with modulation (else of the last ladder), in the "
     "first week and where the signal starts most often; one member, means over the interval of the trace."
 )
 EXCERPT_H = 4
@@ -52,7 +52,7 @@ def figure_19(content: Content) -> Figure:
 
 
 def modulated(content: Content) -> Ladder:
-    """The last ladder whose most detailed case has a modulator, else the last ladder."""
+    """The last ladder whose reference case has a modulator, else the last ladder."""
     cases, ladders = content.study.cases, content.run.ladders
     found = [ladder for ladder in ladders if "modulator" in cases[ladder.reference].blocks]
     return (found or ladders)[-1]

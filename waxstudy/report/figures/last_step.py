@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 TITLE = "The last step of each ladder in the second week"
 CAPTION = (
-    "The most detailed case (black) and the case one step simpler (orange) on the days around the warmest "
+    "The reference case (black) and the case one step simpler (orange) on the days around the warmest "
     "hour of the last week: air temperature (solid), operative temperature (dashed) and water flow; one "
     "member."
 )
@@ -40,7 +40,7 @@ def figure_22(content: Content) -> Figure:
     week = second_week(content)
     ladders = [ladder for ladder in content.run.ladders if one_simpler(ladder)]
     if not ladders:
-        raise Lacking("no ladder has a step before its most detailed case")
+        raise Lacking("no ladder has a step before its reference case")
     figure, axes = panels(2, len(ladders), 6.0, sharex=True, sharey="row", height_ratios=(2, 1))
     start_s = _warmest_s(trace(content, ladders[0].reference, week))
     for column, ladder in zip(axes.T, ladders, strict=True):

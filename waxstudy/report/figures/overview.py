@@ -1,4 +1,4 @@
-"""The comparison at a glance: heat against the most detailed case, and the fluctuation of the air temperature."""
+"""The comparison at a glance: heat against the reference case, and the fluctuation of the air temperature."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 TITLE = "The comparison at a glance"
 CAPTION = (
-    "Left: heat of each case against the most detailed case of its ladder, mean and 95 % interval of paired "
+    "Left: heat of each case against the reference case of its ladder, mean and 95 % interval of paired "
     "members; filled where the difference is resolved. Right: mean absolute error of the air temperature, "
     "mean and standard deviation of single runs."
 )
@@ -35,7 +35,7 @@ def figure_overview(content: Content) -> Figure:
         _differences(left, content, rows, heights)
         _errors(right, content, rows, heights)
     left.axvline(0.0, color=BLACK, linewidth=0.8)
-    left.set_xlabel("heat against the most detailed case, %")
+    left.set_xlabel("heat against the reference case, %")
     right.set_xlabel("mean absolute error of the air temperature, K")
     right.set_xlim(left=0.0)
     left.set_yticks(range(len(cases)), cases)

@@ -45,12 +45,12 @@ CAPTION_17 = (
 TITLE_18 = "Cumulative operative temperatures"
 CAPTION_18 = (
     "Operative temperature that is not exceeded for a share of the week, mean over the members; the first "
-    "ladder solid, the second dashed, the most detailed cases black and thick, with the range of the members "
+    "ladder solid, the second dashed, the reference cases black and thick, with the range of the members "
     "as a band. The grey lines meet where equal comfort asks every case to pass."
 )
 TITLE_20 = "Air temperature over the first week"
 CAPTION_20 = (
-    "The simplest (thin), the second (dashed) and the most detailed case (black) of each ladder; one member. "
+    "The simplest (thin), the second (dashed) and the reference case (black) of each ladder; one member. "
     "The grey lines are a quarter of a kelvin above and below the unshifted setpoint."
 )
 BAND_K = 0.25

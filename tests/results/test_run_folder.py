@@ -1,0 +1,135 @@
+"""The run folder as files: all of it or nothing, and nothing read from what is cut off."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.cli.folders import contents
+from waxstudy.results.atomic import whole_file, whole_folder
+from waxstudy.results.run import CaseFolder, Ladder, Run, RunError, finish, is_finished, run_folder
+
+FILES = ("run.json", "kpis.csv", "cases/*/kpis.csv", "cases/*/durations.parquet", "cases/*/traces.parquet")
+
+
+@given(which=st.sampled_from(FILES), case=st.integers(0, 2), share=st.floats(0.0, 1.0), less=st.integers(0, 12))
+def test_a_run_folder_cut_off_at_any_byte_is_refused_by_the_name_of_the_file(
+    finished: Path, which: str, case: int, share: float, less: int
+) -> None:
+    with tempfile.TemporaryDirectory() as place:
+        run = shutil.copytree(finished, Path(place) / "run")
+        files = sorted(run.glob(which))
+        file = files[case % len(files)]
+        data = file.read_bytes()
+        # anywhere, and more often just before the end
+        left = max(0, int(share * len(data)) - less)
+        file.write_bytes(data[:left])
+        if left >= len(data.rstrip()) and file.name == "run.json":  # only the last line's end is gone
+            assert Run(run).kpis.equals(Run(finished).kpis)
+        elif left < len(data):
+            with pytest.raises(RunError, match=f"^{re.escape(str(file))}: "):
+                _ = Run(run).kpis
+
+
+def test_a_finished_run_tells_what_it_holds(finished: Path) -> None:
+    run = Run(finished)
+    assert (run.study, run.weeks, run.members) == ("small", ["january"], 2)
+    assert [case.case for case in run.cases] == ["O_0", "O_CP", "O_WM"]
+    assert run.ladders == [Ladder("on-off", "O_WM", ["O_0", "O_CP", "O_WM"])]
+    assert list(run.kpis["member"]) == [0, 1] * 3
+    assert set(run.durations("O_CP", "january")["member"]) == {0, 1}
+    assert len(run.traces("O_CP", "january")) == 7 * 24 * 60
+
+
+def test_provenance_says_where_the_figures_come_from(finished: Path) -> None:
+    provenance = json.loads((finished / "run.json").read_text())["provenance"]
+    assert provenance["seed"] == 1
+    assert {"waxstudy", "numpy", "numba"} <= provenance["packages"].keys()
+    assert provenance["plugins"].keys() == {"waxstudy"}
+    assert {"python", "machine", "inputs"} <= provenance.keys()
+
+
+def test_key_figures_of_other_cases_than_the_manifest_s_are_refused(finished: Path, tmp_path: Path) -> None:
+    run = shutil.copytree(finished, tmp_path / "run")
+    text = (run / "kpis.csv").read_text()
+    for changed in (text.replace("O_CP", "O_XX"), text.replace("case,", "chain,"), text + text.splitlines()[-1] + "\n"):
+        (run / "kpis.csv").write_text(changed)
+        with pytest.raises(RunError, match=r"kpis\.csv: cut off or changed"):
+            _ = Run(run).kpis
+
+
+def test_a_case_counts_as_finished_only_with_every_member(finished: Path) -> None:
+    case = Run(finished).cases[0]
+    assert is_finished(finished, case, members=2)
+    assert not is_finished(finished, case, members=3)
+    assert not is_finished(finished, CaseFolder(case.case, case.week, "0" * 16), members=2)
+
+
+def test_what_cannot_be_put_together_leaves_the_earlier_run(finished: Path, tmp_path: Path) -> None:
+    run = shutil.copytree(finished, tmp_path / "run")
+    before, earlier = contents(run), Run(run)
+    study = {"study": {"name": "other"}, "ensemble": {"members": 2}}
+    with pytest.raises(TypeError):
+        finish(run, study, earlier.ladders, earlier.weeks, earlier.cases[:1], {"machine": object()})
+    assert contents(run) == before
+    assert not list(run.glob(".partial-*"))
+
+
+def test_a_run_folder_is_made_in_an_empty_place_or_on_top_of_a_run_only(finished: Path, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    for place in (tmp_path / "new" / "below", tmp_path / "empty", finished):
+        for _ in range(2):
+            with run_folder(place):
+                assert (place / "cases").is_dir()
+    (tmp_path / "home" / "photos").mkdir(parents=True)
+    with pytest.raises(RunError, match="holds no run"), run_folder(tmp_path / "home"):
+        pass
+    assert [path.name for path in (tmp_path / "home").iterdir()] == ["photos"]
+
+
+def test_a_run_folder_is_held_by_one_run_at_a_time(tmp_path: Path) -> None:
+    with (
+        run_folder(tmp_path / "run"),
+        pytest.raises(RunError, match="another run is at work"),
+        run_folder(tmp_path / "run"),
+    ):
+        pass
+    with run_folder(tmp_path / "run"):
+        pass
+
+
+def test_a_file_or_folder_that_fails_half_way_leaves_the_one_before(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("before")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "file").write_text("before")
+    before = contents(tmp_path)
+
+    def write_half(path: Path) -> None:
+        path.write_text("half")
+        raise OSError("full")
+
+    with pytest.raises(OSError, match="full"), whole_file(tmp_path / "file") as path:
+        write_half(path)
+    with pytest.raises(OSError, match="full"), whole_folder(tmp_path / "folder") as path:
+        write_half(path / "file")
+    assert contents(tmp_path) == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]
+
+
+def test_files_and_folders_have_the_permissions_that_the_user_s_other_files_have(tmp_path: Path) -> None:
+    (tmp_path / "usual").write_text("")
+    (tmp_path / "usual folder").mkdir()
+    with whole_file(tmp_path / "file") as path:
+        path.write_text("text")
+    with whole_folder(tmp_path / "folder"):
+        pass
+    assert os.stat(tmp_path / "file").st_mode == os.stat(tmp_path / "usual").st_mode
+    assert os.stat(tmp_path / "folder").st_mode == os.stat(tmp_path / "usual folder").st_mode
