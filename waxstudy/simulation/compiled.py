@@ -193,7 +193,9 @@ def _guarded(block: type[Block], parameter_dtype: np.dtype[Any]) -> Any:
     try:
         return _cached(build)
     except Exception as error:
-        raise PluginError(f"{block.kind} '{block.name}' cannot be compiled: {_reason(error, layout)}") from error
+        raise PluginError(
+            f"{block.kind} '{block.name}' cannot be compiled: {_reason(error, layout)} (--no-jit runs it interpreted)"
+        ) from error
 
 
 def _layout(block: type[Block]) -> np.dtype[Any]:
