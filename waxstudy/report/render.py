@@ -21,7 +21,7 @@ HEADINGS = {
 }
 
 
-NARROWEST = 116  # columns that the comparison needs
+NARROWEST = 120  # columns that the comparison needs
 
 
 def resolved_word(row: Row) -> str:
