@@ -26,7 +26,7 @@ from numba.extending import intrinsic, overload
 from waxstudy.plugin import Block, Component, delayed
 from waxstudy.plugin.registry import PluginError, nearest
 from waxstudy.simulation import kernel
-from waxstudy.simulation.records import RING, parameter_record, state_dtype
+from waxstudy.simulation.records import parameter_record, state_dtype
 
 GUARD = """\
 def guarded(p, x, u, t, dt):
@@ -256,6 +256,3 @@ def loop() -> Callable[..., int]:
 
     compiled: Callable[..., int] = _cached(build)
     return compiled
-
-
-__all__ = ["RING", "address", "cache_folder", "digest", "loop", "source_digest"]
