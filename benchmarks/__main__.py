@@ -16,7 +16,8 @@ import numpy as np
 from numba import njit
 
 from waxstudy.plugin.registry import installed
-from waxstudy.simulation.engine import Chain, Loop, Start
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.engine import Loop, Start
 from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.run import prepare
 from waxstudy.study.model import Study

@@ -59,6 +59,7 @@ class IdealActuator(Actuator):
     """The opening is the signal."""
 
     name = "ideal"
+    api_version = "1.0"
 
     @staticmethod
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
@@ -264,6 +265,7 @@ class VariableTimes(Actuator):
     """
 
     name = "variable-times"
+    api_version = "1.0"
     Parameters = VariableTimesParameters
     State = VariableTimesState
     examples = {"product A": {"product": "A"}, "product B": {"product": "B"}}
@@ -340,6 +342,7 @@ class ConstantTimes(Actuator):
     """
 
     name = "constant-times"
+    api_version = "1.0"
     Parameters = ConstantTimesParameters
     State = ConstantTimesState
     examples = {"product A": {"product": "A"}, "product B": {"product": "B"}}

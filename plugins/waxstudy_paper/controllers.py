@@ -28,6 +28,7 @@ class OnOff(Controller):
     """Heat below the dead band, stop above it, keep on inside it."""
 
     name = "on-off"
+    api_version = "1.0"
     Parameters = OnOffParameters
     State = OnOffState
 
@@ -80,6 +81,7 @@ class PI(Controller):
     """
 
     name = "pi"
+    api_version = "1.0"
     Parameters = PIParameters
     State = PIState
 

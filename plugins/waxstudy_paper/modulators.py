@@ -41,6 +41,7 @@ class Pwm(Modulator):
     """
 
     name = "pwm"
+    api_version = "1.0"
     Parameters = PwmParameters
     State = PwmState
 

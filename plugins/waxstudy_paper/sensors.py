@@ -13,6 +13,7 @@ class IdealSensor(Sensor):
     """The reading is the temperature itself."""
 
     name = "ideal"
+    api_version = "1.0"
 
     @staticmethod
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
@@ -39,6 +40,7 @@ class DelaySensor(Sensor):
     """The reading is the temperature of `delay_s` ago, rounded to whole steps."""
 
     name = "delay"
+    api_version = "1.0"
     Parameters = DelayParameters
     State = DelayState
 
@@ -72,6 +74,7 @@ class LagSensor(Sensor):
     """The reading follows the temperature as a first-order lag, exact for an input held over the step."""
 
     name = "lag"
+    api_version = "1.0"
     Parameters = LagParameters
     State = LagState
 

@@ -14,6 +14,7 @@ class LinearValve(Valve):
     """The flow is proportional to the opening, the default of building simulation programs."""
 
     name = "linear"
+    api_version = "1.0"
 
     @staticmethod
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
@@ -61,6 +62,7 @@ class QuickOpeningValve(Valve):
     """
 
     name = "quick-opening"
+    api_version = "1.0"
     Parameters = QuickOpeningParameters
 
     @staticmethod

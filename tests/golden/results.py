@@ -13,7 +13,8 @@ from waxstudy.report.content import gather
 from waxstudy.report.render import as_csv
 from waxstudy.results.run import Run
 from waxstudy.simulation import kernel
-from waxstudy.simulation.engine import Chain, Loop
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.engine import Loop
 from waxstudy.simulation.run import prepare, run
 from waxstudy.study.model import Study
 from waxstudy.study.read import read_study

@@ -176,7 +176,7 @@ def test_a_gain_that_no_sky_can_give_is_refused_in_one_line(parameters: dict[str
         ({"sun_by_day": ["1"] * 7}, "valid number"),
         ({"sun_by_day": [-1.0] * 7}, "greater than or equal to 0"),
         ({"interval_s": 2100.0}, "divides the hour"),
-        ({"interval_s": 60.0}, "divides the hour"),
+        ({"interval_s": 60.0}, "greater than or equal to 300"),
     ],
 )
 def test_parameters_that_make_no_week_are_refused(parameters: dict[str, object], reason: str) -> None:

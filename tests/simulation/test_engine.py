@@ -12,7 +12,9 @@ import pytest
 from waxstudy.plugin import Actuator, FloatArray, Parameters
 from waxstudy.plugin.registry import PluginError, installed
 from waxstudy.simulation import kernel
-from waxstudy.simulation.engine import Chain, Loop, SimulationError, Start
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.engine import START, Loop, Start
+from waxstudy.simulation.interpreted import SimulationError
 from waxstudy.simulation.modes import DrivenRoom, drive
 from waxstudy.study.model import Choice
 from waxstudy_paper import actuators, controllers, modulators, sensors, valves
@@ -193,9 +195,9 @@ class Misspelled(Actuator):
 @pytest.mark.parametrize(
     ("block", "words"),
     [
-        (Failing, ["actuator 'failing' failed", "ZeroDivisionError", "test_engine.py:"]),
-        (Growing, ["actuator 'growing' gave", "outside 0 to 1"]),
-        (NotANumber, ["actuator 'not-a-number' gave NaN"]),
+        (Failing, ["actuator 'failing' failed", "ZeroDivisionError", "test_engine.py", "state then: steps = 720"]),
+        (Growing, ["actuator 'growing' failed", "it returned 1.00139, not a level from 0 to 1", "test_engine.py"]),
+        (NotANumber, ["actuator 'not-a-number' failed", "it returned nan"]),
     ],
 )
 def test_a_failing_block_is_named_with_its_time(block: Any, words: list[str], jit: bool, room: DrivenRoom) -> None:
@@ -241,14 +243,13 @@ class Silent(Actuator):
 
 @pytest.mark.parametrize("jit", [True, False])
 def test_a_path_without_a_return_is_named(jit: bool, room: DrivenRoom) -> None:
-    loop = Loop(Chain({**ON_OFF, "actuator": choice(Silent)}, STEP_S), room, 21.0, jit=jit)
-    with pytest.raises(SimulationError, match=r"actuator 'silent' failed .* TypeError"):
-        list(loop.weeks(21.0, [Start(0.0, 0.0)]))
+    with pytest.raises((PluginError, SimulationError), match=r"actuator 'silent'.*return"):
+        list(Loop(Chain({**ON_OFF, "actuator": choice(Silent)}, STEP_S), room, 21.0, jit=jit).weeks(21.0, [START]))
 
 
 def test_a_misspelled_state_field_is_named_with_the_nearest(room: DrivenRoom) -> None:
     chain = Chain({**ON_OFF, "actuator": choice(Misspelled)}, STEP_S)
-    with pytest.raises(PluginError, match=r"'misspelled' cannot be compiled: .*'stepps'; did you mean 'steps'\?"):
+    with pytest.raises(PluginError, match=r"'misspelled': .* no field 'stepps'; did you mean 'steps'\?"):
         Loop(chain, room, 21.0)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,12 +46,13 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
 def _failures(study_file: Path, folder: Path) -> Iterator[None]:
     from waxstudy.plugin.registry import PluginError
     from waxstudy.results.run import RunError
-    from waxstudy.simulation.engine import SimulationError
+    from waxstudy.simulation.interpreted import SimulationError
     from waxstudy.simulation.run import InputError
     from waxstudy.study.read import problem_at
 
     try:
-        yield
+        with redirect_stdout(sys.stderr):  # what a plugin prints is no result
+            yield
     except InputError as error:
         problem = problem_at(study_file, tuple(error.table.split(".")), str(error))
         raise CommandError(str(problem), INVALID, label="") from error
@@ -64,13 +65,17 @@ def _failures(study_file: Path, folder: Path) -> Iterator[None]:
         raise CommandError(f"{folder}: the results cannot be written: {reason}", FAILED) from error
 
 
+def _warn(text: str) -> None:
+    click.echo(f"warning: {text}", err=True)
+
+
 @contextmanager
 def _progress(quiet: bool) -> Iterator[Progress]:
     """A bar on stderr, on a terminal only."""
     from waxstudy.simulation.run import Progress
 
     if quiet or not sys.stderr.isatty():
-        yield Progress()
+        yield Progress(warn=_warn)
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
@@ -80,4 +85,4 @@ def _progress(quiet: bool) -> Iterator[Progress]:
     with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("preparing", total=None)
         total: Callable[[int], None] = lambda n: bar.update(task, total=n, description="cases")  # noqa: E731
-        yield Progress(total=total, done=lambda case, computed: bar.advance(task))
+        yield Progress(warn=_warn, total=total, done=lambda case, computed: bar.advance(task))

@@ -23,12 +23,19 @@ FloatArray = NDArray[np.float64]
 
 
 class Component:
-    """Anything that a plugin registers: a kind, a name, and documented parameters."""
+    """Anything that a plugin registers: a kind, a name, and documented parameters.
+
+    `api_version` is the version of these contracts that it was written for; another major is refused.
+    """
 
     kind: ClassVar[str]
     name: ClassVar[str]
     api_version: ClassVar[str] = API_VERSION
     Parameters: ClassVar[type[Parameters]] = Parameters
+    # labelled parameter sets worth showing and testing, e.g. one per product
+    examples: ClassVar[Mapping[str, Mapping[str, Any]]] = {"default": {}}
+    # conformance stages that cannot hold for this component -> why
+    exemptions: ClassVar[Mapping[str, str]] = {}
 
 
 # --- blocks of the control chain -------------------------------------------------------------------
@@ -68,8 +75,6 @@ class Block(Component):
     output: ClassVar[Port] = LEVEL
     State: ClassVar[type] = NoState
     step: ClassVar[Callable[..., float]]
-    # labelled parameter sets worth showing or testing, e.g. one per product
-    examples: ClassVar[Mapping[str, Mapping[str, Any]]] = {"default": {}}
 
     @classmethod
     def start(cls, p: Any, dt: float) -> Any:

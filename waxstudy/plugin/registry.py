@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import sys
 import traceback
 from collections.abc import Iterable
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import Distribution, EntryPoint, distributions
@@ -12,8 +14,9 @@ from types import ModuleType
 
 import pluggy
 
-from waxstudy.plugin.contracts import API_VERSION, KINDS, Component
+from waxstudy.plugin.contracts import Component
 from waxstudy.plugin.hook import GROUP, Hooks
+from waxstudy.plugin.structure import structure_problems
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
@@ -36,7 +39,7 @@ def described(error: BaseException) -> str:
     >>> described(KeyError("flow"))
     "KeyError: 'flow'"
     """
-    frames = traceback.extract_tb(error.__traceback__)
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith("<frozen")]
     place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
     return f"{type(error).__name__}: {error}{place}"
 
@@ -62,12 +65,10 @@ class Registry:
     contested: dict[tuple[str, str], str] = field(default_factory=dict)  # names that two packages claim
 
     def add(self, component: type[Component], package: str, version: str) -> None:
-        """Register one component; raise `PluginError` for a duplicate, a foreign kind or another API."""
+        """Register one component; raise `PluginError` for what is none of this API's, or for a duplicate."""
+        for problem in structure_problems(component):
+            raise PluginError(problem)
         entry = Registered(component, package, version)
-        if component.kind not in KINDS:
-            raise PluginError(f"{entry}: unknown kind; kinds are {', '.join(KINDS)}")
-        if component.api_version.split(".")[0] != API_VERSION.split(".")[0]:
-            raise PluginError(f"{entry}: made for plugin API {component.api_version}, this is {API_VERSION}")
         other = self.components.setdefault((component.kind, component.name), entry)
         if other is not entry:
             clash = f"{entry} is registered already by {other.package} {other.version}"
@@ -107,16 +108,14 @@ def installed() -> Registry:
 
 
 def _load(registry: Registry, entry_point: EntryPoint, distribution: Distribution) -> None:
+    """Import one plugin and call its hook; what it prints must not end up in a command's output."""
     try:
-        plugin: ModuleType = entry_point.load()
-    except (Exception, SystemExit) as error:  # a stranger's import may raise anything
-        registry.broken[entry_point.name] = described(error)
-        return
-    try:
-        _register(registry, plugin, distribution.metadata["Name"], distribution.version)
+        with redirect_stdout(sys.stderr):
+            plugin: ModuleType = entry_point.load()
+            _register(registry, plugin, distribution.metadata["Name"], distribution.version)
     except (PluginError, pluggy.PluginValidationError) as error:
         registry.broken[entry_point.name] = str(error)
-    except (Exception, SystemExit) as error:  # and so may its hook
+    except (Exception, SystemExit) as error:  # a stranger's import and hook may raise anything
         registry.broken[entry_point.name] = described(error)
 
 

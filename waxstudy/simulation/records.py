@@ -10,9 +10,12 @@ from typing import Any, Literal, get_args, get_origin
 import numpy as np
 
 from waxstudy.plugin import Parameters, Ring
+from waxstudy.plugin.registry import nearest
 
 RING = np.dtype([("offset", "i8"), ("length", "i8"), ("head", "i8")])
 _SCALARS = {float: "f8", int: "i8", bool: "?"}
+# what a field of a type may hold in Python
+_STORED = {float: (float, int, np.floating, np.integer), int: (int, np.integer), bool: (bool, np.bool_), Ring: (Ring,)}
 
 
 def _choices(annotation: Any) -> tuple[Any, ...]:
@@ -57,8 +60,10 @@ def _empty() -> np.ndarray:
 def state_dtype(state: type) -> np.dtype[Any]:
     """Return the record layout of a state dataclass of float, int, bool and Ring fields.
 
-    Raises `TypeError` naming a field of another type.
+    Raises `TypeError` naming a field of another type, or a class that is no dataclass.
     """
+    if not dataclasses.is_dataclass(state):
+        raise TypeError(f"its State, {state.__name__}, is no dataclass: mark it @dataclass")
     hints = typing.get_type_hints(state)
     fields: list[tuple[str, Any]] = []
     for field in dataclasses.fields(state):
@@ -88,3 +93,25 @@ def state_record(state: Any) -> np.ndarray:
         else:
             record[field.name] = value
     return memory
+
+
+def state_problem(state: Any) -> str:
+    """Say what makes a state object differ from what its class declares, or "": compiled code keeps to that.
+
+    >>> from dataclasses import make_dataclass
+    >>> state = make_dataclass("Wax", [("opening", float, 0.0), ("cycles", int, 0)])()
+    >>> state.openning = 1.0
+    >>> state_problem(state)
+    "its step sets 'openning', which its State does not declare; did you mean 'opening'?"
+    """
+    hints = typing.get_type_hints(type(state))
+    for name in getattr(state, "__dict__", {}):
+        if name not in hints:
+            near = nearest(name, hints)
+            hint = f"; did you mean '{near}'?" if near else ""
+            return f"its step sets '{name}', which its State does not declare{hint}"
+    for field in dataclasses.fields(state):
+        hint, value = hints[field.name], getattr(state, field.name)
+        if not isinstance(value, _STORED[hint]):
+            return f"its state field '{field.name}' is declared {hint.__name__} and holds {value!r}"
+    return ""

@@ -21,9 +21,11 @@ from waxstudy.plugin.registry import PluginError, described, installed
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
 from waxstudy.results.run import CaseFolder, CaseResult, Ladder, finish, is_finished, run_folder, write_case
 from waxstudy.simulation import ensemble, kernel, shift
-from waxstudy.simulation.compiled import component_digest, digest, source_digest
-from waxstudy.simulation.engine import DAY_S, Chain, Loop, SimulationError, Start, Stopped, Week
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.engine import DAY_S, Loop, Start, Stopped, Week
+from waxstudy.simulation.interpreted import SimulationError
 from waxstudy.simulation.modes import DrivenRoom, drive
+from waxstudy.simulation.sources import component_digest, digest, source_digest
 from waxstudy.study.model import Case, Study, is_multiple
 
 WEEK_H = 168.0
@@ -33,8 +35,9 @@ MOST_WORKERS = 4  # each holds a member's full trace; more would not fit into ha
 
 @dataclass
 class Progress:
-    """What the caller is told: the number of jobs once, then each job as it ends."""
+    """What the caller is told: warnings, the number of jobs once, then each job as it ends."""
 
+    warn: Callable[[str], None] = lambda text: None
     total: Callable[[int], None] = lambda n: None
     done: Callable[[CaseFolder, bool], None] = lambda case, computed: None
 
@@ -136,8 +139,13 @@ def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Pro
     with ThreadPoolExecutor(max_workers=min(MOST_WORKERS, os.cpu_count() or 1)) as pool:
         try:
             names: dict[Future[None], CaseFolder] = {}
+            warned: set[str] = set()
             for job in jobs:
                 loop = _loop(plan, job)  # compiles here, so that threads only compute
+                for warning in loop.warnings:
+                    if warning not in warned:
+                        progress.warn(warning)
+                    warned.add(warning)
                 names[pool.submit(_job, plan, job, loop, folder)] = job
             pending: set[Future[None]] = set(names)
             while pending:

@@ -17,6 +17,7 @@ class Paper(Reference):
     """Table 5 (one run per case) and sixteen findings of Parts et al., each as a check on a run."""
 
     name = "paper"
+    api_version = "1.0"
 
     @classmethod
     def rows(cls) -> Sequence[PublishedRow]:

@@ -38,6 +38,7 @@ class NzebRoom(Room):
     """The south-west corner room of the nZEB test house (Table 3), heated through its floor."""
 
     name = "nzeb"
+    api_version = "1.0"
     Parameters = NzebParameters
 
     @classmethod

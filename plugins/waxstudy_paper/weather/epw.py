@@ -73,7 +73,10 @@ class Epw(Weather):
     """
 
     name = "epw"
+    api_version = "1.0"
     Parameters = EpwParameters
+    examples = {}
+    exemptions = {"examples": "it reads a weather file that the user has"}
 
     @classmethod
     def load(cls, p: EpwParameters, facades: Mapping[str, Facade]) -> WeatherRecord:

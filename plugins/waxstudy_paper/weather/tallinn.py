@@ -67,6 +67,7 @@ class TallinnWeekParameters(SunParameters):
         description="solar gain of the paper's room per floor area, met exactly; by default the month's",
         source="section 3.3: 0.15 in January, 0.82 in February",
         gt=0.0,
+        le=20.0,
     )
     counted_share: float = parameter(
         0.88,
@@ -88,13 +89,15 @@ class TallinnWeekParameters(SunParameters):
         strict=False,
     )
     seed: int = parameter(
-        1, unit="1", description="seed of the temperature's noise", source="chosen: any will do", ge=0
+        1, unit="1", description="seed of the temperature's noise", source="chosen: any will do", ge=0, le=2**63 - 1
     )
     interval_s: float = parameter(
         3600.0,
         unit="s",
         description="interval of the record; a multiple of 300 s that divides the hour",
         source="chosen: test reference years are hourly",
+        ge=300.0,
+        le=3600.0,
     )
     swing_overcast_K: float = parameter(
         1.5,
@@ -102,6 +105,7 @@ class TallinnWeekParameters(SunParameters):
         description="daily swing of the outdoor temperature, lowest to highest, under an overcast sky",
         source="chosen: a closed cloud cover leaves a winter night one or two kelvin colder than the day",
         ge=0.0,
+        le=30.0,
     )
     swing_clear_K: float = parameter(
         7.0,
@@ -109,6 +113,7 @@ class TallinnWeekParameters(SunParameters):
         description="the same under a clear sky",
         source="chosen: under a clear sky the ground cools by radiation all night",
         ge=0.0,
+        le=30.0,
     )
     clear_sky_colder_K: float = parameter(
         5.0,
@@ -116,6 +121,7 @@ class TallinnWeekParameters(SunParameters):
         description="how much colder a clear day is than an overcast one, on average",
         source="chosen: northern winter highs are clear and cold; half of what Helsinki's IWEC year shows",
         ge=0.0,
+        le=30.0,
     )
     coldest_hour: float = parameter(
         7.0, unit="h", description="hour of the daily minimum", source="chosen: before sunrise", ge=0.0, lt=12.0
@@ -129,6 +135,7 @@ class TallinnWeekParameters(SunParameters):
         description="standard deviation of the temperature's autocorrelated noise",
         source="chosen: changes of 0.5 K from hour to hour, as in the winter of Helsinki's IWEC year",
         ge=0.0,
+        le=30.0,
     )
     noise_correlation_h: float = parameter(
         36.0,
@@ -136,6 +143,7 @@ class TallinnWeekParameters(SunParameters):
         description="time after which the noise's autocorrelation has fallen to 1/e",
         source="chosen: weather comes and goes in days; Helsinki's IWEC winter has 0.47 after 24 h",
         gt=0.0,
+        le=8760.0,
     )
     linke_turbidity: float = parameter(
         2.5,
@@ -190,7 +198,9 @@ class TallinnWeek(Weather):
     """
 
     name = "tallinn-week"
+    api_version = "1.0"
     Parameters = TallinnWeekParameters
+    examples = {"january": {"month": "january"}, "february": {"month": "february"}}
 
     @classmethod
     def load(cls, p: TallinnWeekParameters, facades: Mapping[str, Facade]) -> WeatherRecord:

@@ -1,0 +1,34 @@
+"""`waxstudy plugins list`"""
+
+from __future__ import annotations
+
+import click
+
+from waxstudy.cli.plugins.lookup import as_json, print_json, print_tables, table
+
+
+@click.command("list")
+@as_json
+def command(as_json: bool) -> None:
+    """List every component by kind, with its package, and broken plugins with their reason."""
+    from waxstudy.plugin import KINDS
+    from waxstudy.plugin.registry import installed
+
+    registry = installed()
+    entries = sorted(registry.components.items(), key=lambda item: (KINDS.index(item[0][0]), item[0][1]))
+    if as_json:
+        rows = [{"kind": kind, "name": name, "package": e.package, "version": e.version} for (kind, name), e in entries]
+        broken = [{"plugin": plugin, "reason": reason} for plugin, reason in registry.broken.items()]
+        print_json({"components": rows, "broken": broken})
+        return
+    listed = table(("kind", "name", "package", "what it is"))
+    for (kind, name), entry in entries:
+        listed.add_row(kind, name, f"{entry.package} {entry.version}", _first_sentence(entry.component.__doc__))
+    reasons = [f"broken: {plugin}: {reason}" for plugin, reason in registry.broken.items()]
+    print_tables(listed, *(["", *reasons] if reasons else []))
+
+
+def _first_sentence(doc: str | None) -> str:
+    """The first line of a docstring up to its colon or full stop."""
+    line = (doc or "").strip().splitlines()[0] if (doc or "").strip() else ""
+    return line.split(": ")[0].split(". ")[0].rstrip(".")

@@ -1,0 +1,92 @@
+"""What the user names: a registered component, or a class in a module."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from waxstudy.cli.errors import PLUGIN, CommandError, print_out
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from waxstudy.plugin.registry import Registered
+
+NARROWEST = 100
+
+
+def registered(name: str) -> list[Registered]:
+    """Return the components of this name, of any kind; say which is nearest if there is none."""
+    from waxstudy.plugin.registry import installed, nearest
+
+    registry = installed()
+    found = [entry for (_, own), entry in sorted(registry.components.items()) if own == name]
+    if found:
+        return found
+    if name in registry.broken:
+        raise CommandError(f"plugin '{name}' is broken: {registry.broken[name]}", PLUGIN)
+    names = sorted({own for _, own in registry.components})
+    near = nearest(name, names)
+    hint = f"; did you mean '{near}'?" if near else ""
+    broken = f"; broken plugins: {', '.join(registry.broken)}" if registry.broken else ""
+    raise CommandError(f"no component '{name}'{hint} (installed: {', '.join(names)}){broken}", PLUGIN)
+
+
+def imported(target: str) -> Any:
+    """Return the object that `module:Class` names, also from the current folder.
+
+    Raises `LookupError` if there is no such module or class, and whatever the import itself raises.
+    """
+    from waxstudy.plugin.registry import nearest
+
+    module, _, name = target.partition(":")
+    if (here := str(Path.cwd())) not in sys.path:
+        sys.path.insert(0, here)
+    try:
+        found = import_module(module)
+    except ModuleNotFoundError as error:
+        if error.name and module.startswith(error.name):
+            raise LookupError(f"no module '{module}' in {here}, and none installed") from None
+        raise
+    if not hasattr(found, name):
+        near = nearest(name, dir(found))
+        raise LookupError(f"module '{module}' has no '{name}'" + (f"; did you mean '{near}'?" if near else ""))
+    return getattr(found, name)
+
+
+def table(headings: Sequence[str]) -> Table:
+    from rich.table import Table as RichTable
+
+    made = RichTable(*headings, box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
+    made.columns[0].no_wrap = True  # a name that is cut off cannot be copied
+    return made
+
+
+def print_tables(*parts: object) -> None:
+    """Print texts and tables on stdout, as wide as the terminal."""
+    import io
+    import shutil
+
+    from rich.console import Console
+
+    width = max(NARROWEST, shutil.get_terminal_size((120, 24)).columns)
+    out = io.StringIO()
+    colour = sys.stdout.isatty()
+    console = Console(file=out, width=width, force_terminal=colour, no_color=not colour, highlight=False, emoji=False)
+    for part in parts:
+        console.print(part, markup=False, soft_wrap=isinstance(part, str))
+    print_out("\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n")
+
+
+def print_json(value: Mapping[str, Any] | Sequence[Any]) -> None:
+    import json
+
+    print_out(json.dumps(value, indent=2, default=str) + "\n")
+
+
+as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")

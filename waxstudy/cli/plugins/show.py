@@ -1,0 +1,157 @@
+"""`waxstudy plugins show`"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from waxstudy.cli.plugins.lookup import as_json, print_json, print_tables, registered, table
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+    from pydantic.fields import FieldInfo
+
+    from waxstudy.plugin import Component, Parameters
+    from waxstudy.plugin.registry import Registered
+
+
+@click.command("show")
+@click.argument("name", metavar="NAME")
+@as_json
+def command(name: str, as_json: bool) -> None:
+    """Show the components called NAME: parameters with unit, range, default and source; state; input and output."""
+    shown = [_described(entry) for entry in registered(name)]
+    if as_json:
+        print_json(shown)
+        return
+    parts: list[object] = []
+    for component in shown:
+        parts += [*([""] if parts else []), *_parts(component)]
+    print_tables(*parts)
+
+
+def _described(entry: Registered) -> dict[str, Any]:
+    from waxstudy.plugin import Block
+
+    component = entry.component
+    described: dict[str, Any] = {
+        "kind": component.kind,
+        "name": component.name,
+        "package": entry.package,
+        "version": entry.version,
+        "api_version": component.api_version,
+        "source_file": _source_file(component),
+        "documentation": inspect.cleandoc(component.__doc__ or ""),
+        "parameters": _parameters(component.Parameters, _defaults(component)),
+    }
+    if issubclass(component, Block):
+        described["input"], described["output"] = vars(component.input), vars(component.output)
+        described["state"] = _state(component)
+    return described | {"exemptions": dict(component.exemptions)}
+
+
+def _source_file(component: type[Component]) -> str:
+    try:
+        return f"{inspect.getsourcefile(component)}:{inspect.getsourcelines(component)[1]}"
+    except (OSError, TypeError):
+        return "unknown"
+
+
+def _parameters(model: type[BaseModel], defaults: Mapping[str, Any], prefix: str = "") -> list[dict[str, Any]]:
+    """One row per parameter; those of a table inside are written as a study file does, `circuit.spacing_m`."""
+    from pydantic import BaseModel
+
+    rows: list[dict[str, Any]] = []
+    for name, field in model.model_fields.items():
+        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+        inner: Any = field.annotation
+        default = defaults.get(name)
+        if isinstance(inner, type) and issubclass(inner, BaseModel) and isinstance(default, Mapping):
+            rows += _parameters(inner, default, f"{prefix}{name}.")
+            continue
+        rows.append(
+            {
+                "name": prefix + name,
+                "unit": extra.get("unit", ""),
+                "range": _range(field),
+                "default": default,
+                "required": name not in defaults and field.is_required(),
+                "description": field.description or "",
+                "source": extra.get("source", ""),
+            }
+        )
+    return rows
+
+
+def _defaults(component: type[Component]) -> Mapping[str, Any]:
+    """What a study gets that gives no parameter: validators may fill in more than the fields themselves."""
+    model: type[Parameters] = component.Parameters
+    try:
+        return model().model_dump(mode="json")
+    except Exception:  # something is required
+        fields = model.model_fields.items()
+        return {
+            name: field.get_default(call_default_factory=False) for name, field in fields if not field.is_required()
+        }
+
+
+def _range(field: FieldInfo) -> str:
+    from typing import get_args
+
+    bounds = {name: getattr(m, name) for m in field.metadata for name in ("ge", "gt", "le", "lt") if hasattr(m, name)}
+    if bounds:
+        low = f"{bounds['ge']:g}" if "ge" in bounds else f"> {bounds['gt']:g}" if "gt" in bounds else ""
+        high = f"{bounds['le']:g}" if "le" in bounds else f"< {bounds['lt']:g}" if "lt" in bounds else ""
+        return " to ".join(part for part in (low, high) if part)
+    choices = [c for a in (field.annotation, *get_args(field.annotation)) for c in get_args(a) if isinstance(c, str)]
+    return ", ".join(dict.fromkeys(choices))
+
+
+def _state(component: Any) -> list[dict[str, Any]]:
+    """Fields of the state with their values at the start of the first example, at a step of 5 s."""
+    import dataclasses
+
+    from waxstudy.simulation.records import plain_parameters
+
+    example: Mapping[str, Any] = next(iter(component.examples.values()), {})
+    start = component.start(plain_parameters(component.Parameters.model_validate(dict(example))), 5.0)
+    return [
+        {
+            "name": field.name,
+            "type": getattr(field.type, "__name__", str(field.type)),
+            "start": getattr(start, field.name),
+        }
+        for field in dataclasses.fields(start)
+    ]
+
+
+def _parts(shown: Mapping[str, Any]) -> list[object]:
+    title = f"{shown['kind']} '{shown['name']}' of {shown['package']} {shown['version']} (API {shown['api_version']})"
+    parts: list[object] = [title, shown["source_file"], "", shown["documentation"]]
+    ports = [(side, shown[side]) for side in ("input", "output") if side in shown]
+    parts += [""] if ports else []
+    parts += [f"{side + ':':8} {p['quantity']} [{p['unit']}], {p['low']:g} to {p['high']:g}" for side, p in ports]
+    parts += ["", _parameter_table(shown["parameters"])] if shown["parameters"] else ["", "no parameters"]
+    if shown.get("state"):
+        state = table(("state", "type", "at the start"))
+        for field in shown["state"]:
+            value = field["start"] if isinstance(field["start"], bool | int | float) else "empty"
+            state.add_row(field["name"], field["type"], f"{value}")
+        parts += ["", state]
+    parts += [f"exempt from {stage}: {reason}" for stage, reason in shown["exemptions"].items()]
+    return parts
+
+
+def _parameter_table(parameters: list[dict[str, Any]]) -> object:
+    rows = table(("parameter", "unit", "range", "default", "what it is", "source"))
+    for p in parameters:
+        default = "required" if p["required"] else "" if p["default"] is None else _short(p["default"])
+        rows.add_row(p["name"], p["unit"], p["range"], default, p["description"], p["source"])
+    return rows
+
+
+def _short(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,215 @@
+"""What a block of the control chain must do, stage by stage."""
+
+from __future__ import annotations
+
+import copy
+import io
+import pickle
+from collections.abc import Iterator, Sequence
+from contextlib import redirect_stderr, redirect_stdout
+from typing import Any
+
+import numpy as np
+
+from waxstudy.conformance import signals
+from waxstudy.conformance.drive import CompiledBlock, interpreted
+from waxstudy.conformance.purity import impure_names
+from waxstudy.conformance.stage import Problems, Stage, Subject
+from waxstudy.plugin import Block
+from waxstudy.plugin.registry import PluginError, described
+from waxstudy.simulation.interpreted import SimulationError
+from waxstudy.simulation.records import plain_parameters, state_dtype, state_problem, state_record
+
+STEPS_S = (1.0, 5.0, 60.0)
+WARM_UP_S = -604800.0
+HALVINGS_S = (40.0, 20.0, 10.0, 5.0)
+FINEST_S = 1.25
+NEAR, SHARE = 0.01, 0.5  # of the output's span: how near 5 s must be, and what an eighth of the step must leave
+
+
+def _block(subject: Subject) -> type[Block]:
+    assert issubclass(subject.component, Block)
+    return subject.component
+
+
+def _examples(subject: Subject) -> Iterator[tuple[str, Any]]:
+    for label, model in subject.models.items():
+        yield label, plain_parameters(model)
+
+
+def ports(subject: Subject) -> Problems:
+    """Input and output have a unit and a finite range, those of its kind unless there is a reason."""
+    block = _block(subject)
+    for side, port in (("input", block.input), ("output", block.output)):
+        if not (np.isfinite([port.low, port.high]).all() and port.low < port.high):
+            yield f"its {side} range is {port.low:g} to {port.high:g}: give a finite range, the lower end first"
+        kinds_own = next(getattr(base, side) for base in block.__mro__ if base.__module__ == Block.__module__)
+        if port.unit != kinds_own.unit or port.low < kinds_own.low or port.high > kinds_own.high:
+            allowed = f"{kinds_own.low:g} to {kinds_own.high:g} [{kinds_own.unit}]"
+            yield f"its {side} is {port.low:g} to {port.high:g} [{port.unit}]; a {block.kind}'s lies within {allowed}"
+
+
+def state(subject: Subject) -> Problems:
+    """The state is a dataclass of float, int, bool and Ring; every start gives a fresh one."""
+    block = _block(subject)
+    try:
+        state_dtype(block.State)
+    except (TypeError, NameError) as error:
+        yield f"{error}"
+        return
+    for label, p in _examples(subject):
+        try:
+            first, second = block.start(p, 5.0), block.start(p, 5.0)
+            untouched = copy.deepcopy(second)
+        except Exception as error:
+            yield f"example '{label}': start failed: {described(error)}"
+            continue
+        if not isinstance(first, block.State):
+            yield f"example '{label}': start gives {first!r:.60}, not its State, {block.State.__name__}"
+            continue
+        if wrong := state_problem(first):
+            yield f"example '{label}': {wrong}"
+            continue
+        try:
+            interpreted(block, p, signals.random(block.input, 200), 5.0, state=first)
+        except SimulationError:
+            continue  # told by the next stage
+        if first is second or _bytes(second) != _bytes(untouched):
+            yield (
+                f"example '{label}': two starts share memory, so that one chain changes the other: build what is "
+                "mutable in `start`, or with field(default_factory=...)"
+            )
+
+
+def output(subject: Subject) -> Problems:
+    """For any input the output is a number in its range, whatever the step and the time; nothing is printed."""
+    block = _block(subject)
+    for label, p in _examples(subject):
+        inputs = {"random": signals.random(block.input), **signals.adversarial(block.input)}
+        inputs["a week"] = signals.random(block.input, 10080)
+        printed = io.StringIO()
+        for name, values in inputs.items():
+            for dt in STEPS_S if name != "a week" else (60.0,):
+                x = block.start(p, dt)
+                try:
+                    with redirect_stdout(printed), redirect_stderr(printed):
+                        interpreted(block, p, values, dt, WARM_UP_S if name == "random" else 0.0, state=x)
+                except SimulationError as error:
+                    yield f"example '{label}', input '{name}', step {dt:g} s: {error}"
+                    break
+                if wrong := state_problem(x):
+                    yield f"example '{label}': {wrong}"
+                    break
+        if printed.getvalue():
+            yield f"its step prints ({printed.getvalue().strip()[:40]!r}): remove it; the output is for results"
+
+
+def reproducible(subject: Subject) -> Problems:
+    """The output depends on parameters, state, input and time alone: no clock, no chance, no memory elsewhere."""
+    block = _block(subject)
+    for name, line in impure_names(block):
+        yield f"line {line} uses `{name}`: a run must give the same figures each time; keep everything in the state"
+    for label, p in _examples(subject):
+        values, others = signals.random(block.input), signals.random(block.input, seed=signals.SEED + 1)
+        alone = interpreted(block, p, values, 5.0)
+        again = interpreted(block, p, values, 5.0)
+        if alone != again:
+            where = _first_difference(alone, again)
+            yield f"example '{label}': a second run differs {where}: something outlives the state"
+            continue
+        x, y, beside = block.start(p, 5.0), block.start(p, 5.0), []
+        for n, (u, other) in enumerate(zip(values, others, strict=True)):
+            beside += interpreted(block, p, [u], 5.0, n * 5.0, x)
+            interpreted(block, p, [other], 5.0, n * 5.0, y)
+        if beside != alone:
+            where = _first_difference(alone, beside)
+            yield f"example '{label}': beside a second chain it differs {where}: both share memory outside the state"
+
+
+def restore(subject: Subject) -> Problems:
+    """A state that is saved and read again goes on as if nothing had happened."""
+    block = _block(subject)
+    for label, p in _examples(subject):
+        values = signals.random(block.input)
+        half = len(values) // 2
+        x = block.start(p, 5.0)
+        whole = interpreted(block, p, values, 5.0)
+        interpreted(block, p, values[:half], 5.0, state=x)
+        try:
+            x = pickle.loads(pickle.dumps(x))
+        except Exception as error:
+            yield f"its state cannot be pickled ({type(error).__name__}): define State at the top of a module"
+            return
+        rest = interpreted(block, p, values[half:], 5.0, half * 5.0, x)
+        if rest != whole[half:]:
+            where = _first_difference(whole[half:], rest)
+            yield f"example '{label}': restored, it differs {where}: a part of it is not in the state"
+
+
+def compiled(subject: Subject) -> Problems:
+    """Compiled, it gives the same bits as in Python."""
+    from waxstudy.simulation.typed import CannotCompile
+
+    block = _block(subject)
+    for label, p in _examples(subject):
+        for name, values in {"random": signals.random(block.input), **signals.adversarial(block.input)}.items():
+            for dt in STEPS_S:
+                try:
+                    machine = CompiledBlock(block, p, dt)
+                except CannotCompile as error:
+                    yield f"it cannot be compiled, and would run many times slower in Python: {error}"
+                    return
+                except PluginError as error:
+                    yield f"{error}"
+                    return
+                expected, found = interpreted(block, p, values, dt), machine.run(values, dt)
+                if machine.changed_parameters:
+                    yield "its step changes its parameters: keep what changes in the state"
+                    return
+                if expected != found:
+                    where = _first_difference(expected, found)
+                    yield f"example '{label}', input '{name}', step {dt:g} s: compiled, it differs {where}"
+                    return
+
+
+def step_halving(subject: Subject) -> Problems:
+    """With a shorter step its output settles: at 5 s it lies near that at 1.25 s, and nearer than at 40 s."""
+    block = _block(subject)
+    held = signals.day(block.input, HALVINGS_S[0])
+    for label, p in _examples(subject):
+        finest = _sampled(block, p, held, FINEST_S)
+        span = float(np.ptp(finest))
+        away = [float(np.mean(np.abs(_sampled(block, p, held, dt) - finest))) / (span or 1.0) for dt in HALVINGS_S]
+        if away[-1] > NEAR or away[-1] > SHARE * away[0] + 1e-3:
+            steps = ", ".join(f"{100 * a:.2f} % at {dt:g} s" for a, dt in zip(away, HALVINGS_S, strict=True))
+            yield (
+                f"example '{label}': its output does not settle with a shorter step (mean distance to a step of "
+                f"{FINEST_S:g} s: {steps}): let every rate be multiplied by dt, and every time be measured in seconds"
+            )
+
+
+def _sampled(block: type[Block], p: Any, held: Sequence[float], dt: float) -> np.ndarray:
+    """Mean output over each of the coarsest steps, for an input that is held over these."""
+    parts = round(HALVINGS_S[0] / dt)
+    outputs = interpreted(block, p, np.repeat(held, parts).tolist(), dt)
+    return np.asarray(np.reshape(outputs, (-1, parts)).mean(axis=1))
+
+
+def _bytes(x: Any) -> bytes:
+    return state_record(x).tobytes()
+
+
+def _first_difference(expected: Sequence[float], found: Sequence[float]) -> str:
+    n = next(i for i, (a, b) in enumerate(zip(expected, found, strict=True)) if a != b)
+    return f"at step {n + 1} ({found[n]!r} instead of {expected[n]!r})"
+
+
+STAGES = (
+    Stage("ports", "input and output with unit and range", ports, needed=True),
+    Stage("state", "a fresh state of simple fields", state, needed=True),
+    Stage("output", "a number in its range for any input", output, needed=True),
+    Stage("reproducible", "the same again, also beside another chain", reproducible, exemptible=False),
+    Stage("restore", "goes on after being saved and read", restore),
+    Stage("compiled", "compiled as in Python, to the bit", compiled, exemptible=True),
+    Stage("step-halving", "settles with a shorter step", step_halving, exemptible=True),
+)

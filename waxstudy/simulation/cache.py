@@ -1,0 +1,48 @@
+"""The folder of compiled code, named by a digest of all sources: numba's own cache misses edits in other files."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import llvmlite
+import numba
+import numpy as np
+
+from waxstudy.simulation.sources import digest, source_digest
+
+log = logging.getLogger(__name__)
+T = TypeVar("T")
+
+
+def cache_folder() -> Path:
+    """Folder of the compiled code: `WAXSTUDY_CACHE`, or the user's cache folder; one subfolder per digest."""
+    base = os.environ.get("WAXSTUDY_CACHE") or os.path.join(
+        os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache"), "waxstudy"
+    )
+    versions = (numba.__version__, llvmlite.__version__, np.__version__, sys.version)
+    return Path(base) / digest((*versions, source_digest(__name__)))
+
+
+def cached(build: Callable[[Path | None], T]) -> T:
+    """Build with the disk cache, or without it where it cannot be used; a damaged one is removed for the next time."""
+    folder = cache_folder()
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return build(folder)
+    except numba.core.errors.NumbaError:
+        raise
+    except Exception as error:  # a damaged cache may raise anything while it is read
+        built = build(None)  # what is wrong with the code itself is raised here again
+        log.info("compiled code cannot be cached in %s: %s", folder, error)
+        shutil.rmtree(folder, ignore_errors=True)
+        return built
+    finally:
+        numba.config.CACHE_DIR = before

@@ -1,0 +1,121 @@
+"""Blocks that run in Python: what they do wrong becomes a `SimulationError` that names block, time and place."""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+import traceback
+from collections.abc import Callable
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from waxstudy.plugin import Block, Port
+
+Step = Callable[[Any, Any, float, float, float], float]
+_OBJECT = ctypes.POINTER(ctypes.py_object)
+_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_double, _OBJECT, _OBJECT, ctypes.c_double, ctypes.c_double, ctypes.c_double)
+
+
+class SimulationError(Exception):
+    """The simulation failed; the message names the block, the time, and where in its source."""
+
+
+def checked(block: type[Block]) -> Step:
+    """Return a block's step that raises `SimulationError` for anything but a number in the declared range."""
+    port = block.output
+
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        try:
+            value = block.step(p, x, u, t, dt)
+        except Exception as error:
+            frames = traceback.extract_tb(error.__traceback__)[1:]
+            raise _failed(block, x, u, t, f"{type(error).__name__}: {error}", frames) from error
+        wrong = _wrong(value, port)
+        if wrong:
+            raise _failed(block, x, u, t, wrong, _definition(block))
+        return float(value) + 0.0  # as the compiled guard: no negative zero
+
+    return step
+
+
+class Callback:
+    """A block's step as a C function for the compiled loop, which gets the addresses of Python objects.
+
+    What the step raises cannot pass through the loop: it is kept in `error`, and the loop is given NaN.
+    """
+
+    def __init__(self, block: type[Block]) -> None:
+        self.error: SimulationError | None = None
+        step = checked(block)
+
+        def call(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+            try:
+                return step(p[0], x[0], u, t, dt)
+            except SimulationError as error:
+                self.error = error
+                return float("nan")
+
+        self._function = _CALLBACK(call)  # kept: C code holds no reference to it
+
+    @property
+    def address(self) -> int:
+        return ctypes.cast(self._function, ctypes.c_void_p).value or 0
+
+
+def boxed(value: Any) -> np.ndarray:
+    """Return an array that holds a Python object, whose data a `Callback` is given the address of."""
+    box = np.empty(1, dtype=object)
+    box[0] = value
+    return box
+
+
+def _wrong(value: Any, port: Port) -> str:
+    """Say what is wrong with a block's output, or ""."""
+    if not isinstance(value, int | float | np.number | np.bool_):
+        text = "None (a path without `return`?)" if value is None else f"{type(value).__name__} {value!r:.60}"
+        return f"it returned {text}, not a number"
+    if port.low <= value <= port.high:  # false for NaN too
+        return ""
+    unit = "" if port.unit == "1" else f" {port.unit}"
+    return f"it returned {float(value):g}, not a {port.quantity} from {port.low:g} to {port.high:g}{unit}"
+
+
+def _failed(block: type[Block], x: Any, u: float, t: float, wrong: str, frames: Any) -> SimulationError:
+    lines = [line.rstrip() for line in traceback.format_list(list(frames))]
+    state = ", ".join(f"{name} = {value!r}" for name, value in _fields(x).items())
+    if state:
+        lines.append(f"  state then: {state}")
+    return SimulationError(
+        "\n".join([f"{block.kind} '{block.name}' failed at {clock(t)} with input {u:g}: {wrong}", *lines])
+    )
+
+
+def _fields(x: Any) -> dict[str, Any]:
+    if not dataclasses.is_dataclass(x):
+        return {}
+    values = {field.name: getattr(x, field.name, None) for field in dataclasses.fields(x)}
+    return {name: value for name, value in values.items() if isinstance(value, int | float)}
+
+
+def _definition(block: type[Block]) -> list[traceback.FrameSummary]:
+    """Where a step is defined, for what went wrong without an exception."""
+    step = block.step
+    if not isinstance(step, FunctionType):
+        return []
+    code = step.__code__
+    return [traceback.FrameSummary(code.co_filename, code.co_firstlineno, code.co_name, line="")]
+
+
+def clock(t: float) -> str:
+    """A time of the run in words.
+
+    >>> clock(93605.0), clock(-5.0)
+    ('day 2, 02:00:05', '5 s before the week (warm-up)')
+    """
+    if t < 0:
+        return f"{-t:g} s before the week (warm-up)"
+    day, rest = divmod(t, 86400.0)
+    hours, rest = divmod(rest, 3600.0)
+    return f"day {day + 1:.0f}, {hours:02.0f}:{rest // 60:02.0f}:{rest % 60:02.0f}"

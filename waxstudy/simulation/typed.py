@@ -1,0 +1,123 @@
+"""What numba's types say about a block: mistakes that compile and then give other results than Python."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, types
+from numba.core import ir
+
+from waxstudy.plugin import Block
+from waxstudy.plugin.registry import PluginError, nearest
+
+LONGEST_REASON = 200
+
+
+class CannotCompile(Exception):
+    """A block cannot be compiled, though it may run in Python; the message says why."""
+
+
+def examine(block: type[Block], step: Any, parameters: np.dtype[Any], state: np.dtype[Any]) -> None:
+    """Compile a step for its records and look at its types.
+
+    Raises `CannotCompile` where Python may still run it, `PluginError` where Python would give another result: a
+    number cut off by the type of its state field, a name that is no field, a path that returns nothing.
+    """
+    records = (from_dtype(parameters), from_dtype(state))
+    try:
+        step.compile((*records, types.float64, types.float64, types.float64))
+    except KeyError as error:  # numba's word for a record without such a field
+        raise PluginError(f"{block.kind} '{block.name}': {_no_field(error, parameters, state)}") from error
+    except Exception as error:  # not all of numba's errors are `NumbaError`
+        raise CannotCompile(reason(error)) from error
+    for wrong in (*_cut_off(step), *_without_return(step)):
+        raise PluginError(f"{block.kind} '{block.name}': {wrong}")
+    returned = next(iter(step.overloads.values())).signature.return_type
+    if not isinstance(returned, types.Float | types.Integer | types.Boolean):
+        raise CannotCompile(f"it returns {_spoken(returned)}, not a number")
+
+
+def reason(error: BaseException) -> str:
+    """Return numba's first sentence and the line it is about, without the pipeline around it."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    said = [line for line in lines if line and not line.startswith("Failed in ")] or [type(error).__name__]
+    first = said[0]
+    if first.endswith("for signature:") and len(said) > 1:
+        first = f"{first.removesuffix(' found for signature:')} {said[1].removeprefix('>>> ')}"
+    place = re.search(r"line (\d+)|\((\d+)\)", str(error))
+    where = f" (line {place[1] or place[2]})" if place else ""
+    first = re.sub(r" ?Raised from .*", "", first).rstrip(". ")
+    first = re.sub(r"Module\(<module '(\S+)'[^>]*>\)", r"module \1", first)
+    return first[:LONGEST_REASON] + where
+
+
+def _no_field(error: KeyError, *layouts: np.dtype[Any]) -> str:
+    field = str(error.args[0])
+    near = nearest(field, [name for layout in layouts for name in layout.names or ()])
+    return f"its state and parameters have no field '{field}'" + (f"; did you mean '{near}'?" if near else "")
+
+
+def _dispatchers(step: Any, seen: set[int] | None = None) -> Iterator[Any]:
+    """A compiled step and the compiled helpers below it, each once."""
+    seen = set() if seen is None else seen
+    if id(step) in seen:
+        return
+    seen.add(id(step))
+    yield step
+    function: FunctionType = step.py_func
+    for name in function.__code__.co_names:
+        helper = function.__globals__.get(name)
+        if hasattr(helper, "overloads"):
+            yield from _dispatchers(helper, seen)
+
+
+def _cut_off(step: Any) -> Iterator[str]:
+    """Say where a fractional number is put into a field that holds whole numbers or true and false."""
+    for dispatcher in _dispatchers(step):
+        for overload in dispatcher.overloads.values():
+            known = overload.type_annotation.typemap
+            for place in _assignments(overload.type_annotation.blocks.values()):
+                record, value = known[place.target.name], known[place.value.name]
+                field = record.typeof(place.attr) if isinstance(record, types.Record) else None
+                if not _holds(field, value):
+                    where = f"{Path(place.loc.filename).name}, line {place.loc.line}"
+                    yield (
+                        f"its state field '{place.attr}' is declared {_spoken(field)} and is given {_spoken(value)} "
+                        f"({where}): compiled, it would be cut off"
+                    )
+
+
+def _holds(field: Any, value: Any) -> bool:
+    """Whether a state field keeps a value whole: a bool takes a bool, an int an int or a bool, a float any number."""
+    if isinstance(field, types.Boolean):
+        return isinstance(value, types.Boolean)
+    return not isinstance(field, types.Integer) or isinstance(value, types.Integer | types.Boolean)
+
+
+def _assignments(blocks: Any) -> Iterator[ir.SetAttr]:
+    for block in blocks:
+        yield from block.find_insts(ir.SetAttr)
+
+
+def _spoken(numba_type: Any) -> str:
+    words = {
+        types.Boolean: "bool",
+        types.Integer: "int",
+        types.Float: "a float",
+        types.Array: "an array",
+        types.BaseTuple: "a tuple",
+        types.UnicodeType: "a text",
+        types.StringLiteral: "a text",
+    }
+    return next((word for kind, word in words.items() if isinstance(numba_type, kind)), str(numba_type))
+
+
+def _without_return(step: Any) -> Iterator[str]:
+    for overload in step.overloads.values():
+        if isinstance(overload.signature.return_type, types.Optional | types.NoneType):
+            yield "a path through its step returns nothing; every path needs `return` with a number"
