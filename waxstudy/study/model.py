@@ -12,12 +12,13 @@ from pydantic import field_validator
 from waxstudy.plugin import Component, Parameters, parameter
 
 NAME_RULE = "must be at most 64 letters, digits, '_', '-' or '.', with a letter or digit at both ends"
+NAME_PATTERN = r"[A-Za-z0-9]([A-Za-z0-9_.-]{0,62}[A-Za-z0-9])?"
 HOUR_S = 3600.0
 
 
 def is_safe_name(name: object) -> bool:
     """Whether a name can be part of a file name on any system."""
-    return isinstance(name, str) and bool(re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9_.-]{0,62}[A-Za-z0-9])?", name))
+    return isinstance(name, str) and bool(re.fullmatch(NAME_PATTERN, name))
 
 
 def is_multiple(value: float, of: float) -> bool:
