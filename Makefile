@@ -13,8 +13,9 @@ test: .venv/installed-dev  ## set up, check style, types and imports, run every 
 	$(BIN)/lint-imports
 	$(BIN)/python -m pytest
 
-golden: .venv/installed-dev  ## compute the golden results again
+golden: .venv/installed-dev  ## compute the golden results and the study file's schema again
 	$(BIN)/python -m tests.golden.regenerate
+	$(BIN)/python -m tests.study.regenerate_schema
 
 bench: .venv/installed-dev  ## measure speed and memory
 	$(BIN)/python -m benchmarks
@@ -25,7 +26,7 @@ bench: .venv/installed-dev  ## measure speed and memory
 	touch $@
 
 .venv/installed-dev: .venv/installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]" --editable plugins/waxstudy-enthalpy
 	touch $@
 
 clean:

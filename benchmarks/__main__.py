@@ -8,19 +8,21 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numba import njit
 
+from waxstudy.plugin import Actuator
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import Loop, Start
 from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.run import prepare
-from waxstudy.study.model import Study
+from waxstudy.study.model import Choice, Study
 from waxstudy.study.read import read_study
 
 STUDY = Path(__file__).parents[1] / "studies" / "table5.toml"
@@ -83,12 +85,32 @@ def loop_figures(study: Study, driven: DrivenRoom) -> None:
     readings = 21.0 + 0.5 * np.sin(np.arange(n_steps) / 400.0)
     reference = best_s(lambda: _hand_written(readings, 21.0, 5.0)) / n_steps * 1e9
     print(f"\nreference: O_WM's chain by hand in one function, no room: {reference:.1f} ns per step")
-    print(f"{'case':6} {'chain ns':>9} {'ratio':>6} {'with room ns':>13} {'ratio':>6}   limit 40 ns for the chain")
+    print(f"{'chain':23} {'ns':>7} {'ratio':>6} {'with room ns':>13} {'ratio':>6}   limit 40 ns for a case's chain")
     bare = chain_only(driven)
-    for case in study.cases.values():
-        chain = Chain(case.blocks, study.step_s)
+    for label, blocks in chains(study):
+        chain = Chain(blocks, study.step_s)
         alone, full = (best_s(partial(_one_week, Loop(chain, room, 21.0))) / n_steps * 1e9 for room in (bare, driven))
-        print(f"{case.id:6} {alone:9.1f} {alone / reference:6.2f} {full:13.1f} {full / reference:6.2f}")
+        print(f"{label:23} {alone:7.1f} {alone / reference:6.2f} {full:13.1f} {full / reference:6.2f}")
+
+
+class InPython(Actuator):
+    """An ideal actuator that cannot be compiled: what a call back into Python costs."""
+
+    name = "in-python"
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        return float({"opening": u, 1: dt}["opening"])
+
+
+def chains(study: Study) -> Iterator[tuple[str, Mapping[str, Choice]]]:
+    """Every case's chain, then O_WM's with each other installed actuator in place of its own."""
+    yield from ((case.id, case.blocks) for case in study.cases.values())
+    blocks = study.cases["O_WM"].blocks
+    others = [installed().get("actuator", name) for name in installed().names("actuator")]
+    for actuator in (*others, InPython):
+        if actuator is not blocks["actuator"].component:
+            yield f"O_WM, {actuator.name}", {**blocks, "actuator": Choice(actuator, actuator.Parameters())}
 
 
 def year_figure(study: Study, driven: DrivenRoom) -> None:

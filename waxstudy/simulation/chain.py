@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from waxstudy.plugin import CHAIN, Block
 from waxstudy.plugin.registry import described
-from waxstudy.simulation.interpreted import Callback, SimulationError, boxed
+from waxstudy.simulation.interpreted import Callback, SimulationError
 from waxstudy.simulation.records import parameter_record, plain_parameters, state_problem, state_record
 from waxstudy.study.model import Choice
 
@@ -64,12 +64,9 @@ class CompiledChain:
         self.warnings: list[str] = []
         self.callbacks: dict[int, Callback] = {}
         self.addresses = np.array([self._address(place) for place in range(len(CHAIN))], dtype=np.int64)
-        self._parameters = [
-            boxed(plain) if place in self.callbacks else parameter_record(plain)
-            for place, plain in enumerate(chain.plain)
-        ]
-        self._intact = [record.tobytes() for record in self._parameters]
-        self.parameters = np.array([record.ctypes.data for record in self._parameters], dtype=np.int64)
+        self._parameters = self._stored(chain.plain, parameter_record)
+        self._intact = [record.tobytes() if isinstance(record, np.ndarray) else b"" for record in self._parameters]
+        self.parameters = self.pointers(self._parameters)
 
     def _address(self, place: int) -> int:
         from waxstudy.simulation.compiled import address
@@ -86,21 +83,22 @@ class CompiledChain:
             self.callbacks[place] = Callback(block)
             return self.callbacks[place].address
 
-    def start(self) -> list[np.ndarray | None]:
-        """Return fresh states in memory, None where the chain has no block."""
-        states = enumerate(self.chain.start())
-        return [self._stored(place, state) if self.chain.blocks[place] else None for place, state in states]
+    def start(self) -> list[Any]:
+        """Return fresh states: memory for compiled blocks, objects for those in Python, None for no block."""
+        states = [state if block else None for block, state in zip(self.chain.blocks, self.chain.start(), strict=True)]
+        return self._stored(states, state_record)
 
-    def _stored(self, place: int, state: Any) -> np.ndarray:
-        return boxed(state) if place in self.callbacks else state_record(state)
+    def _stored(self, values: Iterable[Any], record: Callable[[Any], np.ndarray]) -> list[Any]:
+        return [v if v is None or place in self.callbacks else record(v) for place, v in enumerate(values)]
 
-    def failed(self, states: list[np.ndarray | None]) -> int | None:
+    def pointers(self, stored: Iterable[Any]) -> np.ndarray:
+        """Return the addresses of parameters or states; a Python object's is its id."""
+        places = [0 if v is None else v.ctypes.data if isinstance(v, np.ndarray) else id(v) for v in stored]
+        return np.array(places, dtype=np.int64)
+
+    def failed(self, states: list[Any]) -> int | None:
         """Return the place of a block that changed its parameters, or in Python its state's form; else None."""
-        for place, (record, intact) in enumerate(zip(self._parameters, self._intact, strict=True)):
-            if record.tobytes() != intact:
+        for place, (stored, intact) in enumerate(zip(self._parameters, self._intact, strict=True)):
+            if intact and stored.tobytes() != intact:
                 return place
-        for place in self.callbacks:
-            box = states[place]
-            if box is not None and state_problem(box[0]):
-                return place
-        return None
+        return next((place for place in self.callbacks if state_problem(states[place])), None)

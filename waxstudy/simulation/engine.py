@@ -48,7 +48,7 @@ class State:
 
     modes: FloatArray
     readings: FloatArray
-    blocks: list[Any]  # records for compiled code, objects for the interpreter
+    blocks: list[Any]  # memory for compiled code, objects for the interpreter
 
 
 class Loop:
@@ -154,8 +154,7 @@ class Loop:
         from waxstudy.simulation.compiled import loop
 
         assert self.compiled
-        pointers = np.array([0 if s is None else s.ctypes.data for s in state.blocks], dtype=np.int64)
-        blocks = (self.compiled.addresses, self.compiled.parameters, pointers)
+        blocks = (self.compiled.addresses, self.compiled.parameters, self.compiled.pointers(state.blocks))
         code = int(loop()(*blocks, *room, state.modes, state.readings, *rest, *out))
         failed = self.compiled.failed(state.blocks)
         return code if failed is None else failed

@@ -13,9 +13,10 @@ import numpy as np
 
 from waxstudy.plugin import Block, Port
 
+NUMBERS = (float, int, np.number, np.bool_)
 Step = Callable[[Any, Any, float, float, float], float]
-_OBJECT = ctypes.POINTER(ctypes.py_object)
-_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_double, _OBJECT, _OBJECT, ctypes.c_double, ctypes.c_double, ctypes.c_double)
+_NUMBER, _OBJECT = ctypes.c_double, ctypes.py_object
+_CALLBACK = ctypes.CFUNCTYPE(_NUMBER, _OBJECT, _OBJECT, _NUMBER, _NUMBER, _NUMBER)
 
 
 class SimulationError(Exception):
@@ -24,24 +25,23 @@ class SimulationError(Exception):
 
 def checked(block: type[Block]) -> Step:
     """Return a block's step that raises `SimulationError` for anything but a number in the declared range."""
-    port = block.output
+    own, low, high = block.step, block.output.low, block.output.high
 
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
         try:
-            value = block.step(p, x, u, t, dt)
-        except Exception as error:
+            value = own(p, x, u, t, dt)
+        except (Exception, SystemExit) as error:
             frames = traceback.extract_tb(error.__traceback__)[1:]
             raise _failed(block, x, u, t, f"{type(error).__name__}: {error}", frames) from error
-        wrong = _wrong(value, port)
-        if wrong:
-            raise _failed(block, x, u, t, wrong, _definition(block))
+        if not (isinstance(value, NUMBERS) and low <= value <= high):  # false for NaN too
+            raise _failed(block, x, u, t, _wrong(value, block.output), _definition(block))
         return float(value) + 0.0  # as the compiled guard: no negative zero
 
     return step
 
 
 class Callback:
-    """A block's step as a C function for the compiled loop, which gets the addresses of Python objects.
+    """A block's step as a C function for the compiled loop, which is given Python objects by their address.
 
     What the step raises cannot pass through the loop: it is kept in `error`, and the loop is given NaN.
     """
@@ -52,7 +52,7 @@ class Callback:
 
         def call(p: Any, x: Any, u: float, t: float, dt: float) -> float:
             try:
-                return step(p[0], x[0], u, t, dt)
+                return step(p, x, u, t, dt)
             except SimulationError as error:
                 self.error = error
                 return float("nan")
@@ -64,20 +64,11 @@ class Callback:
         return ctypes.cast(self._function, ctypes.c_void_p).value or 0
 
 
-def boxed(value: Any) -> np.ndarray:
-    """Return an array that holds a Python object, whose data a `Callback` is given the address of."""
-    box = np.empty(1, dtype=object)
-    box[0] = value
-    return box
-
-
 def _wrong(value: Any, port: Port) -> str:
-    """Say what is wrong with a block's output, or ""."""
-    if not isinstance(value, int | float | np.number | np.bool_):
+    """Say what is wrong with a block's output."""
+    if not isinstance(value, NUMBERS):
         text = "None (a path without `return`?)" if value is None else f"{type(value).__name__} {value!r:.60}"
         return f"it returned {text}, not a number"
-    if port.low <= value <= port.high:  # false for NaN too
-        return ""
     unit = "" if port.unit == "1" else f" {port.unit}"
     return f"it returned {float(value):g}, not a {port.quantity} from {port.low:g} to {port.high:g}{unit}"
 
