@@ -49,9 +49,9 @@ def reason(error: BaseException) -> str:
     first = said[0]
     if first.endswith("for signature:") and len(said) > 1:
         first = f"{first.removesuffix(' found for signature:')} {said[1].removeprefix('>>> ')}"
-    place = re.search(r"line (\d+)|\((\d+)\)", str(error))
-    where = f" (line {place[1] or place[2]})" if place else ""
-    first = re.sub(r" ?Raised from .*", "", first).rstrip(". ")
+    place = re.search(r'File ".*", line (\d+)', str(error)) or re.search(r"\.py \((\d+)\)", str(error))
+    where = f" (line {place[1]})" if place else ""
+    first = re.sub(r" ?Raised from .*|, defined at .*", "", first).rstrip(". ")
     first = re.sub(r"Module\(<module '(\S+)'[^>]*>\)", r"module \1", first)
     return first[:LONGEST_REASON] + where
 
