@@ -13,7 +13,7 @@ from waxstudy.plugin import Component, Parameters
 from waxstudy.plugin.registry import PluginError, Registry, nearest
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import Problem, listed, shown
-from waxstudy.study.sentences import sentences, value_at
+from waxstudy.study.sentences import refused_default, sentences, value_at
 from waxstudy.study.source import Source
 from waxstudy.study.spots import RawTable, Spot, Written
 
@@ -108,7 +108,8 @@ class Check:
             # as JSON: a strict model takes its lists for tuples, and its texts for paths and dates
             return model.model_validate_json(json.dumps(given, default=str))
         except ValidationError as error:
-            _blame_defaults(error, given)
+            if default := refused_default(error, given):
+                raise ValueError(f"its own default of '{default}' is not one that it allows") from None
             for keys, value, wrong, near, allowed in sentences(error, model, values):
                 # what is wrong with a block as a whole is said once, not again after each change
                 if keys or (table.first, wrong) not in self.said:
@@ -126,10 +127,3 @@ class Check:
         if self.needs_files and not found:
             self.problem(path.spot, "no such file", value=path.value, allowed=f"looked for {full}")
         return str(full)
-
-
-def _blame_defaults(error: ValidationError, given: Mapping[str, Any]) -> None:
-    """Raise `ValueError` for a value that is refused and that the file does not give: the component's own."""
-    for detail in error.errors(include_url=False, include_input=False):
-        if detail["loc"] and detail["loc"][0] not in given and detail["type"] != "missing":
-            raise ValueError(f"its own default of '{detail['loc'][0]}' is not one that it allows")

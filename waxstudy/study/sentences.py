@@ -70,11 +70,24 @@ def sentences(error: ValidationError, model: type[BaseModel], values: Mapping[st
     """Return one sentence per key; the branches of a union become one."""
     found: dict[KeyPath, Sentence] = {}
     for detail in error.errors(include_url=False, include_input=False):
+        if _is_default(detail, values):  # left unfilled because of another key, which is told
+            continue
         sentence = _sentence(dict(detail), model, values)
         if before := found.get(sentence.keys):
             sentence = sentence._replace(wrong=f"{before.wrong}, or {sentence.wrong}")
         found[sentence.keys] = sentence
     return list(found.values())
+
+
+def refused_default(error: ValidationError, values: Mapping[str, Any]) -> str:
+    """Return the field whose own default is refused, if that is all that is wrong, else ""."""
+    details = error.errors(include_url=False, include_input=False)
+    return str(details[0]["loc"][0]) if all(_is_default(detail, values) for detail in details) else ""
+
+
+def _is_default(detail: Any, values: Mapping[str, Any]) -> bool:
+    """Whether it is about a value that was not written and is not missing either."""
+    return bool(detail["loc"]) and detail["loc"][0] not in values and detail["type"] != "missing"
 
 
 def _sentence(detail: dict[str, Any], model: type[BaseModel], values: Mapping[str, Any]) -> Sentence:
