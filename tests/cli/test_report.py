@@ -152,7 +152,9 @@ def test_a_folder_without_a_run_is_said_to_be_one(entry: Entry, tmp_path: Path) 
 def test_unknown_published_figures_are_refused_with_what_is_installed(entry: Entry, small_run: Path) -> None:
     ended = entry("report", "run", "--against", "papers")
     assert_clear(ended, INVALID)
-    assert ended.stderr == "error: no reference 'papers'; did you mean 'paper'? (installed: paper)\n"
+    assert ended.stderr == (
+        "error: no reference 'papers'; did you mean 'paper'? (installed: paper); there is no run folder 'papers'\n"
+    )
 
 
 def test_a_run_without_the_paper_s_cases_is_told_which_the_findings_lack(

@@ -84,6 +84,11 @@ def run_folder(folder: Path) -> Iterator[None]:
         yield
 
 
+def holds_run(folder: Path) -> bool:
+    """Say whether a folder holds what a run leaves, finished or not."""
+    return (folder / MANIFEST).is_file() or (folder / CASES).is_dir()
+
+
 def is_finished(folder: Path, case: CaseFolder, members: int) -> bool:
     """Say whether a case has been computed; its folder appears only when all its files are written."""
     return _cut_off(folder / CASES / case.name, members) is None
