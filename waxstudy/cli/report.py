@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -47,7 +48,7 @@ def _folder_or_name(word: str) -> Path | str:
     try:
         return installed().get("reference", word).name
     except PluginError as error:
-        no_folder = f"the folder '{word}' holds no run" if folder.is_dir() else f"there is no run folder '{word}'"
+        no_folder = f"the folder '{word}' holds no run" if os.path.isdir(folder) else f"there is no run folder '{word}'"
         raise _plugin_error(f"{error}; {no_folder}") from error
 
 
