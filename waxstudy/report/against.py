@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 from waxstudy.plugin import Finding, Reference
+from waxstudy.plugin.registry import PluginError, one_line, told
+from waxstudy.plugin.shapes import findings_problems, rows_problems
 from waxstudy.report.comparison import Row
 from waxstudy.report.score import Cell, ColumnScore, cells, scores
 from waxstudy.report.words import HEADINGS, Table, counted
@@ -148,9 +150,21 @@ class Published(Against):
 
 
 def published(reference: type[Reference], run: Run, rows: Sequence[Row], members: int) -> Published:
-    """Hold a run against a registered reference."""
-    paired = cells(rows, reference.rows(), members)
+    """Hold a run against a registered reference; raise `PluginError` where that breaks its contract."""
+    name = reference.name
+    with told(f"reference '{name}': rows failed"):
+        figures = list(reference.rows())
+    _keeps_its_contract(name, rows_problems(figures))
+    paired = cells(rows, figures, members)
     try:
-        return Published(reference.name, paired, scores(paired), reference.findings(run))
+        with told(f"reference '{name}': findings failed", ValueError):
+            found = list(reference.findings(run))
     except ValueError as error:
-        return Published(reference.name, paired, scores(paired), lacking=str(error))
+        return Published(name, paired, scores(paired), lacking=one_line(str(error)))
+    _keeps_its_contract(name, findings_problems(found))
+    return Published(name, paired, scores(paired), found)
+
+
+def _keeps_its_contract(reference: str, problems: Iterable[str]) -> None:
+    for problem in problems:
+        raise PluginError(f"reference '{reference}': {problem}")

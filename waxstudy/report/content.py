@@ -50,7 +50,8 @@ class Content:
 def gather(run: Run, study: Study, against: str | Run | None = None) -> Content:
     """Return the content of a run's report, optionally against a registered reference, by name, or another run.
 
-    Raises `PluginError` for an unknown reference, `RunError` for a run whose figures cannot be read.
+    Raises `PluginError` for a reference that is unknown or breaks its contract, `RunError` for a run whose figures
+    cannot be read.
     """
     rows = comparison(run)
     members = int(run.kpis["member"].nunique())
