@@ -146,13 +146,68 @@ def test_a_folder_without_a_run_is_said_to_be_one(entry: Entry, tmp_path: Path) 
     assert ended.stderr == "error: .: holds no run (no run.json)\n"
 
 
-# --- published figures ------------------------------------------------------------------------------
+# --- published figures and other runs ---------------------------------------------------------------
 
 
 def test_unknown_published_figures_are_refused_with_what_is_installed(entry: Entry, small_run: Path) -> None:
     ended = entry("report", "run", "--against", "papers")
     assert_clear(ended, INVALID)
-    assert ended.stderr == "error: no reference 'papers'; did you mean 'paper'? (installed: paper)\n"
+    assert ended.stderr == (
+        "error: no reference 'papers'; did you mean 'paper'? (installed: paper); there is no run folder 'papers'\n"
+    )
+
+
+def test_a_folder_without_a_run_is_no_other_run(entry: Entry, small_run: Path) -> None:
+    (small_run.parent / "empty").mkdir()
+    ended = entry("report", "run", "--against", "empty")
+    assert_clear(ended, INVALID)
+    assert ended.stderr == "error: no reference 'empty' (installed: paper); the folder 'empty' holds no run\n"
+
+
+def test_a_folder_with_a_run_goes_before_a_reference_of_its_name(entry: Entry, small_run: Path) -> None:
+    (small_run.parent / "paper").mkdir()
+    assert "published" in entry("report", "run", "--against", "paper", "--format", "csv").stdout
+    (small_run.parent / "paper").rmdir()
+    shutil.copytree(small_run, small_run.parent / "paper")
+    header = entry("report", "run", "--against", "paper", "--format", "csv").stdout.splitlines()[0]
+    assert "published" not in header
+    assert header.endswith("heat_vs_most_detailed_percent_other,heat_vs_most_detailed_percent_other_sd")
+
+
+def test_a_study_s_published_figures_are_never_taken_from_a_folder(
+    entry: Entry, small_study: Path, small_run: Path
+) -> None:
+    small_run.rename(small_run.parent / "paper")
+    small_study.write_text(small_study.read_text().replace('"small"', '"small"\nagainst = "paper"'))
+    ended = entry("run", "small.toml", "--out", "paper", "--json")
+    assert ended.code == 0
+    assert {"published", "ours"} <= set(json.loads(ended.stdout)["against"]["cells"][0])
+
+
+@pytest.mark.parametrize("form", STARTS_WITH)
+def test_another_run_is_put_beside_in_every_format(entry: Entry, small_run: Path, form: str) -> None:
+    shutil.copytree(small_run, small_run.parent / "second")
+    ended = entry("report", "run", "--against", "second", "--format", form)
+    assert (ended.code, ended.stderr) == (0, "")
+    assert ended.stdout.startswith(STARTS_WITH[form])
+    assert ("_other_sd" if form == "csv" else "second") in ended.stdout
+
+
+@pytest.mark.parametrize("what", ["run.json", "kpis.csv", "a case gone"])
+def test_another_run_that_is_cut_off_is_refused_by_the_name_of_the_file(
+    entry: Entry, small_run: Path, what: str
+) -> None:
+    second = shutil.copytree(small_run, small_run.parent / "second")
+    DAMAGE[what](second)
+    ended = entry("report", "run", "--against", "second")
+    assert_clear(ended, INVALID)
+    assert ended.stderr.startswith("error: second/")
+
+
+def test_a_name_that_can_be_no_path_is_an_unknown_reference(entry: Entry, small_run: Path) -> None:
+    ended = entry("report", "run", "--against", "x" * 5000)
+    assert_clear(ended, INVALID)
+    assert ended.stderr.startswith("error: no reference 'xxx")
 
 
 def test_a_run_without_the_paper_s_cases_is_told_which_the_findings_lack(

@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from waxstudy.plugin import PublishedRow
-from waxstudy.report.content import Against, Content
+from waxstudy.report.against import Published
+from waxstudy.report.content import Content
 from waxstudy.report.figures import (
     OVERVIEW,
     PAPER_FIGURES,
@@ -233,7 +234,7 @@ def test_the_overview_marks_what_is_resolved_and_what_was_published(small: Conte
     ]
     paired = cells(small.rows, published, small.members)
     told = [replace(row, resolved=row.case == "usual" if row.resolved is not None else None) for row in small.rows]
-    left, right = figure_overview(replace(small, rows=told, against=Against("book", paired, scores(paired), ()))).axes
+    left, right = figure_overview(replace(small, rows=told, against=Published("book", paired, scores(paired), ()))).axes
     rows = [row for row in told if row.resolved is not None]
     dots = [a for a in left.get_lines() if len(a.get_xdata()) == 1 and a.get_marker() != "x"]
     means = sorted((row.heat_vs_most_detailed_percent.mean, bool(row.resolved)) for row in rows)

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from waxstudy.plugin import Finding, PublishedRow
-from waxstudy.report.content import Against, Content
+from waxstudy.report.against import Published
+from waxstudy.report.content import Content
 from waxstudy.report.figures import PAPER_FIGURES
 from waxstudy.report.page import as_html
 from waxstudy.report.render import tables
@@ -85,7 +86,7 @@ def against(small: Content) -> Content:
     paired = cells(small.rows, published, small.members)
     findings = [Finding("X1", "dQ < 1 % & more", "not held", "<b>2 %</b>"), Finding("X2", "fine", "held", "0 K")]
     rows = [replace(row, resolved=row.case == "usual" if row.resolved is not None else None) for row in small.rows]
-    return replace(small, rows=rows, notes=("a note",), against=Against("book", paired, scores(paired), findings))
+    return replace(small, rows=rows, notes=("a note",), against=Published("book", paired, scores(paired), findings))
 
 
 @pytest.fixture(scope="module")

@@ -38,6 +38,22 @@ def estimate(values: FloatArray) -> Estimate:
     return Estimate(mean, sd, float(mean - half), float(mean + half))
 
 
+def unpaired_interval(a: Estimate, n: int, b: Estimate, m: int) -> tuple[float, float]:
+    """Return the 95 % interval of the difference a - b of two means (Welch's t); NaN where one has no spread.
+
+    Unequal spreads and numbers of members n and m are allowed; degrees of freedom after Welch and Satterthwaite.
+    """
+    if n < 2 or m < 2:
+        return np.nan, np.nan
+    own, other = a.sd**2 / n, b.sd**2 / m
+    difference, variance = a.mean - b.mean, own + other
+    if variance == 0.0:
+        return difference, difference
+    freedom = variance**2 / (own**2 / (n - 1) + other**2 / (m - 1))
+    half = float(stdtrit(freedom, 0.5 + CONFIDENCE / 2.0)) * float(np.sqrt(variance))
+    return difference - half, difference + half
+
+
 @dataclass(frozen=True)
 class Row:
     """One case in one week. `difference_percent` is paired by member; `resolved` is None for the reference."""

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from waxstudy.plugin import Finding, Reference
-from waxstudy.plugin.registry import PluginError, installed, one_line, told
-from waxstudy.plugin.shapes import findings_problems, rows_problems
+from waxstudy.plugin import Reference
+from waxstudy.plugin.registry import installed
 from waxstudy.report.activation import Activation, activations
+from waxstudy.report.against import Against, published
 from waxstudy.report.comparison import Row, comparison, member_values
-from waxstudy.report.score import Cell, ColumnScore, cells, scores
+from waxstudy.report.other_run import other_run
 from waxstudy.results.run import Run
 from waxstudy.simulation.shift import LIMIT_K
 from waxstudy.study.model import Study
@@ -34,17 +34,6 @@ class Starts:
 
 
 @dataclass(frozen=True)
-class Against:
-    """What published figures say beside ours; `lacking` says why there are no findings."""
-
-    name: str
-    cells: Sequence[Cell]
-    scores: Sequence[ColumnScore]
-    findings: Sequence[Finding]
-    lacking: str = ""
-
-
-@dataclass(frozen=True)
 class Content:
     """A report: the comparison always, the rest where it was asked for."""
 
@@ -58,10 +47,11 @@ class Content:
     notes: Sequence[str] = field(default=())
 
 
-def gather(run: Run, study: Study, against: str | None = None) -> Content:
-    """Return the content of a run's report, optionally against a registered reference.
+def gather(run: Run, study: Study, against: str | Run | None = None) -> Content:
+    """Return the content of a run's report, optionally against a registered reference, by name, or another run.
 
-    Raises `PluginError` for a reference that is unknown or breaks its contract.
+    Raises `PluginError` for a reference that is unknown or breaks its contract, `RunError` for a run whose figures
+    cannot be read.
     """
     rows = comparison(run)
     members = int(run.kpis["member"].nunique())
@@ -72,30 +62,17 @@ def gather(run: Run, study: Study, against: str | None = None) -> Content:
         rows=rows,
         activations=activations(study),
         starts=starts(run),
-        against=_against(run, rows, members, against) if against else None,
+        against=None if against is None else _against(run, rows, members, against),
         notes=_notes(study, rows, members),
     )
 
 
-def _against(run: Run, rows: Sequence[Row], members: int, name: str) -> Against:
-    reference = installed().get("reference", name)
+def _against(run: Run, rows: Sequence[Row], members: int, against: str | Run) -> Against:
+    if isinstance(against, Run):
+        return other_run(run, rows, members, against)
+    reference = installed().get("reference", against)
     assert issubclass(reference, Reference)
-    with told(f"reference '{name}': rows failed"):
-        published = list(reference.rows())
-    _keeps_its_contract(name, rows_problems(published))
-    paired = cells(rows, published, members)
-    try:
-        with told(f"reference '{name}': findings failed", ValueError):
-            found = list(reference.findings(run))
-    except ValueError as error:
-        return Against(name, paired, scores(paired), (), lacking=one_line(str(error)))
-    _keeps_its_contract(name, findings_problems(found))
-    return Against(name, paired, scores(paired), found)
-
-
-def _keeps_its_contract(reference: str, problems: Iterable[str]) -> None:
-    for problem in problems:
-        raise PluginError(f"reference '{reference}': {problem}")
+    return published(reference, run, rows, members)
 
 
 def starts(run: Run) -> list[Starts]:

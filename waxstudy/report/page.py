@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from waxstudy.report.content import Content
-from waxstudy.report.render import Table, all_notes, tables
+from waxstudy.report.render import all_notes, tables
+from waxstudy.report.words import Table, counted
 
 FIGURE_TEXT = re.compile(r"([-+]?\d|never|$)")
 
@@ -47,12 +48,12 @@ def summary(content: Content) -> list[str]:
     run = content.run
     cases = sum(len(ladder.cases) for ladder in run.ladders)
     sentences = [
-        f"{_count(cases, 'case')} in {_count(len(run.ladders), 'ladder')} "
-        f"({', '.join(ladder.name for ladder in run.ladders)}) over {_count(len(run.weeks), 'week')} "
-        f"({', '.join(run.weeks)}), with {_count(content.members, 'member')} per case.",
+        f"{counted(cases, 'case')} in {counted(len(run.ladders), 'ladder')} "
+        f"({', '.join(ladder.name for ladder in run.ladders)}) over {counted(len(run.weeks), 'week')} "
+        f"({', '.join(run.weeks)}), with {counted(content.members, 'member')} per case.",
         _resolved(content),
     ]
-    return [*sentences, _findings(content)] if content.against else sentences
+    return [*sentences, content.against.summary] if content.against else sentences
 
 
 def _resolved(content: Content) -> str:
@@ -61,22 +62,9 @@ def _resolved(content: Content) -> str:
         return "With one member per case there is no spread, so that no difference can be called resolved."
     resolved = sum(bool(row.resolved) for row in judged)
     return (
-        f"Of {_count(len(judged), 'difference')} in heat from the reference case, "
+        f"Of {counted(len(judged), 'difference')} in heat from the reference case, "
         f"{resolved} {'is' if resolved == 1 else 'are'} resolved."
     )
-
-
-def _findings(content: Content) -> str:
-    assert content.against
-    if content.against.lacking:
-        return f"Findings are not judged: {content.against.lacking}."
-    verdicts = [finding.verdict for finding in content.against.findings]
-    counts = ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in ("held", "not held", "not resolved"))
-    return f"Of the {_count(len(verdicts), 'finding')} of “{content.against.name}”: {counts}."
-
-
-def _count(n: int, noun: str) -> str:
-    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
 
 
 # --- tables ------------------------------------------------------------------------------------------
@@ -98,10 +86,10 @@ class PageTable:
 
 
 def _grouped(content: Content) -> tuple[list[PageTable], list[PageTable], list[PageTable]]:
-    """The tables in the order of `render.tables`: one per week, then agreement and findings, then activation."""
+    """The tables in the order of `render.tables`: one per week, then those of the other side, then activation."""
     shown = [_page_table(content, table) for table in tables(content)]
     weeks = len(content.run.weeks)
-    after = weeks + (2 if content.against else 0)
+    after = weeks + (len(content.against.tables()) if content.against else 0)
     groups = shown[:weeks], shown[weeks:after], shown[after:]
     comparison, against, activation = ([table for table in group if table.rows] for group in groups)
     return comparison, against, activation
@@ -136,7 +124,11 @@ def _style(content: Content, heading: str, texts: Sequence[str]) -> str:
 
 
 def _marked(text: str, style: str) -> str:
-    marks = {"yes": "good", "no": "open", "held": "good", "not held": "bad", "not resolved": "open"}
+    marks = {
+        **dict.fromkeys(("yes", "held", "agrees"), "good"),
+        **dict.fromkeys(("not held", "differs"), "bad"),
+        **dict.fromkeys(("no", "not resolved"), "open"),
+    }
     return f"{style} {marks.get(text, '')}".strip()
 
 

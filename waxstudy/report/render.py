@@ -10,16 +10,10 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from waxstudy.report.against import Against
 from waxstudy.report.comparison import COLUMNS, Estimate, Row
 from waxstudy.report.content import Content
-
-HEADINGS = {
-    "setpoint_shift_K": ("shift", "K", 2),
-    "mae_K": ("MAE", "K", 3),
-    "heat_kWh_m2_week": ("heat", "kWh/m²", 2),
-    "heat_vs_most_detailed_percent": ("difference", "%", 2),
-}
-
+from waxstudy.report.words import HEADINGS, Table, decimals, with_spread
 
 WIDEST = 1000  # columns that no comparison needs
 
@@ -34,40 +28,27 @@ def as_csv(content: Content) -> str:
     names = [name for column in COLUMNS for name in (column, f"{column}_sd")]
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    extra = ["published", "published_difference"] if content.against else []
-    header = ["case", "week", *names, "cycles_per_week", "resolved"]
-    writer.writerow(header + [f"{column}_{what}" for column in (COLUMNS if extra else ()) for what in extra])
+    against = content.against
+    extra = [f"{column}_{what}" for column in COLUMNS for what in against.csv_suffixes] if against else []
+    writer.writerow(["case", "week", *names, "cycles_per_week", "resolved", *extra])
     for row in content.rows:
         figures = [value for column in COLUMNS for value in _mean_and_sd(getattr(row, column))]
-        published = _published_columns(content, row) if extra else []
-        writer.writerow(
-            [row.case, row.week, *figures, f"{row.cycles_per_week.mean:.4g}", resolved_word(row), *published]
-        )
+        other = _other_columns(against, row) if against else []
+        writer.writerow([row.case, row.week, *figures, f"{row.cycles_per_week.mean:.4g}", resolved_word(row), *other])
     return out.getvalue()
 
 
 def _mean_and_sd(value: Estimate) -> tuple[str, str]:
-    return _decimals(value.mean), _decimals(value.sd)
+    return decimals(value.mean), decimals(value.sd)
 
 
-def _decimals(value: float) -> str:
-    return "" if math.isnan(value) else f"{value:.5f}"
-
-
-def _published_columns(content: Content, row: Row) -> list[str]:
-    found = _published(content, row)
-    pairs = [(found[c].published, found[c].difference) if c in found else (math.nan, math.nan) for c in COLUMNS]
-    return ["" if math.isnan(value) else f"{value:.5g}" for pair in pairs for value in pair]
-
-
-def _published(content: Content, row: Row) -> dict[str, Any]:
-    cells = content.against.cells if content.against else ()
-    return {cell.column: cell for cell in cells if (cell.case, cell.week) == (row.case, row.week)}
+def _other_columns(against: Against, row: Row) -> list[str]:
+    found = against.of(row)
+    return [text for c in COLUMNS for text in (against.csv_figures(found[c]) if c in found else ("", ""))]
 
 
 def as_json(content: Content) -> str:
     """The whole report; NaN as null."""
-    against = content.against
     data = {
         "run": str(content.run.folder),
         "study": content.run.study,
@@ -85,23 +66,14 @@ def as_json(content: Content) -> str:
         ],
         "notes": all_notes(content),
     }
-    if against:
-        data["against"] = {
-            "name": against.name,
-            "cells": [
-                asdict(c) | {"difference": c.difference, "within_single_run_range": c.within_single_run_range}
-                for c in against.cells
-            ],
-            "scores": [asdict(score) for score in against.scores],
-            "findings": [asdict(finding) for finding in against.findings],
-        }
+    if content.against:
+        data["against"] = content.against.described()
     return json.dumps(_finite(data), indent=1) + "\n"
 
 
 def all_notes(content: Content) -> list[str]:
-    """The notes of a report, with the reason where findings are missing."""
-    lacking = content.against.lacking if content.against else ""
-    return [*content.notes, *([lacking] if lacking else [])]
+    """The notes of a report, then why the other side's figures are missing."""
+    return [*content.notes, *(content.against.notes if content.against else ())]
 
 
 def _finite(value: Any) -> Any:
@@ -116,14 +88,11 @@ def _finite(value: Any) -> Any:
 # --- tables: headings and rows of text, for the terminal, Markdown and HTML alike --------------------
 
 
-Table = tuple[str, list[str], list[list[str]]]  # title, headings, rows
-
-
 def tables(content: Content) -> list[Table]:
     """Every table of the report as text."""
     found = [_comparison_table(content, week) for week in content.run.weeks]
     if content.against:
-        found += [_score_table(content), _findings_table(content)]
+        found += content.against.tables()
     return [*found, *_activation_tables(content)]
 
 
@@ -142,54 +111,18 @@ def _comparison_table(content: Content, week: str) -> Table:
 
 
 def _comparison_row(content: Content, row: Row) -> list[str]:
-    published = _published(content, row)
+    other = content.against.of(row) if content.against else {}
     texts = [row.case]
     for column, (_, _, digits) in HEADINGS.items():
         is_own = column == "heat_vs_most_detailed_percent" and row.resolved is None
         texts.append("0" if is_own else _figure(getattr(row, column), digits))
         if content.against:
-            texts.append(f"{published[column].published:.{digits}f}" if column in published else "")
+            texts.append(_figure(other[column].theirs, digits) if column in other else "")
     return [*texts, resolved_word(row), f"{row.cycles_per_week.mean:.1f}"]
 
 
 def _figure(value: Estimate, digits: int) -> str:
-    if math.isnan(value.mean):
-        return ""
-    text = f"{value.mean:z.{digits}f}"  # z: no minus before a zero
-    return text if math.isnan(value.sd) else f"{text} ± {value.sd:.{digits}f}"
-
-
-def _score_table(content: Content) -> Table:
-    assert content.against
-    headings = ["column", "week", "RMSE", "RMSE of median", "mean error", "correlation", "in range", "range width"]
-    rows = [
-        [
-            f"{HEADINGS[s.column][0]} {HEADINGS[s.column][1]}",
-            s.week,
-            f"{s.rmse:.3f}",
-            f"{s.null_rmse:.3f}",
-            f"{s.mean_error:+.3f}",
-            f"{s.correlation:.2f}",
-            f"{s.within_range} of {s.n}",
-            f"{s.mean_range_width:.3f}",
-        ]
-        for s in content.against.scores
-    ]
-    title = (
-        f"against {content.against.name}: agreement by column; `RMSE of median` is a model that predicts each "
-        "column's median, `in range` the published cells within the 95 % range of our single runs"
-    )
-    return title, headings, rows
-
-
-def _findings_table(content: Content) -> Table:
-    assert content.against
-    found = content.against.findings
-    counts = ", ".join(
-        f"{sum(f.verdict == verdict for f in found)} {verdict}" for verdict in ("held", "not held", "not resolved")
-    )
-    rows = [[f.id, f.statement, f.verdict, f.figure] for f in found]
-    return f"findings: {counts}", ["id", "finding", "verdict", "our figure"], rows
+    return with_spread(value.mean, value.sd, digits)
 
 
 def _activation_tables(content: Content) -> list[Table]:
@@ -232,7 +165,7 @@ def as_terminal(content: Content, width: int, colour: bool) -> str:
     from rich.table import Table as RichTable
 
     out = io.StringIO()
-    console = Console(file=out, width=WIDEST, force_terminal=colour, highlight=False)
+    console = Console(file=out, width=WIDEST, force_terminal=colour, highlight=False, markup=False, emoji=False)
     for title, headings, rows in _filled(content):
         console.print(title, style="bold", width=width)
         grid = RichTable(box=box.SIMPLE_HEAD, pad_edge=False)

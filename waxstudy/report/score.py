@@ -1,4 +1,4 @@
-"""A run against published figures: cell by cell, and how well each column agrees."""
+"""A run against published figures or another run: cell by cell, and how well each column agrees."""
 
 from __future__ import annotations
 
@@ -9,23 +9,35 @@ import numpy as np
 from scipy.special import stdtrit
 
 from waxstudy.plugin import FloatArray, PublishedRow
-from waxstudy.report.comparison import COLUMNS, CONFIDENCE, Estimate, Row
+from waxstudy.report.comparison import COLUMNS, CONFIDENCE, Estimate, Row, unpaired_interval
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One published figure beside ours."""
+    """One figure of the other side beside ours; a published one is a single run without a spread."""
 
     case: str
     week: str
     column: str
     ours: Estimate
     members: int
-    published: float
+    theirs: Estimate
+    their_members: int = 1
 
     @property
     def difference(self) -> float:
-        return self.ours.mean - self.published
+        return self.ours.mean - self.theirs.mean
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The 95 % interval of the difference of the two means, unpaired; NaN where one has no spread."""
+        return unpaired_interval(self.ours, self.members, self.theirs, self.their_members)
+
+    @property
+    def resolved(self) -> bool | None:
+        """Whether that interval excludes zero; None where there is none."""
+        low, high = self.interval
+        return None if np.isnan(low) else bool(low > 0.0 or high < 0.0)
 
     @property
     def single_run_half_width(self) -> float:
@@ -42,7 +54,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class ColumnScore:
-    """Agreement of one column in one week. The null model predicts the published column's median everywhere."""
+    """Agreement of one column in one week. The null model predicts the other side's median everywhere."""
 
     column: str
     week: str
@@ -55,16 +67,23 @@ class ColumnScore:
     mean_range_width: float
 
 
-def cells(rows: Sequence[Row], published: Sequence[PublishedRow], members: int) -> list[Cell]:
-    """Pair every published figure with ours; the difference of a reference case, zero by definition, is left out."""
-    known = {(row.case, row.week): row for row in published}
+def cells(
+    rows: Sequence[Row], theirs: Sequence[PublishedRow | Row], members: int, their_members: int = 1
+) -> list[Cell]:
+    """Pair every figure of theirs with ours; the difference of a reference case, zero by definition, is left out."""
+    known = {(row.case, row.week): row for row in theirs}
     return [
-        Cell(row.case, row.week, column, getattr(row, column), members, getattr(known[row.case, row.week], column))
+        Cell(row.case, row.week, column, getattr(row, column), members, _estimate(other, column), their_members)
         for row in rows
-        if (row.case, row.week) in known
+        if (other := known.get((row.case, row.week)))
         for column in COLUMNS
         if not (column == "heat_vs_most_detailed_percent" and row.resolved is None)
     ]
+
+
+def _estimate(row: PublishedRow | Row, column: str) -> Estimate:
+    value = getattr(row, column)
+    return value if isinstance(value, Estimate) else Estimate(value, np.nan, np.nan, np.nan)
 
 
 def scores(all_cells: Sequence[Cell]) -> list[ColumnScore]:
@@ -75,7 +94,7 @@ def scores(all_cells: Sequence[Cell]) -> list[ColumnScore]:
 
 def _score(column: list[Cell]) -> ColumnScore:
     ours = np.array([cell.ours.mean for cell in column])
-    theirs = np.array([cell.published for cell in column])
+    theirs = np.array([cell.theirs.mean for cell in column])
     return ColumnScore(
         column=column[0].column,
         week=column[0].week,

@@ -73,7 +73,7 @@ def run_folder(folder: Path) -> Iterator[None]:
 
     Raises `RunError` where it holds something else or another run is at work, `OSError` if it cannot be made.
     """
-    if folder.is_dir() and any(folder.iterdir()) and not any((folder / name).exists() for name in (MANIFEST, CASES)):
+    if folder.is_dir() and any(folder.iterdir()) and not holds_run(folder):
         raise RunError(f"{folder}: this folder is in use and holds no run; choose another with --out")
     (folder / CASES).mkdir(parents=True, exist_ok=True)
     with sole_use(folder) as is_ours:
@@ -82,6 +82,11 @@ def run_folder(folder: Path) -> Iterator[None]:
                 f"{folder}: another run is at work in this folder; wait for it, or choose another with --out"
             )
         yield
+
+
+def holds_run(folder: Path) -> bool:
+    """Say whether a folder holds what a run leaves, finished or not; False for what cannot be a path."""
+    return any(os.path.exists(folder / name) for name in (MANIFEST, CASES))
 
 
 def is_finished(folder: Path, case: CaseFolder, members: int) -> bool:

@@ -25,7 +25,7 @@ DIFFERENCE, ERROR = "heat_vs_most_detailed_percent", "mae_K"
 
 @styled
 def figure_overview(content: Content) -> Figure:
-    """Differences in heat [%] and mean absolute errors [K] of all cases and weeks, published ones beside."""
+    """Differences in heat [%] and mean absolute errors [K] of all cases and weeks, the other side's beside."""
     cases = [case for ladder in content.run.ladders for case in ladder.cases]
     figure, axes = panels(1, 2, 1.4 + 0.33 * len(cases), sharey=True)
     left, right = axes[0]
@@ -59,7 +59,7 @@ def _differences(axes: Axes, content: Content, rows: Sequence[Row], heights: Seq
         if not math.isnan(value.low):
             axes.plot([value.low, value.high], [height, height], color=colour)
         axes.plot(value.mean, height, marker, color=colour, markersize=6, mfc=colour if row.resolved else "white")
-    _published(axes, content, rows, heights, DIFFERENCE)
+    _others(axes, content, rows, heights, DIFFERENCE)
 
 
 def _errors(axes: Axes, content: Content, rows: Sequence[Row], heights: Sequence[float]) -> None:
@@ -69,12 +69,12 @@ def _errors(axes: Axes, content: Content, rows: Sequence[Row], heights: Sequence
             low, high = row.mae_K.mean - row.mae_K.sd, row.mae_K.mean + row.mae_K.sd
             axes.plot([low, high], [height, height], color=colour)
         axes.plot(row.mae_K.mean, height, marker, color=colour, markersize=6)
-    _published(axes, content, rows, heights, ERROR)
+    _others(axes, content, rows, heights, ERROR)
 
 
-def _published(axes: Axes, content: Content, rows: Sequence[Row], heights: Sequence[float], column: str) -> None:
+def _others(axes: Axes, content: Content, rows: Sequence[Row], heights: Sequence[float], column: str) -> None:
     cells = content.against.cells if content.against else ()
-    found = {(cell.case, cell.week): cell.published for cell in cells if cell.column == column}
+    found = {(cell.case, cell.week): cell.theirs.mean for cell in cells if cell.column == column}
     for row, height in zip(rows, heights, strict=True):
         if (row.case, row.week) in found:
             axes.plot(found[row.case, row.week], height, "x", color=GREY, markersize=6, markeredgewidth=1.6, zorder=2.5)
@@ -102,6 +102,6 @@ def _legend(figure: Figure, content: Content) -> None:
         handles.append(Line2D([], [], color=colour, marker=marker, markersize=6, label=week))
     handles.append(Line2D([], [], color=BLACK, marker="o", mfc="white", linestyle="", label="not resolved"))
     if content.against:
-        name = f"{content.against.name} (one published run)"
-        handles.append(Line2D([], [], color=GREY, marker="x", linestyle="", markeredgewidth=1.6, label=name))
+        label = content.against.label
+        handles.append(Line2D([], [], color=GREY, marker="x", linestyle="", markeredgewidth=1.6, label=label))
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
