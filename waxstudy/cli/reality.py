@@ -32,6 +32,16 @@ def _figures(name: str, metavar: str, about: str) -> Callable[[F], F]:
     return click.option(name, multiple=True, callback=_by_channel, metavar=metavar, help=about)
 
 
+class Finite(click.FloatRange):
+    """A range that leaves out what is no number."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number", param, ctx)
+        return number
+
+
 def _by_channel(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, float]:
     found: dict[str, float] = {}
     for text in texts:
@@ -51,12 +61,12 @@ def _by_channel(ctx: click.Context, param: click.Parameter, texts: Sequence[str]
 @click.option("--believed", metavar="ID", help=BELIEVED)
 @click.option("--week", "weeks", multiple=True, metavar="NAME", help="Week; repeatable  [default: the first]")
 @click.option("--days", type=click.IntRange(min=1), help="Only the first days of the weeks  [default: all]")
-@click.option("--setpoint-shift", "shift_K", type=click.FloatRange(-5.0, 5.0), default=0.0, metavar="K", help=SHIFT)
-@click.option("--interval-s", type=click.FloatRange(0.0, min_open=True), default=60.0, show_default=True, help=INTERVAL)
+@click.option("--setpoint-shift", "shift_K", type=Finite(-5.0, 5.0), default=0.0, metavar="K", help=SHIFT)
+@click.option("--interval-s", type=Finite(0.0, min_open=True), default=60.0, show_default=True, help=INTERVAL)
 @click.option("--without", multiple=True, metavar="CHANNEL", help="Channel to leave out; repeatable.")
 @_figures("--noise", "CHANNEL=SD", "Standard deviation of a channel's noise, in its unit; repeatable.")
 @_figures("--resolution", "CHANNEL=STEP", "Step that a channel is rounded to, 0 for none; repeatable.")
-@click.option("--missing", type=click.FloatRange(0.0, 0.5), default=0.0, show_default=True, help=MISSING)
+@click.option("--missing", type=Finite(0.0, 0.5), default=0.0, show_default=True, help=MISSING)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of noise and gaps.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the dataset.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
