@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -79,6 +81,14 @@ def test_weeks_follow_each_other_in_one_record(study: Study) -> None:
     assert np.array_equal(channels["outdoor_C"][::720], outdoor)
     seam = slice(7 * PER_DAY - 1, 7 * PER_DAY + 1)
     assert abs(np.diff(channels["air_C"][seam])[0]) < 0.01
+
+
+def test_weeks_of_different_intervals_do_not_follow_each_other(study: Study) -> None:
+    january = study.weeks["january"]
+    quarters = replace(january, parameters=january.parameters.model_copy(update={"interval_s": 900.0}))
+    mixed = replace(study, weeks={"january": january, "quarters": quarters})
+    with pytest.raises(RealityError, match="weather of different intervals"):
+        reality_loop(mixed, study.cases["O_0"], ["january", "quarters"], None)
 
 
 def test_more_days_than_the_weather_has_are_refused(study: Study) -> None:

@@ -64,7 +64,7 @@ def test_the_truth_names_the_steps_between_belief_and_reality_and_what_they_chan
     assert set(told["differences"]) == {"sensor", "actuator", "valve"}
     assert told["differences"]["sensor"] == {"believed": None, "true": {"use": "delay", "delay_s": 600.0}}
     assert told["differences"]["valve"]["believed"] == {"use": "linear"}
-    assert told["seed"] == 5
+    assert told["instruments"]["seed"] == 5
     assert told["figures"] == simulated("O_WM").figures()
     assert {"waxstudy", "numba", "python"} <= set(told["versions"])
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
+from zlib import crc32
 
 import numpy as np
 import pandas as pd
@@ -37,12 +38,13 @@ class Instruments:
     def noise_of(self, channel: Channel) -> float:
         return self.noise.get(channel.name, channel.noise)
 
+    def random(self, purpose: str) -> np.random.Generator:
+        """Return random numbers of their own for each purpose, whatever else is drawn."""
+        return np.random.default_rng([self.seed, crc32(purpose.encode())])
+
 
 def measure(reality: Reality, instruments: Instruments) -> pd.DataFrame:
-    """Return the rows of data.csv; raise `RealityError`.
-
-    Each channel has random numbers of its own, so that what one channel shows does not depend on the others.
-    """
+    """Return the rows of data.csv; raise `RealityError`."""
     interval_s, step_s = instruments.interval_s, reality.week.step_s
     if not is_multiple(interval_s, of=step_s):
         raise RealityError(f"an interval of {interval_s:g} s is no multiple of the study's step_s = {step_s:g}")
@@ -50,7 +52,7 @@ def measure(reality: Reality, instruments: Instruments) -> pd.DataFrame:
     count = len(reality.week.channels["air_C"]) // length
     if count < 2:
         raise RealityError(f"the record is shorter than two intervals of {interval_s:g} s")
-    lost = gaps(count, interval_s, instruments.missing, np.random.default_rng([instruments.seed, len(CHANNELS)]))
+    lost = gaps(count, interval_s, instruments.missing, instruments.random("gaps"))
     columns: dict[str, object] = {"time": _stamps(reality.first_day, interval_s, count)}
     for channel in instruments.chosen(reality):
         values = sampled(channel, reality.week.channels[channel.source], length)
@@ -67,7 +69,7 @@ def sampled(channel: Channel, values: FloatArray, length: int) -> FloatArray:
 
 def _read(channel: Channel, values: FloatArray, instruments: Instruments) -> FloatArray:
     """Return what the instrument shows: with noise, within its range, in steps of its resolution."""
-    random = np.random.default_rng([instruments.seed, list(CHANNELS).index(channel.name)])
+    random = instruments.random(channel.name)
     noise, step = instruments.noise_of(channel), instruments.resolution.get(channel.name, channel.resolution)
     if noise > 0.0:
         seen = np.clip(values + random.normal(0.0, noise, len(values)), channel.low, channel.high)

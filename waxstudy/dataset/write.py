@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,7 @@ class Telling:
         return {kind: {"believed": believed.get(kind), "true": true.get(kind)} for kind in kinds}
 
     def steps(self) -> list[str]:
-        """Return the cases of the ladder after the believed one up to the true one; none across ladders."""
+        """Return the cases of the ladder after the believed one up to the true one; none backwards or across."""
         cases = list(self.study.ladders[self.case.ladder].cases)
         if self.believed.id not in cases:
             return []
@@ -65,7 +65,8 @@ def write(folder: Path, telling: Telling, reality: Reality, instruments: Instrum
     about = described(folder.name, telling, list(data.columns[1:]), instruments)
     hidden = truth_of(folder.name, telling, reality, instruments)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with whole_file(truth_beside(folder)) as truth_path, whole_folder(folder) as place:
+    # outermost, the folder takes its place last: no dataset without its truth
+    with whole_folder(folder) as place, whole_file(truth_beside(folder)) as truth_path:
         data.to_csv(place / "data.csv", index=False, lineterminator="\n")
         (place / "dataset.toml").write_bytes(tomli_w.dumps(about).encode())
         truth_path.write_text(json.dumps(hidden, indent=1) + "\n", encoding="utf-8")
@@ -105,8 +106,7 @@ def truth_of(name: str, telling: Telling, reality: Reality, instruments: Instrum
         "weather": [{"week": week, **study.weeks[week].described()} for week in telling.weeks],
         "step_s": study.step_s,
         "figures": reality.figures(),
-        "missing": instruments.missing,
-        "seed": instruments.seed,
+        "instruments": {**asdict(instruments), "without": list(instruments.without)},
         "versions": _versions(),
     }
 
