@@ -9,13 +9,14 @@ from pathlib import Path
 
 import click
 
-from waxstudy.cli.errors import FAILED, USAGE, CommandError, print_out
+from waxstudy.cli.errors import FAILED, USAGE, CommandError
+from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.plugins.lookup import as_json, print_json
 
 KINDS_HELP = "sensor, controller, modulator, actuator, valve, room, weather or reference."
 
 
-@click.command("new")
+@click.command("new", cls=Command)
 @click.argument("name")
 @click.option("--kind", required=True, metavar="KIND", help=KINDS_HELP)
 @click.option(
