@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from waxstudy.cli.errors import USAGE, CommandError, print_out
+from waxstudy.cli.errors import USAGE, CommandError
+from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.run import failures, warn
 from waxstudy.cli.study import load_study
 
@@ -55,7 +56,7 @@ def _by_channel(ctx: click.Context, param: click.Parameter, texts: Sequence[str]
     return found
 
 
-@click.command("reality")
+@click.command("reality", cls=Command)
 @click.argument("study_file", metavar="STUDY.toml", type=click.Path(exists=True, path_type=Path))
 @click.option("--case", required=True, metavar="ID", help="Case that is the reality.")
 @click.option("--believed", metavar="ID", help=BELIEVED)

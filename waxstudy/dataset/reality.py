@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, WeatherRecord
+from waxstudy.plugin.registry import told
 from waxstudy.results.kpis import MemberWeek, key_figures
 from waxstudy.simulation import ensemble
 from waxstudy.simulation.chain import Chain
@@ -53,8 +54,9 @@ def reality_loop(study: Study, case: Case, weeks: Sequence[str], days: int | Non
     driven = plan.driven[weeks[0]]
     record = _first_days(_joined([plan.driven[name].weather for name in weeks]), days)
     weather = _joined([_first_days(record, 1), record])
-    chain = Chain(case.blocks, study.step_s)
-    return Loop(chain, drive(driven.room, weather, study.step_s), study.comfort.operative_limit_C)
+    with told("[room]"):
+        together = drive(driven.room, weather, study.step_s)
+    return Loop(Chain(case.blocks, study.step_s), together, study.comfort.operative_limit_C)
 
 
 def simulate(loop: Loop, study: Study, setpoint_C: float) -> Reality:
@@ -95,9 +97,10 @@ def _of_surroundings(loop: Loop) -> dict[str, FloatArray]:
     The sun's heat is what the room's input matrix makes of the irradiance: all that reaches its nodes [W].
     """
     driven, room = loop.driven, loop.driven.room
-    inputs, _ = room.drive(driven.weather)
     dark = {name: np.zeros_like(values) for name, values in driven.weather.irradiance_W_m2.items()}
-    without_sun, _ = room.drive(replace(driven.weather, irradiance_W_m2=dark))
+    with told("[room]"):
+        inputs, _ = room.drive(driven.weather)
+        without_sun, _ = room.drive(replace(driven.weather, irradiance_W_m2=dark))
     found = {
         "outdoor_C": driven.weather.outdoor_C,
         "solar_gain_W": (inputs - without_sun) @ room.input_matrix.sum(axis=0),
