@@ -13,6 +13,7 @@ from waxstudy.cli.lazy import LazyGroup
 COMMANDS = {
     "run": "Run a study and print its comparison.",
     "report": "Print the comparison of a run again, in another format, or against published figures or another run.",
+    "reality": "Make a dataset of a case, as if its room had been measured, and keep the truth apart.",
     "plugins": "List, show, begin and check plugins.",
     "schema": "Print the JSON Schema of the study file, for editors.",
 }

@@ -33,7 +33,7 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
     """
     study = load_study(study_file)
     folder = out or Path("results") / study.name
-    with _failures(study_file, folder), _progress(quiet) as progress:
+    with failures(study_file, folder), _progress(quiet) as progress:
         from waxstudy.simulation.run import run
 
         run(study, folder, jit=not no_jit, progress=progress)
@@ -44,7 +44,7 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
 
 
 @contextmanager
-def _failures(study_file: Path, folder: Path) -> Iterator[None]:
+def failures(study_file: Path, folder: Path) -> Iterator[None]:
     from waxstudy.plugin.registry import PluginError
     from waxstudy.results.run import RunError
     from waxstudy.simulation.interpreted import SimulationError
@@ -65,7 +65,7 @@ def _failures(study_file: Path, folder: Path) -> Iterator[None]:
         raise CommandError(f"{folder}: the results cannot be written: {reason}", FAILED) from error
 
 
-def _warn(text: str) -> None:
+def warn(text: str) -> None:
     click.echo(f"warning: {text}", err=True)
 
 
@@ -75,7 +75,7 @@ def _progress(quiet: bool) -> Iterator[Progress]:
     from waxstudy.simulation.run import Progress
 
     if quiet or not sys.stderr.isatty():
-        yield Progress(warn=_warn)
+        yield Progress(warn=warn)
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
@@ -85,4 +85,4 @@ def _progress(quiet: bool) -> Iterator[Progress]:
     with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("preparing", total=None)
         total: Callable[[int], None] = lambda n: bar.update(task, total=n, description="cases")  # noqa: E731
-        yield Progress(warn=_warn, total=total, done=lambda case, computed: bar.advance(task))
+        yield Progress(warn=warn, total=total, done=lambda case, computed: bar.advance(task))

@@ -202,7 +202,7 @@ def simulate_case(plan: Plan, job: CaseFolder, loop: Loop) -> CaseResult:
     kpis, spans, traces = [], [], []
     setpoint_C = comfort.setpoint_C + found.shift_K
     for member, simulated in enumerate(loop.weeks(setpoint_C, plan.starts, trace=True, stop=plan.stop)):
-        week = _member_week(loop, simulated, setpoint_C, study)
+        week = member_week(loop, simulated, setpoint_C, study)
         row = {"case": job.case, "week": job.week, "member": member, "setpoint_shift_K": found.shift_K}
         kpis.append({**row, "single_run_shift_K": float(single_K[member]), **key_figures(week)})
         spans.append(durations(week).assign(member=member))
@@ -212,7 +212,7 @@ def simulate_case(plan: Plan, job: CaseFolder, loop: Loop) -> CaseResult:
     return CaseResult(pd.DataFrame(kpis), pd.concat(spans), pd.concat(traces) if traces else empty)
 
 
-def _member_week(loop: Loop, week: Week, setpoint_C: float, study: Study) -> MemberWeek:
+def member_week(loop: Loop, week: Week, setpoint_C: float, study: Study) -> MemberWeek:
     """Name the columns of a trace and add supply, return and flow in their units."""
     driven, room = loop.driven, loop.driven.room
     columns = {name: week.trace[:, i] for i, name in enumerate(kernel.TRACE)}

@@ -1,0 +1,140 @@
+"""`waxstudy reality`"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from waxstudy.cli.errors import USAGE, CommandError
+from waxstudy.cli.output import Command, print_out
+from waxstudy.cli.run import failures, warn
+from waxstudy.cli.study import load_study
+
+if TYPE_CHECKING:
+    from waxstudy.dataset.measure import Instruments
+    from waxstudy.dataset.write import Telling
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+BELIEVED = "Case that the modeller believes in  [default: the case itself]"
+INTERVAL = "Sampling interval, a multiple of the study's step_s."
+SHIFT = "Added to the study's setpoint_C, -5 to 5 K  [default: 0]"
+MISSING = "Share of the samples of measured channels that are lost, in gaps."
+
+
+def _figures(name: str, metavar: str, about: str) -> Callable[[F], F]:
+    """Return a repeatable option of a figure per channel, 0 or more."""
+    return click.option(name, multiple=True, callback=_by_channel, metavar=metavar, help=about)
+
+
+class Finite(click.FloatRange):
+    """A range that leaves out what is no number."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number", param, ctx)
+        return number
+
+
+def _by_channel(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for text in texts:
+        name, _, figure = text.partition("=")
+        try:
+            found[name] = float(figure)
+        except ValueError:
+            found[name] = math.nan
+        if not 0.0 <= found[name] < math.inf:
+            raise click.BadParameter(f"'{text}' is not a channel, '=' and a number of 0 or more", ctx, param)
+    return found
+
+
+@click.command("reality", cls=Command)
+@click.argument("study_file", metavar="STUDY.toml", type=click.Path(exists=True, path_type=Path))
+@click.option("--case", required=True, metavar="ID", help="Case that is the reality.")
+@click.option("--believed", metavar="ID", help=BELIEVED)
+@click.option("--week", "weeks", multiple=True, metavar="NAME", help="Week; repeatable  [default: the first]")
+@click.option("--days", type=click.IntRange(min=1), help="Only the first days of the weeks  [default: all]")
+@click.option("--setpoint-shift", "shift_K", type=Finite(-5.0, 5.0), default=0.0, metavar="K", help=SHIFT)
+@click.option("--interval-s", type=Finite(0.0, min_open=True), default=60.0, show_default=True, help=INTERVAL)
+@click.option("--without", multiple=True, metavar="CHANNEL", help="Channel to leave out; repeatable.")
+@_figures("--noise", "CHANNEL=SD", "Standard deviation of a channel's noise, in its unit; repeatable.")
+@_figures("--resolution", "CHANNEL=STEP", "Step that a channel is rounded to, 0 for none; repeatable.")
+@click.option("--missing", type=Finite(0.0, 0.5), default=0.0, show_default=True, help=MISSING)
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of noise and gaps.")
+@click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the dataset.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(
+    study_file: Path,
+    case: str,
+    believed: str | None,
+    weeks: Sequence[str],
+    days: int | None,
+    shift_K: float,
+    out: Path,
+    as_json: bool,
+    **measured: Any,
+) -> None:
+    """Make a dataset of a case, as if its room had been measured.
+
+    DIR gets data.csv and dataset.toml, which says what the modeller believes. The truth goes to DIR-truth.json,
+    beside the folder. Weeks given one after another are one record.
+    """
+    from waxstudy.dataset.measure import Instruments
+    from waxstudy.dataset.write import Telling, truth_beside
+
+    truth = truth_beside(out)
+    for path in (out, truth):
+        if os.path.lexists(path):
+            raise CommandError(f"{path}: there is something of this name already; nothing was written", USAGE)
+    study, instruments = load_study(study_file), Instruments(**measured)
+    weeks = list(weeks or [next(iter(study.weeks))])
+    believed = case if believed is None else believed
+    _refuse_unknown(("case", [case, believed], study.cases), ("week", weeks, study.weeks), *_channels(instruments))
+    setpoint_C = study.comfort.setpoint_C + shift_K
+    with failures(study_file, out):
+        _make(out, Telling(study, study.cases[case], study.cases[believed], weeks, setpoint_C), days, instruments)
+    if as_json:
+        print_out(json.dumps({"dataset": str(out), "truth": str(truth)}) + "\n")
+    else:
+        print_out(f"{truth}\n{out}\n")
+
+
+def _make(out: Path, telling: Telling, days: int | None, instruments: Instruments) -> None:
+    from waxstudy.dataset.reality import RealityError, reality_loop, simulate
+    from waxstudy.dataset.write import write
+
+    try:
+        loop = reality_loop(telling.study, telling.case, telling.weeks, days)
+        for warning in loop.warnings:
+            warn(warning)
+        write(out, telling, simulate(loop, telling.study, telling.setpoint_C), instruments)
+    except RealityError as error:
+        raise CommandError(str(error), USAGE) from error
+
+
+Words = tuple[str, Iterable[str], Iterable[str]]  # what they are, those given, those known
+
+
+def _channels(instruments: Instruments) -> list[Words]:
+    from waxstudy.dataset.channels import CHANNELS
+
+    return [("channel", names, CHANNELS) for names in (instruments.without, instruments.noise, instruments.resolution)]
+
+
+def _refuse_unknown(*words: Words) -> None:
+    from waxstudy.plugin.registry import nearest
+
+    for what, given, known in words:
+        for name in given:
+            if name not in known:
+                near = nearest(name, known)
+                hint = f"; did you mean '{near}'?" if near else ""
+                raise CommandError(f"no {what} '{name}'{hint} (there are: {', '.join(known)})", USAGE)

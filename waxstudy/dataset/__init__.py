@@ -1,0 +1,1 @@
+"""Datasets: a folder with data.csv and dataset.toml (format: docs/datasets.md)."""

@@ -1,0 +1,133 @@
+"""A study case as the reality behind a dataset: one continuous record of everything that could be measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, WeatherRecord
+from waxstudy.plugin.registry import told
+from waxstudy.results.kpis import MemberWeek, key_figures
+from waxstudy.simulation import ensemble
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.engine import DAY_S, Loop
+from waxstudy.simulation.interpreted import checked
+from waxstudy.simulation.modes import drive
+from waxstudy.simulation.run import member_week, prepare
+from waxstudy.study.model import Case, Study
+
+# a room that names an input so gives the channel
+ROOM_INPUTS = {
+    "gains_W": "internal_gain_W",
+    "ventilation_supply_C": "ventilation_supply_C",
+    "neighbour_C": "neighbour_C",
+}
+EXACT = 1e-9
+
+
+class RealityError(ValueError):
+    """What was asked for cannot be had from this study; the message says why."""
+
+
+@dataclass(frozen=True)
+class Reality:
+    """What happened, free of noise: `Channel.source` -> values at the end of every step."""
+
+    week: MemberWeek
+    first_day: str  # ISO date; the first step starts at its 00:00
+
+    def figures(self) -> dict[str, float | None]:
+        """Return the key figures of the record; None where one cannot be told."""
+        return {name: value if math.isfinite(value) else None for name, value in key_figures(self.week).items()}
+
+
+def reality_loop(study: Study, case: Case, weeks: Sequence[str], days: int | None) -> Loop:
+    """Return a case's loop under some weeks one after another, the first day twice.
+
+    The day put before fills the sensor's memory; `simulate` leaves it out. Raises as `simulation.run.prepare` does,
+    and `RealityError`.
+    """
+    plan = prepare(replace(study, weeks={name: study.weeks[name] for name in weeks}))
+    driven = plan.driven[weeks[0]]
+    record = _first_days(_joined([plan.driven[name].weather for name in weeks]), days)
+    weather = _joined([_first_days(record, 1), record])
+    with told("[room]"):
+        together = drive(driven.room, weather, study.step_s)
+    return Loop(Chain(case.blocks, study.step_s), together, study.comfort.operative_limit_C)
+
+
+def simulate(loop: Loop, study: Study, setpoint_C: float) -> Reality:
+    """Run the first member of the study's ensemble through the loop; raise `SimulationError`."""
+    (simulated,) = loop.weeks(setpoint_C, ensemble.starts(study.ensemble)[:1], trace=True)
+    week = member_week(loop, simulated, setpoint_C, study)
+    channels = week.channels | _of_surroundings(loop) | _readings(loop, week.channels)
+    channels["setpoint_C"] = np.full(len(simulated.trace), setpoint_C)
+    day = round(DAY_S / loop.driven.step_s)
+    kept = {name: values[day:] for name, values in channels.items()}
+    return Reality(replace(week, channels=kept), loop.driven.weather.first_day)
+
+
+def _joined(records: Sequence[WeatherRecord]) -> WeatherRecord:
+    """Return one record after the other as if they were one; the dates are those of the first."""
+    first = records[0]
+    if any(record.interval_s != first.interval_s for record in records):
+        raise RealityError("these weeks have weather of different intervals, which cannot follow each other")
+    if any(record.duration_s % DAY_S for record in records[:-1]):
+        raise RealityError("a week that another follows must last whole days")
+    irradiance = {name: np.concatenate([r.irradiance_W_m2[name] for r in records]) for name in first.irradiance_W_m2}
+    return replace(first, outdoor_C=np.concatenate([r.outdoor_C for r in records]), irradiance_W_m2=irradiance)
+
+
+def _first_days(record: WeatherRecord, days: int | None) -> WeatherRecord:
+    if days is None:
+        return record
+    count = round(days * DAY_S / record.interval_s)
+    if count > len(record.outdoor_C):
+        raise RealityError(f"the weather lasts {record.duration_s / DAY_S:g} days, less than {days}")
+    irradiance = {name: values[:count] for name, values in record.irradiance_W_m2.items()}
+    return replace(record, outdoor_C=record.outdoor_C[:count], irradiance_W_m2=irradiance)
+
+
+def _of_surroundings(loop: Loop) -> dict[str, FloatArray]:
+    """Return outdoor temperature, the sun's heat, and the inputs that the room has a known name for.
+
+    The sun's heat is what the room's input matrix makes of the irradiance: all that reaches its nodes [W].
+    """
+    driven, room = loop.driven, loop.driven.room
+    dark = {name: np.zeros_like(values) for name, values in driven.weather.irradiance_W_m2.items()}
+    with told("[room]"):
+        inputs, _ = room.drive(driven.weather)
+        without_sun, _ = room.drive(replace(driven.weather, irradiance_W_m2=dark))
+    found = {
+        "outdoor_C": driven.weather.outdoor_C,
+        "solar_gain_W": (inputs - without_sun) @ room.input_matrix.sum(axis=0),
+    }
+    places = {name: place for place, name in enumerate(room.inputs)}
+    found |= {ours: inputs[:, places[name]] for name, ours in ROOM_INPUTS.items() if name in places}
+    return {name: np.repeat(values, driven.steps_per_interval) for name, values in found.items()}
+
+
+def _readings(loop: Loop, channels: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    """Return what the controller reads at the end of each step: the sensor once more, over the trace."""
+    seen = _sensed_C(loop.driven.room, channels)
+    block, dt = loop.chain.blocks[0], loop.driven.step_s
+    if seen is None or block is None:
+        return {} if seen is None else {"reading_C": seen}
+    step, plain, state = checked(block), loop.chain.plain[0], loop.chain.start()[0]
+    values = [step(plain, state, u, (n + 1) * dt, dt) for n, u in enumerate(seen.tolist())]
+    return {"reading_C": np.array(values)}
+
+
+def _sensed_C(room: LinearRoom, channels: dict[str, FloatArray]) -> FloatArray | None:
+    """Return what the sensor is exposed to, which the trace has only as a mixture of its temperatures; or None."""
+    names = ("air_C", "operative_C", "floor_surface_C", "layer_C")
+    rows = np.hstack((room.output_matrix, room.feedthrough))
+    parts, sensed = np.array([rows[ROOM_OUTPUTS.index(name)] for name in names]), rows[ROOM_OUTPUTS.index("sensed_C")]
+    shares = np.linalg.lstsq(parts.T, sensed, rcond=None)[0]
+    if np.max(np.abs(shares @ parts - sensed)) > EXACT:
+        return None
+    mixed: FloatArray = shares @ np.array([channels[name] for name in names])
+    return mixed
