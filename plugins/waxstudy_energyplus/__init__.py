@@ -1,0 +1,1 @@
+"""The paper's room in EnergyPlus: a second engine for the same chains, driven minute by minute through its C API."""

@@ -1,0 +1,192 @@
+"""The room's shell: every surface a square of its area with its layers and films, every window a pane in a wall.
+
+EnergyPlus takes from the geometry which surfaces see each other (all but those that look the same way), no more: sun
+and volume are given, films too.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from waxstudy_energyplus.objects import ZONE, Object, Objects, schedule, sun_on, sun_outside
+from waxstudy_paper.room.construction import Layer, Surface, Window
+from waxstudy_paper.room.description import RoomDescription
+
+BLACK_W_M2K4 = 5.670374e-8
+MEAN_K = 293.15  # at which a film of 5.13 W/(m2 K) is an emissivity of 0.9
+NO_EMISSION = 1e-5  # outside: the film is convective and radiative in one, towards the outdoor air
+
+
+def shell(room: RoomDescription) -> Objects:
+    """Return zone, constructions, surfaces and windows; raise `ValueError` for a window that no wall can hold."""
+    yield "Zone", ZONE, {"volume": room.air.volume_m3, "floor_area": room.floor.area_m2}
+    azimuths, hosts = _azimuths_deg(room), window_hosts(room)
+    for surface in room.surfaces:
+        windows = [window for window in room.windows if hosts[window.name] == surface.name]
+        gross_m2 = surface.area_m2 + sum(window.area_m2 for window in windows)
+        yield from _construction(room, surface)
+        yield from _surface(room, surface, gross_m2, azimuths[surface.name])
+        side_m, left_m = sqrt(gross_m2), 0.0
+        for window in windows:  # side by side
+            yield from _window(room, window, surface, azimuths[surface.name], side_m, left_m)
+            left_m += window.area_m2 / side_m
+    if room.ground_temperature_C is not None:
+        film = {"combined_convective_radiative_film_coefficient": 1 / room.ground_resistance_m2K_W}
+        ground = {"constant_temperature": room.ground_temperature_C, "constant_temperature_coefficient": 1.0}
+        yield "SurfaceProperty:OtherSideCoefficients", "ground", {**film, **ground}
+
+
+def _azimuths_deg(room: RoomDescription) -> dict[str, float]:
+    """Walls without a direction stand round the room, clockwise from the south; it only says which see each other."""
+    walls = [surface for surface in room.surfaces if surface.facing == "wall"]
+    turned = {wall.name: (180.0 + 90.0 * number) % 360.0 for number, wall in enumerate(walls)}
+    given = {wall.name: wall.azimuth_deg for wall in walls if wall.azimuth_deg is not None}
+    return {surface.name: 0.0 for surface in room.surfaces} | turned | given
+
+
+def window_hosts(room: RoomDescription) -> dict[str, str]:
+    """Return for each window the wall that it is cut into: of those to outdoors the one turned most like it."""
+    azimuths = _azimuths_deg(room)
+    walls = [s.name for s in room.surfaces if s.facing == "wall" and s.boundary == "outdoors"]
+    walls = walls or [s.name for s in room.surfaces if s.boundary == "outdoors"]
+    if room.windows and not walls:
+        raise ValueError("EnergyPlus needs a surface to outdoors for the windows to sit in")
+
+    def apart_deg(wall: str, window: Window) -> float:
+        return abs((azimuths[wall] - window.azimuth_deg + 180.0) % 360.0 - 180.0)
+
+    return {window.name: min(walls, key=lambda wall: apart_deg(wall, window)) for window in room.windows}
+
+
+def emissivity(room: RoomDescription) -> float:
+    """Return the emissivity of the room's surfaces: h_r / (4 sigma T^3)."""
+    return room.films.radiative_W_m2K / (4 * BLACK_W_M2K4 * MEAN_K**3)
+
+
+def _construction(room: RoomDescription, surface: Surface) -> Objects:
+    layers = list(surface.layers)
+    if len(layers) == 1:  # inside and outside radiate differently, and a material has one emissivity
+        half = layers[0].model_copy(update={"thickness_m": layers[0].thickness_m / 2})
+        layers = [half, half]
+    names = []
+    for number, layer in enumerate(layers):
+        emits = NO_EMISSION if number == len(layers) - 1 and surface.boundary == "outdoors" else emissivity(room)
+        name = f"{surface.name}, layer {number + 1}"
+        names.append(name)
+        yield _material(name, layer, emits)
+    heated = surface.name == room.floor.name
+    name = f"layers of {surface.name}"
+    keys = ["outside_layer", *(f"layer_{n}" for n in range(2, len(names) + 1))]
+    yield "Construction", name, dict(zip(keys, reversed(names), strict=True))
+    if heated:
+        below = len(layers) - room.heated_floor.pipes_after_layer
+        yield (
+            "ConstructionProperty:InternalHeatSource",
+            "pipes",
+            {
+                "construction_name": name,
+                "thermal_source_present_after_layer_number": below,
+                "temperature_calculation_requested_after_layer_number": below,
+                "dimensions_for_the_ctf_calculation": 1,
+                "tube_spacing": room.circuit.spacing_m,
+            },
+        )
+
+
+def _material(name: str, layer: Layer, emits: float) -> Object:
+    common = {"roughness": "Smooth", "thermal_absorptance": emits}
+    if layer.density_kg_m3 == 0:
+        return "Material:NoMass", name, {**common, "thermal_resistance": layer.resistance_m2K_W}
+    solid = {"conductivity": layer.conductivity_W_mK, "density": layer.density_kg_m3}
+    return (
+        "Material",
+        name,
+        {**common, **solid, "thickness": layer.thickness_m, "specific_heat": layer.heat_capacity_J_kgK},
+    )
+
+
+def _surface(room: RoomDescription, surface: Surface, gross_m2: float, azimuth_deg: float) -> Objects:
+    side_m = sqrt(gross_m2)
+    boundaries = {"outdoors": "Outdoors", "adiabatic": "Adiabatic", "ground": "OtherSideCoefficients"}
+    kinds = {"wall": "Wall", "floor": "Floor", "ceiling": "Roof" if surface.boundary == "outdoors" else "Ceiling"}
+    fields = {
+        "surface_type": kinds[surface.facing],
+        "construction_name": f"layers of {surface.name}",
+        "zone_name": ZONE,
+        "outside_boundary_condition": boundaries[surface.boundary],
+        "sun_exposure": "NoSun",
+        "wind_exposure": "NoWind",
+        "vertices": [_vertex(c) for c in _corners(surface.facing, azimuth_deg, side_m, 0.0, side_m)],
+    }
+    if surface.boundary == "ground":
+        fields["outside_boundary_condition_object"] = "ground"
+    yield "BuildingSurface:Detailed", surface.name, fields
+    outside = room.films.exterior_W_m2K if surface.boundary == "outdoors" else None
+    yield _films(surface.name, room.films.convective_W_m2K(surface.facing), outside)
+    yield schedule(sun_on(surface.name))
+    sun = {"surface_name": surface.name, "inside_face_heat_source_term_schedule_name": sun_on(surface.name)}
+    if surface.facade is not None:
+        yield schedule(sun_outside(surface.name))
+        sun["outside_face_heat_source_term_schedule_name"] = sun_outside(surface.name)
+    yield "SurfaceProperty:HeatBalanceSourceTerm", f"sun of {surface.name}", sun
+
+
+def _films(name: str, inside_W_m2K: float, outside_W_m2K: float | None) -> Object:
+    fields: dict[str, Any] = {"surface_name": name}
+    films = {"Inside": inside_W_m2K, "Outside": outside_W_m2K}
+    for number, (side, film) in enumerate(((s, f) for s, f in films.items() if f is not None), start=1):
+        key = f"convection_coefficient_{number}"
+        fields |= {f"{key}_location": side, f"{key}_type": "Value", key: film}
+    return "SurfaceProperty:ConvectionCoefficients", f"films of {name}", fields
+
+
+def _corners(facing: str, azimuth_deg: float, side_m: float, left_m: float, right_m: float) -> list[tuple[float, ...]]:
+    """Return the corners of a strip of a square, seen from outside, counterclockwise from the lower left."""
+    plane = [(left_m, 0.0), (right_m, 0.0), (right_m, side_m), (left_m, side_m)]
+    if facing == "floor":
+        return [(y, x, 0.0) for x, y in plane]
+    if facing == "ceiling":
+        return [(x, y, side_m) for x, y in plane]
+    turn = np.radians(azimuth_deg)
+    away, right = 10.0 * np.array([np.sin(turn), np.cos(turn)]), np.array([-np.cos(turn), np.sin(turn)])
+    return [(*map(float, away + along * right), up) for along, up in plane]
+
+
+def _named(corner: tuple[float, ...]) -> dict[str, float]:
+    return {f"{axis}_coordinate": value for axis, value in zip("xyz", corner, strict=True)}
+
+
+def _vertex(corner: tuple[float, ...]) -> dict[str, float]:
+    return {f"vertex_{key}": value for key, value in _named(corner).items()}
+
+
+def _window(
+    room: RoomDescription, window: Window, host: Surface, azimuth_deg: float, side_m: float, left_m: float
+) -> Objects:
+    """A single opaque pane with the resistance that U leaves between the films; its sun is an input."""
+    resistance = 1 / window.U_W_m2K - room.films.interior_m2K_W("wall") - 1 / room.films.exterior_W_m2K
+    if resistance <= 0:
+        raise ValueError(f"window '{window.name}': U_W_m2K = {window.U_W_m2K:g} leaves nothing between the films")
+    pane = {
+        "optical_data_type": "SpectralAverage",
+        "thickness": 0.01,
+        "conductivity": 0.01 / resistance,
+        "solar_transmittance_at_normal_incidence": 0.0,
+        "front_side_solar_reflectance_at_normal_incidence": 0.9,
+        "back_side_solar_reflectance_at_normal_incidence": 0.9,
+        "visible_transmittance_at_normal_incidence": 0.0,
+        "front_side_visible_reflectance_at_normal_incidence": 0.9,
+        "back_side_visible_reflectance_at_normal_incidence": 0.9,
+        "front_side_infrared_hemispherical_emissivity": NO_EMISSION,
+        "back_side_infrared_hemispherical_emissivity": emissivity(room),
+    }
+    yield "WindowMaterial:Glazing", f"pane of {window.name}", pane
+    yield "Construction", f"layers of {window.name}", {"outside_layer": f"pane of {window.name}"}
+    corners = _corners(host.facing, azimuth_deg, side_m, left_m, left_m + window.area_m2 / side_m)
+    places = {f"vertex_{n}_{key}": value for n, c in enumerate(corners, start=1) for key, value in _named(c).items()}
+    named = {"surface_type": "Window", "construction_name": f"layers of {window.name}"}
+    yield "FenestrationSurface:Detailed", window.name, {**named, "building_surface_name": host.name, **places}
+    yield _films(window.name, room.films.wall_W_m2K, room.films.exterior_W_m2K)
