@@ -84,6 +84,7 @@ def _settings(days: int) -> Objects:
     yield "ScheduleTypeLimits", ANY_NUMBER, {"numeric_type": "Continuous"}
     for name, value in ((ALWAYS, 1.0), (ALWAYS_WARM, 99.0), (SUPPLY, 20.0)):
         yield schedule(name, value)
+    yield "Output:Constructions", "constructions", {"details_type_1": "Constructions"}
     yield "OutputControl:Files", "files", {f"output_{name}": "No" for name in UNWANTED}
 
 
@@ -134,7 +135,8 @@ def tube_length_m(room: RoomDescription) -> float:
 
 
 def _heating(room: RoomDescription) -> Objects:
-    flow_m3_s = full_flow_kg_s(room) / 1000.0
+    # a tenth above full flow, which the run sets in kg/s: EnergyPlus takes this with the density of hot water
+    flow_m3_s = 1.1 * full_flow_kg_s(room) / 1000.0
     tube = {
         "fluid_to_radiant_surface_heat_transfer_model": "ConvectionOnly",
         "hydronic_tubing_inside_diameter": WIDE_M,

@@ -79,7 +79,8 @@ def simulate(
 
     `advance` is pickled with its state, called in another process at every `step_s`, warm-up included, and given the
     sensed temperature, carried on straight from the last two minutes because EnergyPlus tells it once a minute.
-    Raises what `advance` raises, `EnergyPlusError` with the engine's error file, `BackendMissing`, `Stopped`, `OSError`.
+    Raises what `advance` raises, `EnergyPlusError` with the engine's error file, `BackendMissing`, `Stopped`,
+    or `OSError`.
     """
     if not (is_multiple(MINUTE_S, of=step_s) and is_multiple(weather.interval_s, of=MINUTE_S)):
         raise ValueError(
@@ -108,8 +109,7 @@ def _answer(job: Job, folder: Path, stop: Callable[[], bool]) -> tuple[FloatArra
     try:
         answer = _exchange(process, question, stop)
     finally:
-        process.kill()
-        process.wait()
+        _end(process)
     return _understood(answer, process.returncode, folder)
 
 
@@ -129,6 +129,15 @@ def _exchange(process: subprocess.Popen[bytes], question: bytes, stop: Callable[
         if stop():
             raise Stopped
     return parts[0] if parts else b""
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    process.wait()
+    for pipe in (process.stdin, process.stdout):
+        with contextlib.suppress(BrokenPipeError):
+            if pipe is not None:
+                pipe.close()
 
 
 class _Remote(Exception):

@@ -17,6 +17,7 @@ from waxstudy_paper.room.description import RoomDescription
 
 BLACK_W_M2K4 = 5.670374e-8
 MEAN_K = 293.15  # at which a film of 5.13 W/(m2 K) is an emissivity of 0.9
+LIGHT_SHARE = 0.1  # of the heat that the floor holds
 NO_EMISSION = 1e-5  # outside: the film is convective and radiative in one, towards the outdoor air
 
 
@@ -66,14 +67,32 @@ def emissivity(room: RoomDescription) -> float:
     return room.films.radiative_W_m2K / (4 * BLACK_W_M2K4 * MEAN_K**3)
 
 
+def layers(room: RoomDescription, surface: Surface) -> list[Layer]:
+    """Return a surface's layers as EnergyPlus is given them, room side first.
+
+    A thick light layer under the heated floor would stretch the step of its transfer functions to many minutes (9 for
+    the paper's 430 mm of polystyrene, with heat at the surface in the first): such layers keep their resistance only.
+    """
+    given = list(surface.layers)
+    if surface.name == room.floor.name:
+        least = LIGHT_SHARE * sum(layer.capacity_J_m2K for layer in given)
+        pipes = room.heated_floor.pipes_after_layer
+        light = [n >= pipes and layer.capacity_J_m2K < least for n, layer in enumerate(given)]
+        return [_massless(layer) if is_light else layer for layer, is_light in zip(given, light, strict=True)]
+    if len(given) == 1:  # inside and outside radiate differently, and a material has one emissivity
+        half = given[0].model_copy(update={"thickness_m": given[0].thickness_m / 2})
+        return [half, half]
+    return given
+
+
+def _massless(layer: Layer) -> Layer:
+    return layer.model_copy(update={"density_kg_m3": 0.0})
+
+
 def _construction(room: RoomDescription, surface: Surface) -> Objects:
-    layers = list(surface.layers)
-    if len(layers) == 1:  # inside and outside radiate differently, and a material has one emissivity
-        half = layers[0].model_copy(update={"thickness_m": layers[0].thickness_m / 2})
-        layers = [half, half]
-    names = []
-    for number, layer in enumerate(layers):
-        emits = NO_EMISSION if number == len(layers) - 1 and surface.boundary == "outdoors" else emissivity(room)
+    names, last = [], len(layers(room, surface)) - 1
+    for number, layer in enumerate(layers(room, surface)):
+        emits = NO_EMISSION if number == last and surface.boundary == "outdoors" else emissivity(room)
         name = f"{surface.name}, layer {number + 1}"
         names.append(name)
         yield _material(name, layer, emits)
@@ -82,7 +101,7 @@ def _construction(room: RoomDescription, surface: Surface) -> Objects:
     keys = ["outside_layer", *(f"layer_{n}" for n in range(2, len(names) + 1))]
     yield "Construction", name, dict(zip(keys, reversed(names), strict=True))
     if heated:
-        below = len(layers) - room.heated_floor.pipes_after_layer
+        below = len(names) - room.heated_floor.pipes_after_layer
         yield (
             "ConstructionProperty:InternalHeatSource",
             "pipes",
