@@ -27,6 +27,7 @@ from waxstudy_energyplus.weather_file import still_year
 from waxstudy_paper.room.description import RoomDescription
 
 ERROR_LINES = 40
+HARMLESS = "CheckWarmupConvergence"  # the engine's own warm-up is cut short on purpose
 POLL_S = 0.1
 
 
@@ -164,14 +165,12 @@ def _understood(answer: bytes, code: int, folder: Path) -> tuple[FloatArray, Flo
 
 
 def _error_file(folder: Path) -> str:
-    """Return what the engine's error file says from its first severe line on, or what was printed."""
+    """Return what the engine's error file says from its first severe line on, or else what was printed."""
     for name, first in (("eplusout.err", "** Severe"), ("eplusout.err", "**  Fatal"), ("printed.txt", "")):
-        try:
+        with contextlib.suppress(OSError):
             lines = (folder / name).read_text(encoding="utf-8", errors="replace").splitlines()
-        except OSError:
-            continue
-        found = next((number for number, line in enumerate(lines) if first in line), None)
-        if found is not None:
-            shown = lines[found : found + ERROR_LINES]
-            return "\n".join([f"; {name}:", *(f"  {line.strip()}" for line in shown)])
+            found = [n for n, line in enumerate(lines) if first in line and HARMLESS not in line]
+            if found:
+                shown = lines[found[0] : found[0] + ERROR_LINES]
+                return "\n".join([f"; {name}:", *(f"  {line.strip()}" for line in shown)])
     return ""

@@ -6,6 +6,7 @@ and volume are given, films too.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt
 from typing import Any
 
@@ -17,22 +18,26 @@ from waxstudy_paper.room.description import RoomDescription
 
 BLACK_W_M2K4 = 5.670374e-8
 MEAN_K = 293.15  # at which a film of 5.13 W/(m2 K) is an emissivity of 0.9
+FRAME_SHARE = 1e-3
+ASIDE_DEG = 15.0  # EnergyPlus takes up to 10 for the same way
 LIGHT_SHARE = 0.1  # of the heat that the floor holds
 NO_EMISSION = 1e-5  # outside: the film is convective and radiative in one, towards the outdoor air
 
 
 def shell(room: RoomDescription) -> Objects:
-    """Return zone, constructions, surfaces and windows; raise `ValueError` for a window that no wall can hold."""
+    """Return zone, constructions, surfaces and windows; raise `ValueError` for names that differ in case only."""
+    _refuse_names(room)
     yield "Zone", ZONE, {"volume": room.air.volume_m3, "floor_area": room.floor.area_m2}
-    azimuths, hosts = _azimuths_deg(room), window_hosts(room)
-    for surface in room.surfaces:
+    frames, hosts = _frames(room), window_hosts(room)
+    azimuths = _azimuths_deg((*room.surfaces, *frames))
+    for surface in (*room.surfaces, *frames):
         windows = [window for window in room.windows if hosts[window.name] == surface.name]
         gross_m2 = surface.area_m2 + sum(window.area_m2 for window in windows)
         yield from _construction(room, surface)
-        yield from _surface(room, surface, gross_m2, azimuths[surface.name])
+        yield from _surface(room, surface, gross_m2, azimuths.get(surface.name, 0.0))
         side_m, left_m = sqrt(gross_m2), 0.0
         for window in windows:  # side by side
-            yield from _window(room, window, surface, azimuths[surface.name], side_m, left_m)
+            yield from _window(room, window, surface, azimuths.get(surface.name, 0.0), side_m, left_m)
             left_m += window.area_m2 / side_m
     if room.ground_temperature_C is not None:
         film = {"combined_convective_radiative_film_coefficient": 1 / room.ground_resistance_m2K_W}
@@ -40,26 +45,61 @@ def shell(room: RoomDescription) -> Objects:
         yield "SurfaceProperty:OtherSideCoefficients", "ground", {**film, **ground}
 
 
-def _azimuths_deg(room: RoomDescription) -> dict[str, float]:
-    """Walls without a direction stand round the room, clockwise from the south; it only says which see each other."""
-    walls = [surface for surface in room.surfaces if surface.facing == "wall"]
-    turned = {wall.name: (180.0 + 90.0 * number) % 360.0 for number, wall in enumerate(walls)}
-    given = {wall.name: wall.azimuth_deg for wall in walls if wall.azimuth_deg is not None}
-    return {surface.name: 0.0 for surface in room.surfaces} | turned | given
+def _refuse_names(room: RoomDescription) -> None:
+    seen: dict[str, str] = {}
+    for part in room.parts:
+        other = seen.setdefault(part.name.upper(), part.name)
+        if other != part.name:
+            raise ValueError(f"EnergyPlus does not tell the names '{other}' and '{part.name}' apart")
+
+
+def _azimuths_deg(surfaces: Sequence[Surface]) -> dict[str, float]:
+    """Return where the walls look to, which in EnergyPlus says which see each other: those that look one way do not.
+
+    Walls without a direction stand round the room, clockwise from the south, each a little aside of those before.
+    """
+    walls = [surface for surface in surfaces if surface.facing == "wall"]
+    azimuths = {wall.name: wall.azimuth_deg for wall in walls if wall.azimuth_deg is not None}
+    for number, wall in enumerate(wall for wall in walls if wall.azimuth_deg is None):
+        azimuth = 180.0 + 90.0 * number
+        while any(_apart_deg(azimuth, other) < ASIDE_DEG for other in azimuths.values()):
+            azimuth += ASIDE_DEG
+        azimuths[wall.name] = azimuth % 360.0
+    return azimuths
+
+
+def _apart_deg(one: float, other: float) -> float:
+    return abs((one - other + 180.0) % 360.0 - 180.0)
 
 
 def window_hosts(room: RoomDescription) -> dict[str, str]:
     """Return for each window the wall that it is cut into: of those to outdoors the one turned most like it."""
-    azimuths = _azimuths_deg(room)
+    azimuths = _azimuths_deg(room.surfaces)
     walls = [s.name for s in room.surfaces if s.facing == "wall" and s.boundary == "outdoors"]
-    walls = walls or [s.name for s in room.surfaces if s.boundary == "outdoors"]
-    if room.windows and not walls:
-        raise ValueError("EnergyPlus needs a surface to outdoors for the windows to sit in")
 
-    def apart_deg(wall: str, window: Window) -> float:
-        return abs((azimuths[wall] - window.azimuth_deg + 180.0) % 360.0 - 180.0)
+    def nearest(window: Window) -> str:
+        return min(
+            walls, key=lambda wall: _apart_deg(azimuths[wall], window.azimuth_deg), default=f"frame of {window.name}"
+        )
 
-    return {window.name: min(walls, key=lambda wall: apart_deg(wall, window)) for window in room.windows}
+    return {window.name: nearest(window) for window in room.windows}
+
+
+def _frames(room: RoomDescription) -> list[Surface]:
+    """Return a narrow wall round each window for which the room has no wall to outdoors; it lets no heat through."""
+    names, hosts = {surface.name for surface in room.surfaces}, window_hosts(room)
+    tight = {"thickness_m": 1.0, "conductivity_W_mK": 0.01, "density_kg_m3": 0.0, "heat_capacity_J_kgK": 1000.0}
+    return [
+        Surface(
+            name=hosts[window.name],
+            area_m2=FRAME_SHARE * window.area_m2,
+            boundary="outdoors",
+            azimuth_deg=window.azimuth_deg,
+            layers=(Layer(**tight),),
+        )
+        for window in room.windows
+        if hosts[window.name] not in names
+    ]
 
 
 def emissivity(room: RoomDescription) -> float:
@@ -71,13 +111,14 @@ def layers(room: RoomDescription, surface: Surface) -> list[Layer]:
     """Return a surface's layers as EnergyPlus is given them, room side first.
 
     A thick light layer under the heated floor would stretch the step of its transfer functions to many minutes (9 for
-    the paper's 430 mm of polystyrene, with heat at the surface in the first): such layers keep their resistance only.
+    the paper's 430 mm of polystyrene, with heat at the surface in the first): such layers keep their resistance only,
+    but for one beside the pipes, where EnergyPlus needs mass.
     """
     given = list(surface.layers)
     if surface.name == room.floor.name:
         least = LIGHT_SHARE * sum(layer.capacity_J_m2K for layer in given)
         pipes = room.heated_floor.pipes_after_layer
-        light = [n >= pipes and layer.capacity_J_m2K < least for n, layer in enumerate(given)]
+        light = [n > pipes and layer.capacity_J_m2K < least for n, layer in enumerate(given)]
         return [_massless(layer) if is_light else layer for layer, is_light in zip(given, light, strict=True)]
     if len(given) == 1:  # inside and outside radiate differently, and a material has one emissivity
         half = given[0].model_copy(update={"thickness_m": given[0].thickness_m / 2})
@@ -93,7 +134,7 @@ def _construction(room: RoomDescription, surface: Surface) -> Objects:
     names, last = [], len(layers(room, surface)) - 1
     for number, layer in enumerate(layers(room, surface)):
         emits = NO_EMISSION if number == last and surface.boundary == "outdoors" else emissivity(room)
-        name = f"{surface.name}, layer {number + 1}"
+        name = f"{surface.name} layer {number + 1}"
         names.append(name)
         yield _material(name, layer, emits)
     heated = surface.name == room.floor.name

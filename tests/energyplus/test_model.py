@@ -61,10 +61,19 @@ def test_all_sun_and_gains_of_the_fast_room_come_into_the_room(room: RoomDescrip
     assert given[GAINS].mean() == pytest.approx(4.0 * 10.4)
 
 
-def test_a_room_that_cannot_hold_its_windows_says_so(room: RoomDescription) -> None:
+def test_windows_of_a_room_without_outer_walls_get_a_frame(room: RoomDescription) -> None:
     inner = [surface.model_copy(update={"boundary": "adiabatic"}) for surface in room.surfaces]
-    with pytest.raises(ValueError, match="EnergyPlus needs a surface to outdoors for the windows"):
-        model(room.model_copy(update={"surfaces": tuple(inner)}), 14)
+    objects = model(room.model_copy(update={"surfaces": tuple(inner)}), 14)
+    areas = areas_m2(objects)
+    assert areas["frame of south window"] == pytest.approx(0.003)
+    assert areas["south window"] == pytest.approx(3.0)
+    assert areas["south wall"] == pytest.approx(room.surfaces[0].area_m2)
+
+
+def test_names_that_energyplus_cannot_tell_apart_are_refused(room: RoomDescription) -> None:
+    twin = room.surfaces[0].model_copy(update={"name": "South Wall"})
+    with pytest.raises(ValueError, match="does not tell the names 'south wall' and 'South Wall' apart"):
+        model(room.model_copy(update={"surfaces": (*room.surfaces, twin)}), 14)
 
 
 def test_a_missing_package_says_what_to_install(

@@ -29,7 +29,7 @@ from waxstudy_energyplus.model import exchange_W_K
 from waxstudy_energyplus.run import Simulated, simulate
 from waxstudy_paper.actuators import VariableTimes
 from waxstudy_paper.controllers import OnOff
-from waxstudy_paper.room import NzebRoom, RoomDescription
+from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom
 from waxstudy_paper.valves import QuickOpeningValve
 from waxstudy_paper.weather import TallinnWeek
 
@@ -101,6 +101,39 @@ def test_a_week_of_a_wax_motor_agrees_with_the_fast_room(room: RoomDescription) 
     assert mean["water_heat_W"] == pytest.approx(fast_mean["water_heat_W"], rel=0.05)
     assert mean["air_C"] == pytest.approx(fast_mean["air_C"], abs=0.1)
     assert run.minute("water_heat_W").mean() == pytest.approx(mean["water_heat_W"])
+
+
+def layer(thickness_m: float, conductivity_W_mK: float, density_kg_m3: float) -> dict[str, float]:
+    given = {"thickness_m": thickness_m, "conductivity_W_mK": conductivity_W_mK, "density_kg_m3": density_kg_m3}
+    return {**given, "heat_capacity_J_kgK": 1000.0}
+
+
+def test_a_room_on_the_ground_with_sun_on_its_wall_agrees_with_the_fast_room() -> None:
+    slab, insulation, block = layer(0.05, 1.2, 2000.0), layer(0.3, 0.035, 20.0), layer(0.2, 0.1, 600.0)
+    floor = {"name": "floor", "facing": "floor", "area_m2": 16.0, "boundary": "ground", "layers": [slab, insulation]}
+    sunny = {"name": "outer wall", "area_m2": 9.0, "boundary": "outdoors", "layers": [block]}
+    inner = {"name": "walls", "area_m2": 36.0, "boundary": "adiabatic", "layers": [layer(0.1, 0.6, 1400.0)]}
+    window = {"name": "window", "area_m2": 4.0, "U_W_m2K": 1.0, "g": 0.5, "azimuth_deg": 180.0}
+    house = RoomDescription.model_validate(
+        {
+            "surfaces": [floor, {**sunny, "azimuth_deg": 180.0, "solar_absorptance": 0.6}, inner],
+            "windows": [window],
+            "air": {"volume_m3": 40.0, "ventilation_L_s": 8.0, "infiltration_L_s": 1.0},
+            "heated_floor": {"surface": "floor", "pipes_after_layer": 1},
+            "circuit": {"exchange": "pipe", "spacing_m": 0.2},
+            "ground_temperature_C": 8.0,
+        }
+    )
+    week = TallinnWeek.load(TallinnWeek.Parameters(month="february"), house.facades)
+    run = simulate(house, week, drivers.full, setpoint_C=21.0)
+    loop = Loop(Chain({"controller": O_WM["controller"]}, 5.0), drive(SurfacesRoom.build(house), week, 5.0), 21.0)
+    state, always_C = loop.start(21.0), 90.0
+    loop.advance(state, np.tile(np.arange(24), 7), -7 * 86400.0, always_C)
+    trace = loop.advance(state, np.arange(7 * 24), 0.0, always_C, trace=True)[1]
+    mean, fast_mean = (dict(zip(TRACE, rows.mean(axis=0), strict=True)) for rows in (run.trace(), trace))
+    assert fast_mean["flow_fraction"] == 1.0
+    assert mean["water_heat_W"] == pytest.approx(fast_mean["water_heat_W"], rel=0.02)
+    assert mean["operative_C"] == pytest.approx(fast_mean["operative_C"], abs=0.1)
 
 
 def test_starts_differ_as_asked_at_the_end_of_the_warm_up(room: RoomDescription, a_day: ADay) -> None:
