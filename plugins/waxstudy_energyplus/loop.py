@@ -146,7 +146,7 @@ class Loop:
         if not self.readers:
             return
         value = {name: read() for name, read in self.readers.items()}
-        radiant_C = sum(weight * value[name] for name, weight in self.radiant.items())
+        radiant_C = sum(weight * value[f"face of {name}"] for name, weight in self.radiant.items())
         air_C, sensing = value["air_C"], self.job.room.sensing
         sensed_C = (1 - sensing.sensor_radiant_share) * air_C + sensing.sensor_radiant_share * radiant_C
         self.sensed_C = [*(self.sensed_C or [sensed_C]), sensed_C][-2:]
@@ -191,5 +191,5 @@ def variables(room: RoomDescription) -> dict[str, tuple[str, str]]:
         "water_heat_W": ("Zone Radiant HVAC Heating Rate", radiant),
         "supply_C": ("Zone Radiant HVAC Inlet Temperature", radiant),
         "return_C": ("Zone Radiant HVAC Outlet Temperature", radiant),
-        **{part.name: ("Surface Inside Face Temperature", part.name) for part in room.parts},
+        **{f"face of {part.name}": ("Surface Inside Face Temperature", part.name) for part in room.parts},
     }
