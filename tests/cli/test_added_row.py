@@ -37,13 +37,15 @@ def test_an_actuator_added_as_a_row_changes_no_figure_of_the_other_rows(
     assert finished_cases(small_run).items() >= files.items()
 
 
-def test_an_added_actuator_s_row_is_its_own(entry: Entry, small_study: Path, small_run: Path) -> None:
-    """Computed afresh too, not only kept from before: the whole study with the ramp gives the same other rows."""
+@pytest.mark.parametrize("actuator", ["linear-ramp", "constant-times"])
+def test_an_added_actuator_s_row_is_its_own_and_the_others_computed_beside_it_are_the_same(
+    entry: Entry, small_study: Path, small_run: Path, actuator: str
+) -> None:
     before = rows(entry)
-    small_study.write_text(SMALL.replace(LAST, ROW % "linear-ramp" + LAST))
+    small_study.write_text(SMALL.replace(LAST, ROW % actuator + LAST))
     assert entry("run", small_study, "--out", "fresh").code == 0
     done = entry("report", "fresh", "--format", "csv")
     after = {row["case"]: str(row) for row in csv.DictReader(io.StringIO(done.stdout))}
     assert {case: after[case] for case in before} == before
-    figures = [value.split("'case': ")[1].split(", ", 1)[1] for value in after.values()]
+    figures = [value.split("'week'")[1] for value in after.values()]
     assert len(set(figures)) == len(after)

@@ -103,9 +103,15 @@ def test_names_follow_the_reader_s_rule(name: str) -> None:
 
 # --- what is right is accepted -----------------------------------------------------------------------
 
+OF_PLUGINS = ("plugins.md", "plugin-tutorial.md", "enthalpy.md")  # pages about what this schema does not know
 EXAMPLES = {
     **{path.name: path.read_text(encoding="utf-8") for path in (ROOT / "studies").glob("*.toml")},
-    **{f"{page.name} {i}": block for page in PAGES for i, block in enumerate(blocks(page, "toml"))},
+    **{
+        f"{page.name} {i}": block
+        for page in PAGES
+        if page.name not in OF_PLUGINS
+        for i, block in enumerate(blocks(page, "toml"))
+    },
 }
 
 

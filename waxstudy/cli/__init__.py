@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import click
@@ -27,4 +28,6 @@ def main(arguments: list[str] | None = None) -> Any:
     """Entry point; exit codes are those of `waxstudy.cli.errors`."""
     from waxstudy.cli.errors import exit_code
 
+    # pydantic would look for plugins of its own, and end at any package whose list of entry points is damaged
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     raise SystemExit(exit_code(lambda: group.main(arguments, "waxstudy", standalone_mode=False)))

@@ -40,17 +40,6 @@ def exit_code(command: Callable[[], Any]) -> int:
         return error.code
 
 
-def print_out(text: str) -> None:
-    """Write to stdout; a reader that has seen enough and closed it is no failure."""
-    try:
-        click.echo(text, nl=False)
-    except OSError as error:
-        # keep Python from complaining once more when it flushes at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if not isinstance(error, BrokenPipeError):
-            raise CommandError(f"the output cannot be written: {error.strerror or error}", FAILED) from error
-
-
 def _make_streams_safe() -> None:
     """Whoever starts the program may have closed a stream, and not every console has a plus-minus."""
     for name in ("stdout", "stderr"):

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from pathlib import Path
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError, print_out
+from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.output import Command, print_out, stdout
 from waxstudy.cli.study import load_study
 
 FORMATS = ("table", "csv", "md", "html", "json")
 
 
-@click.command("report")
+@click.command("report", cls=Command)
 @click.argument("run_folder", metavar="RUN", type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option("--format", "form", type=click.Choice(FORMATS), default="table", show_default=True, help="What to print.")
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
@@ -50,12 +50,14 @@ def render(folder: Path, form: str, against: str | None) -> str:
             return as_html(content)
     except PluginError as error:
         # an unknown name is a plugin's fault only if one is broken that may hold it
-        raise CommandError(str(error), PLUGIN if installed().broken else INVALID) from error
+        registry = installed()
+        blamed = registry.broken or ("reference", against) in registry.components
+        raise CommandError(str(error), PLUGIN if blamed else INVALID) from error
     except (RunError, ValueError) as error:
         raise CommandError(str(error), INVALID) from error
     from waxstudy.report import render as formats
 
     if form == "table":
-        colour = sys.stdout.isatty()
+        colour = stdout().isatty()
         return formats.as_terminal(content, shutil.get_terminal_size((120, 24)).columns, colour)
     return {"csv": formats.as_csv, "md": formats.as_markdown, "json": formats.as_json}[form](content)

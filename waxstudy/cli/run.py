@@ -5,20 +5,21 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError, print_out
+from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.study import load_study
 
 if TYPE_CHECKING:
     from waxstudy.simulation.run import Progress
 
 
-@click.command("run")
+@click.command("run", cls=Command)
 @click.argument("study_file", metavar="STUDY.toml", type=click.Path(exists=True, path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Run folder  [default: results/NAME of the study]")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
@@ -51,8 +52,7 @@ def _failures(study_file: Path, folder: Path) -> Iterator[None]:
     from waxstudy.study.read import problem_at
 
     try:
-        with redirect_stdout(sys.stderr):  # what a plugin prints is no result
-            yield
+        yield
     except InputError as error:
         problem = problem_at(study_file, tuple(error.table.split(".")), str(error))
         raise CommandError(str(problem), INVALID, label="") from error

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import click
 
-from waxstudy.cli.errors import print_out
+from waxstudy.cli.output import Command, print_out
 
 
-@click.command("schema")
+@click.command("schema", cls=Command)
 def command() -> None:
     """Print the JSON Schema of the study file, with every installed component, for editors."""
     import json

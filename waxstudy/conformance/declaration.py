@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import pickle
 from collections.abc import Collection
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 import annotated_types
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from waxstudy.conformance.stage import Problems, Subject
@@ -69,18 +69,44 @@ def exemptions(component: type[Component], exemptible: Collection[str]) -> Probl
 
 def documentation(subject: Subject) -> Problems:
     """Every parameter has unit, description, source, and bounds if it is a number; its name ends with its unit."""
-    for name, field in subject.component.Parameters.model_fields.items():
-        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-        unit = extra.get("unit")
-        if unit is None or not extra.get("source") or not field.description:
-            yield f"parameter {name}: declare it with `parameter(default, unit=, description=, source=, ge=, le=)`"
-            continue
-        suffix = SUFFIXES.get(str(unit))
-        if suffix and not name.endswith(suffix):
-            ending = suffix if isinstance(suffix, str) else " or ".join(suffix)
-            yield f"parameter {name}: its unit is {unit}: let the name end with {ending}"
-        if _is_number(field) and not _bounded(field):
-            yield f"parameter {name}: give both bounds (ge= or gt=, le= or lt=): a study file is checked against them"
+    yield from _undocumented(subject.component.Parameters, "", set())
+
+
+def _undocumented(model: type[BaseModel], prefix: str, seen: set[type]) -> Problems:
+    """Problems of a model's fields and of the models in them, each model once."""
+    seen.add(model)
+    for name, field in model.model_fields.items():
+        yield from (f"parameter {prefix}{name}: {wrong}" for wrong in _field_problems(prefix + name, field))
+        for inner in _models_in(field.annotation):
+            if inner not in seen:
+                yield from _undocumented(inner, f"{prefix}{name}.", seen)
+
+
+def _field_problems(name: str, field: FieldInfo) -> Problems:
+    extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+    unit = extra.get("unit")
+    if unit is None or not extra.get("source") or not field.description:
+        yield "declare it with `parameter(default, unit=, description=, source=, ge=, le=)`"
+        return
+    suffix = SUFFIXES.get(str(unit))
+    if suffix and not any(part.endswith(suffix) for part in name.split(".")):
+        yield f"its unit is {unit}: let the name end with {suffix if isinstance(suffix, str) else ' or '.join(suffix)}"
+    if _is_number(field) and not _bounded(field):
+        yield "give both bounds (ge= or gt=, le= or lt=): a study file is checked against them"
+    if any(not isinstance(choice, str | None) for choice in _choices(field.annotation)):
+        yield "its choices are no texts: a step gets the index of a choice, which a number would be taken for"
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for inner in get_args(annotation) for model in _models_in(inner)]
+
+
+def _choices(annotation: Any) -> list[Any]:
+    if get_origin(annotation) is Literal:
+        return list(get_args(annotation))
+    return [choice for inner in get_args(annotation) for choice in _choices(inner)]
 
 
 def _is_number(field: FieldInfo) -> bool:
@@ -106,7 +132,7 @@ def examples(subject: Subject) -> Problems:
             reasons = "; ".join(f"{'.'.join(map(str, e['loc']))} {e['msg'].lower()}".strip() for e in error.errors())
             yield f"example '{label}' is refused: {reasons}"
             continue
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             yield f"example '{label}': a validator failed with {described(error)}"
             continue
         subject.models[label] = model

@@ -11,7 +11,7 @@ from waxstudy.conformance import declaration as said
 from waxstudy.conformance import surroundings
 from waxstudy.conformance.blocks import STAGES as BLOCK_STAGES
 from waxstudy.conformance.stage import Problems, Stage, Subject
-from waxstudy.plugin import CHAIN, Component
+from waxstudy.plugin import CHAIN
 from waxstudy.plugin.registry import described
 
 COMMON = (
@@ -61,7 +61,7 @@ def _outcome(stage: Stage, subject: Subject, missing: str, replaced: bool) -> Ou
         return result(NOT_RUN, [f"needs '{missing}'"])
     try:
         problems = list(_problems(stage, subject))
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         problems = [f"the check failed with {described(error)}"]
     reason = "" if replaced else _exemption(stage, subject)
     if problems and reason:
@@ -70,11 +70,11 @@ def _outcome(stage: Stage, subject: Subject, missing: str, replaced: bool) -> Ou
 
 
 def _problems(stage: Stage, subject: Subject) -> Problems:
-    yield from stage.problems(subject)
-    if stage is COMMON[0]:
-        kind = BY_KIND.get(str(getattr(subject.component, "kind", "")), ())
-        if isinstance(subject.component, type) and issubclass(subject.component, Component):
-            yield from said.exemptions(subject.component, [s.name for s in (*COMMON, *kind) if s.exemptible])
+    found = list(stage.problems(subject))
+    yield from found
+    if stage is COMMON[0] and not found:
+        kind = BY_KIND[subject.component.kind]
+        yield from said.exemptions(subject.component, [s.name for s in (*COMMON, *kind) if s.exemptible])
 
 
 def _exemption(stage: Stage, subject: Subject) -> str:

@@ -13,6 +13,8 @@ class Ring:
     __slots__ = ("head", "length", "values")
 
     def __init__(self, length: int) -> None:
+        if length < 0:
+            raise ValueError(f"a ring has a length of 0 or more, not {length}")
         self.length = length
         self.head = -1  # -1: nothing stored yet
         self.values = [0.0] * length

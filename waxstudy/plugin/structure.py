@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from types import FunctionType
 from typing import Any
 
-from waxstudy.plugin.contracts import API_VERSION, CHAIN, KINDS, Block, Component, Reference, Room, Weather
+from waxstudy.plugin.contracts import API_VERSION, CHAIN, KINDS, Block, Component, Port, Reference, Room, Weather
 from waxstudy.plugin.parameters import Parameters
 
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
@@ -36,6 +37,12 @@ def structure_problems(component: Any) -> Iterator[str]:
     model: Any = component.Parameters
     if not (isinstance(model, type) and issubclass(model, Parameters)):
         yield f"{component.__name__}: its Parameters must be a class derived from waxstudy.plugin.Parameters"
+    for table in ("examples", "exemptions"):
+        if not isinstance(getattr(component, table), Mapping):
+            yield f'{component.__name__}: its {table} must be a table, written {{"name": ...}}'
+    doc: Any = component.__doc__
+    if not isinstance(doc, str | None):
+        yield f"{component.__name__}: its docstring is no text"
     if kind not in KINDS:
         yield f"{component.__name__}: unknown kind {kind!r}; kinds are {', '.join(KINDS)}"
     else:
@@ -51,11 +58,27 @@ def _provided(component: type[Component], kind: str) -> Iterator[str]:
         yield f"{component.__name__}: a {kind} must define `{function}`"
         return
     defined = getattr(component, function)
+    if function == "step" and not isinstance(defined, FunctionType):
+        yield f"{component.__name__}: its `step` must be a plain function, marked @staticmethod and nothing else"
+        return
     try:
         inspect.signature(defined).bind(*range(arguments))
     except (TypeError, ValueError):
         wanted = f"({', '.join(STEP)})" if function == "step" else f"of {arguments} arguments besides the class"
         yield f"{component.__name__}: its `{function}` must take {wanted}: {function}{inspect.signature(defined)}"
+
+
+def port_problems(block: type[Block]) -> Iterator[str]:
+    """Yield what is wrong with a block's input and output: the loop relies on those of its kind."""
+    for side in ("input", "output"):
+        port: Any = getattr(block, side)
+        whole = next(getattr(base, side) for base in block.__mro__ if base.__module__ == Block.__module__)
+        allowed = f"{whole.low:g} to {whole.high:g} [{whole.unit}]"
+        if not isinstance(port, Port):
+            asked = f"a {block.kind}'s lies within {allowed}"
+            yield f"its {side} is {port!r:.60}, not a Port(quantity, unit, low, high); {asked}"
+        elif port.unit != whole.unit or not whole.low <= port.low < port.high <= whole.high:
+            yield f"its {side} is {port.low:g} to {port.high:g} [{port.unit}]; a {block.kind}'s lies within {allowed}"
 
 
 def _own(component: type[Component], name: str) -> object:

@@ -13,6 +13,7 @@ import numpy as np
 from waxstudy.plugin import Block, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.results.kpis import FULLY_OPEN
+from waxstudy.simulation.interpreted import checked
 from waxstudy.simulation.records import plain_parameters
 from waxstudy.study.model import Choice, Study
 
@@ -35,23 +36,30 @@ class Activation:
 
 
 def activations(study: Study) -> list[Activation]:
-    """Return the curve of every installed actuator's example, behind the valve of the first ladder's reference."""
+    """Return the curve of each actuator's examples, behind the valve of the first ladder's reference.
+
+    Actuators are those of the packages that the study's blocks come from.
+    """
     reference = next(iter(study.ladders.values())).reference
     valve = study.cases[reference].blocks.get("valve")
     found = []
-    for label, block, values in _examples():
+    for label, block, values in _examples(study):
         try:
             choice = Choice(block, block.Parameters.model_validate(dict(values)))
             found.append(activation(label, choice, valve))
-        except Exception:  # a stranger's actuator that fails here is none of this study's
+        except Exception:  # an actuator that fails here and not in the run is none of this study's
             log.info("no activation curve of %s", label, exc_info=True)
     return found
 
 
-def _examples() -> Iterator[tuple[str, type[Block], Mapping[str, Any]]]:
-    for (kind, name), registered in sorted(installed().components.items()):
+def _examples(study: Study) -> Iterator[tuple[str, type[Block], Mapping[str, Any]]]:
+    registry = installed()
+    used = [choice.component for case in study.cases.values() for choice in case.blocks.values()]
+    packages = {registry.package_of(component).package for component in used}
+    for name in registry.names("actuator"):
+        registered = registry.components["actuator", name]
         block = registered.component
-        if kind != "actuator" or not issubclass(block, Block):
+        if registered.package not in packages or not issubclass(block, Block):
             continue
         for label, values in block.examples.items():
             title = name if label == "default" else f"{name}, {label}"
@@ -108,12 +116,12 @@ class _Stepped:
 
     def __init__(self, choice: Choice) -> None:
         assert issubclass(choice.component, Block)
-        self.block = choice.component
         self.plain = plain_parameters(choice.parameters)
-        self.state = self.block.start(self.plain, STEP_S)
+        self.state = copy.deepcopy(choice.component.start(self.plain, STEP_S))
+        self._step = checked(choice.component)
 
     def step(self, u: float, time_s: float) -> float:
-        return self.block.step(self.plain, self.state, u, time_s, STEP_S)
+        return self._step(self.plain, self.state, u, time_s, STEP_S)
 
 
 def valve_flow(valve: Choice, opening: float) -> float:

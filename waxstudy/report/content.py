@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from waxstudy.plugin import Finding, Reference
-from waxstudy.plugin.registry import installed
+from waxstudy.plugin.registry import PluginError, installed, one_line, told
+from waxstudy.plugin.shapes import findings_problems, rows_problems
 from waxstudy.report.activation import Activation, activations
 from waxstudy.report.comparison import Row, comparison, member_values
 from waxstudy.report.score import Cell, ColumnScore, cells, scores
@@ -60,7 +61,7 @@ class Content:
 def gather(run: Run, study: Study, against: str | None = None) -> Content:
     """Return the content of a run's report, optionally against a registered reference.
 
-    Raises `PluginError` for an unknown reference.
+    Raises `PluginError` for a reference that is unknown or breaks its contract.
     """
     rows = comparison(run)
     members = int(run.kpis["member"].nunique())
@@ -79,11 +80,22 @@ def gather(run: Run, study: Study, against: str | None = None) -> Content:
 def _against(run: Run, rows: Sequence[Row], members: int, name: str) -> Against:
     reference = installed().get("reference", name)
     assert issubclass(reference, Reference)
-    paired = cells(rows, reference.rows(), members)
+    with told(f"reference '{name}': rows failed"):
+        published = list(reference.rows())
+    _keeps_its_contract(name, rows_problems(published))
+    paired = cells(rows, published, members)
     try:
-        return Against(name, paired, scores(paired), reference.findings(run))
+        with told(f"reference '{name}': findings failed", ValueError):
+            found = list(reference.findings(run))
     except ValueError as error:
-        return Against(name, paired, scores(paired), (), lacking=str(error))
+        return Against(name, paired, scores(paired), (), lacking=one_line(str(error)))
+    _keeps_its_contract(name, findings_problems(found))
+    return Against(name, paired, scores(paired), found)
+
+
+def _keeps_its_contract(reference: str, problems: Iterable[str]) -> None:
+    for problem in problems:
+        raise PluginError(f"reference '{reference}': {problem}")
 
 
 def starts(run: Run) -> list[Starts]:

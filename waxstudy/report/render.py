@@ -21,7 +21,7 @@ HEADINGS = {
 }
 
 
-NARROWEST = 120  # columns that the comparison needs
+WIDEST = 1000  # columns that no comparison needs
 
 
 def resolved_word(row: Row) -> str:
@@ -228,12 +228,14 @@ def as_terminal(content: Content, width: int, colour: bool) -> str:
     """Tables and notes for a terminal of a given width; one too narrow for the figures wraps lines, but hides none."""
     from rich import box
     from rich.console import Console
+    from rich.measure import Measurement
     from rich.table import Table as RichTable
 
     out = io.StringIO()
-    console = Console(file=out, width=max(width, NARROWEST), force_terminal=colour, highlight=False)
+    console = Console(file=out, width=WIDEST, force_terminal=colour, highlight=False)
     for title, headings, rows in _filled(content):
-        grid = RichTable(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False, title_style="bold")
+        console.print(title, style="bold", width=width)
+        grid = RichTable(box=box.SIMPLE_HEAD, pad_edge=False)
         for i, heading in enumerate(headings):
             is_text = i == 0 or heading in ("finding", "verdict", "our figure", "week", "resolved")
             published = content.against is not None and heading == content.against.name
@@ -245,7 +247,9 @@ def as_terminal(content: Content, width: int, colour: bool) -> str:
             )
         for row in rows:
             grid.add_row(*row)
-        console.print(grid)
+        natural = Measurement.get(console, console.options, grid).maximum
+        can_wrap = any(not column.no_wrap for column in grid.columns)
+        console.print(grid, width=width if can_wrap else max(width, natural), crop=False)
     for note in all_notes(content):
-        console.print(f"note: {note}")
+        console.print(f"note: {note}", width=width)
     return out.getvalue()

@@ -6,6 +6,7 @@ import logging
 import os
 import shutil
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
@@ -29,9 +30,16 @@ def cache_folder() -> Path:
     return Path(base) / digest((*versions, source_digest(__name__)))
 
 
+_one_at_a_time = threading.Lock()  # numba has one cache folder for the whole process
+
+
 def cached(build: Callable[[Path | None], T]) -> T:
     """Build with the disk cache, or without it where it cannot be used; a damaged one is removed for the next time."""
-    folder = cache_folder()
+    with _one_at_a_time:
+        return _cached(build, cache_folder())
+
+
+def _cached(build: Callable[[Path | None], T], folder: Path) -> T:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(folder)
     try:

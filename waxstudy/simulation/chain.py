@@ -9,9 +9,16 @@ from typing import Any
 import numpy as np
 
 from waxstudy.plugin import CHAIN, Block
-from waxstudy.plugin.registry import described
+from waxstudy.plugin.registry import PluginError, described
+from waxstudy.plugin.structure import port_problems
 from waxstudy.simulation.interpreted import Callback, SimulationError
-from waxstudy.simulation.records import parameter_record, plain_parameters, state_problem, state_record
+from waxstudy.simulation.records import (
+    parameter_record,
+    plain_parameters,
+    state_dtype,
+    state_problem,
+    state_record,
+)
 from waxstudy.study.model import Choice
 
 
@@ -24,7 +31,7 @@ class Chain:
         for kind, choice in blocks.items():
             place = CHAIN.index(kind)
             assert issubclass(choice.component, Block)
-            self.blocks[place] = choice.component
+            self.blocks[place] = _sound(choice.component)
             self.plain[place] = plain_parameters(choice.parameters)
         self.step_s = step_s
         ports = [block.output if block else None for block in self.blocks]
@@ -40,17 +47,28 @@ class Chain:
         try:
             state = copy.deepcopy(block.start(plain, self.step_s))  # so that no two chains share what a class holds
             problem = "" if isinstance(state, block.State) else f"its start gave {state!r}, not its State"
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             problem = f"its start failed: {described(error)}"
         if problem := problem or state_problem(state):
             raise SimulationError(f"{block.kind} '{block.name}': {problem}")
         return state
 
-    def refuse_odd_states(self, states: list[Any]) -> None:
-        """Raise `SimulationError` for what a step did to its state in Python that compiled code would not have done."""
-        for block, state in zip(self.blocks, states, strict=True):
-            if block and (problem := state_problem(state)):
-                raise SimulationError(f"{block.kind} '{block.name}': {problem}")
+    def odd_state(self, states: list[Any]) -> int | None:
+        """Return the place of a block that in Python made its state what compiled code could not, or None."""
+        places = (place for place, block in enumerate(self.blocks) if block and state_problem(states[place]))
+        return next(places, None)
+
+
+def _sound(block: type[Block]) -> type[Block]:
+    """Return a block; raise `PluginError` where memory or loop could not rely on what it declares."""
+    problems = [*port_problems(block)]
+    try:
+        state_dtype(block.State)
+    except (TypeError, NameError) as error:
+        problems.append(str(error))
+    for problem in problems:
+        raise PluginError(f"{block.kind} '{block.name}': {problem}")
+    return block
 
 
 class CompiledChain:
@@ -63,6 +81,9 @@ class CompiledChain:
         self.chain = chain
         self.warnings: list[str] = []
         self.callbacks: dict[int, Callback] = {}
+        from waxstudy.simulation.compiled import loop
+
+        loop()  # compiled here, so that threads only compute
         self.addresses = np.array([self._address(place) for place in range(len(CHAIN))], dtype=np.int64)
         self._parameters = self._stored(chain.plain, parameter_record)
         self._intact = [record.tobytes() if isinstance(record, np.ndarray) else b"" for record in self._parameters]

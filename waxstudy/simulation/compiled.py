@@ -22,7 +22,7 @@ from waxstudy.plugin.registry import PluginError
 from waxstudy.simulation import kernel
 from waxstudy.simulation.cache import cached
 from waxstudy.simulation.records import parameter_record, state_dtype
-from waxstudy.simulation.sources import digest, helpers, source_digest
+from waxstudy.simulation.sources import digest, function_digest, helpers
 from waxstudy.simulation.typed import CannotCompile, examine, reason
 
 GUARD = """\
@@ -72,10 +72,12 @@ def _delayed_compiled(ring, value):  # type: ignore[no-untyped-def]
 # --- compilation ---
 
 
-@cache
-def _jitted(function: FunctionType) -> Any:
+def _jitted(function: FunctionType, above: tuple[FunctionType, ...] = ()) -> Any:
     """Compile a plain function together with the plain helpers that it calls by name."""
-    namespace = function.__globals__ | {name: _jitted(helper) for name, helper in helpers(function).items()}
+    if function in above:
+        raise CannotCompile(f"{function.__name__} calls itself by way of others")
+    inner = {name: _jitted(helper, (*above, function)) for name, helper in helpers(function).items()}
+    namespace = function.__globals__ | inner
     copy = FunctionType(function.__code__, namespace, function.__name__, function.__defaults__, function.__closure__)
     return njit(copy, error_model="python", boundscheck=True)
 
@@ -85,13 +87,11 @@ def _guarded(block: type[Block], parameter_dtype: np.dtype[Any]) -> Any:
     """Compile a block's guarded C function for one layout of its parameter record."""
     step = block.step
     assert isinstance(step, FunctionType)
-    layout = _layout(block)
+    layout = state_dtype(block.State)
     number = types.float64
     pointers = (types.CPointer(from_dtype(parameter_dtype)), types.CPointer(from_dtype(layout)))
     signature = number(*pointers, number, number, number)
-    name = digest(
-        (source_digest(step.__module__), step.__module__, step.__qualname__, str(parameter_dtype), str(layout))
-    )
+    name = digest((function_digest(step), str(parameter_dtype), str(layout)))
 
     def build(folder: Path | None) -> Any:
         path = folder / f"guard_{name}.py" if folder else None
@@ -113,13 +113,6 @@ def _guarded(block: type[Block], parameter_dtype: np.dtype[Any]) -> Any:
         raise
     except Exception as error:
         raise CannotCompile(reason(error)) from error
-
-
-def _layout(block: type[Block]) -> np.dtype[Any]:
-    try:
-        return state_dtype(block.State)
-    except TypeError as error:
-        raise PluginError(f"{block.kind} '{block.name}': {error}") from error
 
 
 def address(block: type[Block], plain: Any) -> int:

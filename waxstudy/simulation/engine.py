@@ -54,8 +54,8 @@ class State:
 class Loop:
     """A chain closed over a driven room."""
 
-    def __init__(self, chain: Chain, driven: DrivenRoom, limit_C: float, jit: bool = True) -> None:
-        self.chain, self.driven, self.limit_C = chain, driven, limit_C
+    def __init__(self, chain: Chain, driven: DrivenRoom, limit_C: float, jit: bool = True, watch: bool = False) -> None:
+        self.chain, self.driven, self.limit_C, self.watch = chain, driven, limit_C, watch
         self.compiled = CompiledChain(chain) if jit else None
 
     @property
@@ -83,7 +83,7 @@ class Loop:
         if callback and callback.error:
             return callback.error
         try:
-            Loop(self.chain, self.driven, self.limit_C, jit=False)._week(setpoint_C, start, False, stop)
+            Loop(self.chain, self.driven, self.limit_C, jit=False, watch=True)._week(setpoint_C, start, False, stop)
         except (SimulationError, Stopped) as told:
             return told
         block = self.chain.blocks[error.place]
@@ -161,14 +161,14 @@ class Loop:
 
     def _interpreted(self, state: State, room: tuple[Any, ...], rest: tuple[Any, ...], *out: np.ndarray) -> int:
         """Run the same loop in Python; lists are several times quicker there than arrays."""
-        steps = [checked(block) if block else 0 for block in self.chain.blocks]
+        steps = [checked(block, self.watch) if block else 0 for block in self.chain.blocks]
         modes, readings = state.modes.tolist(), state.readings.tolist()
         run: Callable[..., int] = kernel.simulate
         plain_room = [array.tolist() for array in room]
         code = run(steps, self.chain.plain, state.blocks, *plain_room, modes, readings, *rest, *out)
         state.modes[:], state.readings[:] = modes, readings
-        self.chain.refuse_odd_states(state.blocks)
-        return code
+        odd = self.chain.odd_state(state.blocks)
+        return code if odd is None else odd
 
 
 class _OutOfRange(Exception):

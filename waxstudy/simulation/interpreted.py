@@ -12,8 +12,11 @@ from typing import Any
 import numpy as np
 
 from waxstudy.plugin import Block, Port
+from waxstudy.plugin.registry import described
+from waxstudy.simulation.records import state_problem
 
-NUMBERS = (float, int, np.number, np.bool_)
+NUMBERS = (float, int, np.floating, np.integer, np.bool_)
+MOST_FRAMES = 2  # at either end of a long traceback
 Step = Callable[[Any, Any, float, float, float], float]
 _NUMBER, _OBJECT = ctypes.c_double, ctypes.py_object
 _CALLBACK = ctypes.CFUNCTYPE(_NUMBER, _OBJECT, _OBJECT, _NUMBER, _NUMBER, _NUMBER)
@@ -23,8 +26,11 @@ class SimulationError(Exception):
     """The simulation failed; the message names the block, the time, and where in its source."""
 
 
-def checked(block: type[Block]) -> Step:
-    """Return a block's step that raises `SimulationError` for anything but a number in the declared range."""
+def checked(block: type[Block], watch: bool = False) -> Step:
+    """Return a block's step that raises `SimulationError` for anything but a number in the declared range.
+
+    With `watch`, also for a state that is not as declared: that takes longer than the step itself.
+    """
     own, low, high = block.step, block.output.low, block.output.high
 
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
@@ -35,6 +41,8 @@ def checked(block: type[Block]) -> Step:
             raise _failed(block, x, u, t, f"{type(error).__name__}: {error}", frames) from error
         if not (isinstance(value, NUMBERS) and low <= value <= high):  # false for NaN too
             raise _failed(block, x, u, t, _wrong(value, block.output), _definition(block))
+        if watch and (wrong := state_problem(x)):
+            raise _failed(block, x, u, t, wrong, _definition(block))
         return float(value) + 0.0  # as the compiled guard: no negative zero
 
     return step
@@ -55,7 +63,9 @@ class Callback:
                 return step(p, x, u, t, dt)
             except SimulationError as error:
                 self.error = error
-                return float("nan")
+            except BaseException as error:
+                self.error = SimulationError(f"{block.kind} '{block.name}' failed at {clock(t)}: {described(error)}")
+            return float("nan")
 
         self._function = _CALLBACK(call)  # kept: C code holds no reference to it
 
@@ -67,20 +77,32 @@ class Callback:
 def _wrong(value: Any, port: Port) -> str:
     """Say what is wrong with a block's output."""
     if not isinstance(value, NUMBERS):
-        text = "None (a path without `return`?)" if value is None else f"{type(value).__name__} {value!r:.60}"
+        text = "None (a path without `return`?)" if value is None else f"{type(value).__name__} {_shown(value)}"
         return f"it returned {text}, not a number"
     unit = "" if port.unit == "1" else f" {port.unit}"
     return f"it returned {float(value):g}, not a {port.quantity} from {port.low:g} to {port.high:g}{unit}"
 
 
 def _failed(block: type[Block], x: Any, u: float, t: float, wrong: str, frames: Any) -> SimulationError:
-    lines = [line.rstrip() for line in traceback.format_list(list(frames))]
+    frames = list(frames)
+    if len(frames) > 2 * MOST_FRAMES:
+        frames = [*frames[:MOST_FRAMES], *frames[-MOST_FRAMES:]]
+    text = "".join(traceback.format_list(frames))
+    lines = [line for line in text.splitlines() if line.strip(" ~^")]  # without Python's underlining
     state = ", ".join(f"{name} = {value!r}" for name, value in _fields(x).items())
     if state:
         lines.append(f"  state then: {state}")
     return SimulationError(
         "\n".join([f"{block.kind} '{block.name}' failed at {clock(t)} with input {u:g}: {wrong}", *lines])
     )
+
+
+def _shown(value: object) -> str:
+    """A value in at most 60 characters of one line, whatever its class does when it is asked."""
+    try:
+        return " ".join(repr(value).split())[:60]
+    except Exception:
+        return "that cannot be shown"
 
 
 def _fields(x: Any) -> dict[str, Any]:

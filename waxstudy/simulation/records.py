@@ -12,6 +12,7 @@ import numpy as np
 from waxstudy.plugin import Parameters, Ring
 from waxstudy.plugin.registry import nearest
 
+EMPTY = "none"  # field of a record that would have none
 RING = np.dtype([("offset", "i8"), ("length", "i8"), ("head", "i8")])
 _SCALARS = {float: "f8", int: "i8", bool: "?"}
 # what a field of a type may hold in Python
@@ -37,8 +38,9 @@ def plain_parameters(parameters: Parameters) -> Any:
         if choices:
             values[name] = choices.index(value) if value in choices else -1
         elif isinstance(value, bool | int | float):
-            values[name] = value
-        elif value is None and float in get_args(field.annotation):
+            # an optional number is always a float, so that one compilation serves it given or not
+            values[name] = float(value) if None.__class__ in get_args(field.annotation) else value
+        elif value is None and {float, int}.intersection(get_args(field.annotation)):
             values[name] = float("nan")
     return namedtuple("p", values)(**values) if values else ()
 
@@ -46,7 +48,7 @@ def plain_parameters(parameters: Parameters) -> Any:
 def parameter_record(plain: Any) -> np.ndarray:
     """Return the namedtuple of `plain_parameters` as a one-element record array."""
     fields = [(name, _SCALARS[type(value)]) for name, value in zip(_names(plain), plain, strict=True)]
-    return np.array([tuple(plain)], dtype=np.dtype(fields or [("none", "i8")], align=True)) if fields else _empty()
+    return np.array([tuple(plain)], dtype=np.dtype(fields, align=True)) if fields else _empty()
 
 
 def _names(plain: Any) -> tuple[str, ...]:
@@ -54,7 +56,7 @@ def _names(plain: Any) -> tuple[str, ...]:
 
 
 def _empty() -> np.ndarray:
-    return np.zeros(1, dtype=np.dtype([("none", "i8")]))
+    return np.zeros(1, dtype=np.dtype([(EMPTY, "i8")]))
 
 
 def state_dtype(state: type) -> np.dtype[Any]:
@@ -64,6 +66,10 @@ def state_dtype(state: type) -> np.dtype[Any]:
     """
     if not dataclasses.is_dataclass(state):
         raise TypeError(f"its State, {state.__name__}, is no dataclass: mark it @dataclass")
+    if state.__dataclass_params__.frozen:  # type: ignore[attr-defined]
+        raise TypeError(
+            f"its State, {state.__name__}, is frozen: a step changes its state, so mark it plain @dataclass"
+        )
     hints = typing.get_type_hints(state)
     fields: list[tuple[str, Any]] = []
     for field in dataclasses.fields(state):
@@ -71,7 +77,7 @@ def state_dtype(state: type) -> np.dtype[Any]:
         if hint is not Ring and hint not in _SCALARS:
             raise TypeError(f"state field {state.__name__}.{field.name}: must be float, int, bool or Ring, not {hint}")
         fields.append((field.name, RING if hint is Ring else _SCALARS[hint]))
-    return np.dtype(fields or [("none", "i8")], align=True)
+    return np.dtype(fields or [(EMPTY, "i8")], align=True)
 
 
 def state_record(state: Any) -> np.ndarray:

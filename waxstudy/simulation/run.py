@@ -17,7 +17,8 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.plugin import FloatArray, Room, Weather, WeatherRecord
-from waxstudy.plugin.registry import PluginError, described, installed
+from waxstudy.plugin.registry import PluginError, described, installed, one_line, told
+from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
 from waxstudy.results.run import CaseFolder, CaseResult, Ladder, finish, is_finished, run_folder, write_case
 from waxstudy.simulation import ensemble, kernel, shift
@@ -70,26 +71,32 @@ class Plan:
 
 
 def prepare(study: Study, jit: bool = True) -> Plan:
-    """Build the room and read the weather; raise `InputError`, or `PluginError` for what a plugin did not foresee."""
+    """Build the room and read the weather; raise `InputError`, or `PluginError` for what breaks their contracts."""
     room_class = study.room.component
     assert issubclass(room_class, Room)
     room = _named("room", partial(room_class.build, study.room.parameters))
+    _keeps_its_contract("room", room_problems(room))
+    _keeps_its_contract("room", physics_problems(room))
     plan = Plan(study, jit, starts=ensemble.starts(study.ensemble))
     for name, choice in study.weeks.items():
         weather_class = choice.component
         assert issubclass(weather_class, Weather)
         record = _named(f"weather.{name}", partial(weather_class.load, choice.parameters, room.facades))
+        _keeps_its_contract(f"weather.{name}", weather_problems(record, room.facades))
         for wrong in _weather_problems(record, study.step_s):
             raise InputError(f"weather.{name}", wrong)
-        plan.driven[name] = drive(room, record, study.step_s)
+        _keeps_its_contract("room", driving_problems(room, record))
+        with told("[room]"):
+            plan.driven[name] = drive(room, record, study.step_s)
     return plan
 
 
+def _keeps_its_contract(table: str, problems: Iterable[str]) -> None:
+    for problem in problems:
+        raise PluginError(f"[{table}]: {problem}")
+
+
 def _weather_problems(record: WeatherRecord, step_s: float) -> Iterator[str]:
-    series = {"outdoor_C": record.outdoor_C, **record.irradiance_W_m2}
-    yield from (
-        f"{name} has values that are no numbers" for name, values in series.items() if not np.isfinite(values).all()
-    )
     if not is_multiple(DAY_S, of=record.interval_s) or not is_multiple(record.interval_s, of=step_s):
         yield f"its interval of {record.interval_s:g} s must divide the day, and step_s must divide it"
     if record.duration_s < DAY_S:
@@ -106,11 +113,10 @@ class InputError(ValueError):
 
 def _named(table: str, load: Callable[[], Any]) -> Any:
     try:
-        return load()
+        with told(f"[{table}]", ValueError):
+            return load()
     except ValueError as error:
-        raise InputError(table, str(error)) from error
-    except Exception as error:  # a stranger's room or weather may raise anything
-        raise PluginError(f"[{table}]: {described(error)}") from error
+        raise InputError(table, one_line(str(error))) from error
 
 
 def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | None = None) -> Plan:

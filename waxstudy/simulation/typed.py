@@ -12,10 +12,12 @@ import numpy as np
 from numba import from_dtype, types
 from numba.core import ir
 
-from waxstudy.plugin import Block
+from waxstudy.plugin import Block, Ring
 from waxstudy.plugin.registry import PluginError, nearest
+from waxstudy.simulation.records import EMPTY, RING
 
 LONGEST_REASON = 200
+_RING = from_dtype(RING)
 
 
 class CannotCompile(Exception):
@@ -32,34 +34,37 @@ def examine(block: type[Block], step: Any, parameters: np.dtype[Any], state: np.
     try:
         step.compile((*records, types.float64, types.float64, types.float64))
     except KeyError as error:  # numba's word for a record without such a field
-        raise PluginError(f"{block.kind} '{block.name}': {_no_field(error, parameters, state)}") from error
+        field = str(error.args[0])
+        if hasattr(block.State, field) or hasattr(Ring, field):  # a method, or a constant of the class
+            raise CannotCompile(f"a compiled step has the fields of its state only, and no '{field}'") from error
+        wrong = _no_field(field, *parameters.fields or (), *state.fields or ())
+        raise PluginError(f"{block.kind} '{block.name}': {wrong} {_defined(step)}") from error
     except Exception as error:  # not all of numba's errors are `NumbaError`
-        raise CannotCompile(reason(error)) from error
-    for wrong in (*_cut_off(step), *_without_return(step)):
+        raise CannotCompile(reason(error, step.py_func.__code__.co_filename)) from error
+    for wrong in (*_not_kept(step), *_without_return(step)):
         raise PluginError(f"{block.kind} '{block.name}': {wrong}")
     returned = next(iter(step.overloads.values())).signature.return_type
     if not isinstance(returned, types.Float | types.Integer | types.Boolean):
         raise CannotCompile(f"it returns {_spoken(returned)}, not a number")
 
 
-def reason(error: BaseException) -> str:
-    """Return numba's first sentence and the line it is about, without the pipeline around it."""
+def reason(error: BaseException, file: str = "") -> str:
+    """Return numba's first sentence, without the pipeline around it, and the line of the block's file."""
     lines = [line.strip() for line in str(error).splitlines()]
     said = [line for line in lines if line and not line.startswith("Failed in ")] or [type(error).__name__]
     first = said[0]
     if first.endswith("for signature:") and len(said) > 1:
         first = f"{first.removesuffix(' found for signature:')} {said[1].removeprefix('>>> ')}"
-    place = re.search(r"line (\d+)|\((\d+)\)", str(error))
-    where = f" (line {place[1] or place[2]})" if place else ""
-    first = re.sub(r" ?Raised from .*", "", first).rstrip(". ")
+    first = re.sub(r" ?Raised from .*|, defined at .*", "", first).rstrip(". ")
     first = re.sub(r"Module\(<module '(\S+)'[^>]*>\)", r"module \1", first)
-    return first[:LONGEST_REASON] + where
+    place = re.search(rf'{re.escape(Path(file).name)}"?(?:, line | \()(\d+)', str(error)) if file else None
+    return first[:LONGEST_REASON] + (f" (line {place[1]})" if place else "")
 
 
-def _no_field(error: KeyError, *layouts: np.dtype[Any]) -> str:
-    field = str(error.args[0])
-    near = nearest(field, [name for layout in layouts for name in layout.names or ()])
-    return f"its state and parameters have no field '{field}'" + (f"; did you mean '{near}'?" if near else "")
+def _no_field(field: str, *names: str) -> str:
+    near = nearest(field, [name for name in names if name != EMPTY])
+    hint = f"; did you mean '{near}'?" if near else " (a step gets numbers and choices only)"
+    return f"its state and parameters have no field '{field}'{hint}"
 
 
 def _dispatchers(step: Any, seen: set[int] | None = None) -> Iterator[Any]:
@@ -76,27 +81,29 @@ def _dispatchers(step: Any, seen: set[int] | None = None) -> Iterator[Any]:
             yield from _dispatchers(helper, seen)
 
 
-def _cut_off(step: Any) -> Iterator[str]:
-    """Say where a fractional number is put into a field that holds whole numbers or true and false."""
+def _not_kept(step: Any) -> Iterator[str]:
+    """Say where a state field is given what it does not hold whole, or a ring is written to."""
     for dispatcher in _dispatchers(step):
         for overload in dispatcher.overloads.values():
             known = overload.type_annotation.typemap
             for place in _assignments(overload.type_annotation.blocks.values()):
                 record, value = known[place.target.name], known[place.value.name]
-                field = record.typeof(place.attr) if isinstance(record, types.Record) else None
-                if not _holds(field, value):
-                    where = f"{Path(place.loc.filename).name}, line {place.loc.line}"
-                    yield (
-                        f"its state field '{place.attr}' is declared {_spoken(field)} and is given {_spoken(value)} "
-                        f"({where}): compiled, it would be cut off"
-                    )
+                where = f"({Path(place.loc.filename).name}, line {place.loc.line})"
+                if not isinstance(record, types.Record):
+                    continue
+                if record == _RING or record.typeof(place.attr) == _RING:
+                    yield f"its step writes to a ring itself {where}: only `delayed` may"
+                elif not _holds(field := record.typeof(place.attr), value):
+                    given = f"is declared {_spoken(field)} and is given {_spoken(value)}"
+                    yield f"its state field '{place.attr}' {given} {where}: compiled, it would be another value"
 
 
 def _holds(field: Any, value: Any) -> bool:
     """Whether a state field keeps a value whole: a bool takes a bool, an int an int or a bool, a float any number."""
     if isinstance(field, types.Boolean):
         return isinstance(value, types.Boolean)
-    return not isinstance(field, types.Integer) or isinstance(value, types.Integer | types.Boolean)
+    numbers = types.Integer | types.Boolean
+    return isinstance(value, numbers if isinstance(field, types.Integer) else numbers | types.Float)
 
 
 def _assignments(blocks: Any) -> Iterator[ir.SetAttr]:
@@ -119,5 +126,10 @@ def _spoken(numba_type: Any) -> str:
 
 def _without_return(step: Any) -> Iterator[str]:
     for overload in step.overloads.values():
-        if isinstance(overload.signature.return_type, types.Optional | types.NoneType):
-            yield "a path through its step returns nothing; every path needs `return` with a number"
+        if isinstance(overload.signature.return_type, types.Optional):
+            yield f"a path through its step returns nothing {_defined(step)}; every path needs `return` with a number"
+
+
+def _defined(step: Any) -> str:
+    code = step.py_func.__code__
+    return f"({Path(code.co_filename).name}, line {code.co_firstlineno})"

@@ -69,7 +69,7 @@ class Check:
             return None
         try:
             parameters = self.parameters(component.Parameters, block.without_use())
-        except Exception as error:  # a stranger's validator may raise anything
+        except (Exception, SystemExit) as error:  # a stranger's validator may raise anything
             wrong = f"{self.registry.package_of(component)} failed: {type(error).__name__}: {error}"
             self.problem(block.last, wrong, of_plugin=True)
             return None
@@ -108,6 +108,7 @@ class Check:
             # as JSON: a strict model takes its lists for tuples, and its texts for paths and dates
             return model.model_validate_json(json.dumps(given, default=str))
         except ValidationError as error:
+            _blame_defaults(error, given)
             for keys, value, wrong, near, allowed in sentences(error, model, values):
                 # what is wrong with a block as a whole is said once, not again after each change
                 if keys or (table.first, wrong) not in self.said:
@@ -125,3 +126,10 @@ class Check:
         if self.needs_files and not found:
             self.problem(path.spot, "no such file", value=path.value, allowed=f"looked for {full}")
         return str(full)
+
+
+def _blame_defaults(error: ValidationError, given: Mapping[str, Any]) -> None:
+    """Raise `ValueError` for a value that is refused and that the file does not give: the component's own."""
+    for detail in error.errors(include_url=False, include_input=False):
+        if detail["loc"] and detail["loc"][0] not in given and detail["type"] != "missing":
+            raise ValueError(f"its own default of '{detail['loc'][0]}' is not one that it allows")

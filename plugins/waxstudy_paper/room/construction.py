@@ -51,6 +51,7 @@ class Part(Parameters):
         description="share of the sphere around the operative point that it fills, on any scale",
         source="chosen: without any weights, areas are the weights",
         ge=0,
+        le=1e6,
     )
     tilt_deg: float = parameter(90.0, unit="deg", description="90 is vertical, 0 looks up", source=STUDY, ge=0, le=180)
 

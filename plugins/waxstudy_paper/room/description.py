@@ -19,7 +19,7 @@ class HeatedFloor(Parameters):
 
     surface: str = parameter(unit="", description="name of the surface", source=STUDY)
     pipes_after_layer: int = parameter(
-        unit="1", description="number of layers between the room and the plane of the pipes", source=STUDY, ge=1
+        unit="1", description="number of layers between the room and the plane of the pipes", source=STUDY, ge=1, le=100
     )
 
 

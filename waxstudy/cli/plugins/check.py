@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from waxstudy.cli.errors import CHECK_FAILED, DONE
+from waxstudy.cli.output import Command
 from waxstudy.cli.plugins.lookup import as_json, imported, print_json, print_tables, registered, table
 
 if TYPE_CHECKING:
     from waxstudy.conformance import Outcome
 
 
-@click.command("check")
+@click.command("check", cls=Command)
 @click.argument("target", metavar="MODULE:CLASS|NAME")
 @as_json
 def command(target: str, as_json: bool) -> int:
@@ -38,17 +39,16 @@ def command(target: str, as_json: bool) -> int:
 
 def _checked(target: str) -> list[tuple[str, list[Outcome]]]:
     from waxstudy.conformance import Outcome, check
-    from waxstudy.plugin.registry import described
+    from waxstudy.plugin.registry import PluginError
 
     if ":" not in target:
         return [(str(entry), check(entry.component)) for entry in registered(target)]
     try:
         component = imported(target)
-    except (Exception, SystemExit) as error:  # a stranger's import may raise anything
+    except PluginError as error:
         module, _, name = target.partition(":")
         claim = f"module '{module}' can be imported and has '{name}'"
-        said = str(error) if isinstance(error, LookupError) else described(error)
-        return [(target, [Outcome("import", claim, "failed", [said])])]
+        return [(target, [Outcome("import", claim, "failed", [str(error)])])]
     return [(target, check(component))]
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import click
 
+from waxstudy.cli.output import Command
 from waxstudy.cli.plugins.lookup import as_json, print_json, print_tables, table
 
 
-@click.command("list")
+@click.command("list", cls=Command)
 @as_json
 def command(as_json: bool) -> None:
     """List every component by kind, with its package, and broken plugins with their reason."""

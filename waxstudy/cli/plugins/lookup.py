@@ -5,12 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from pathlib import Path
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from waxstudy.cli.errors import PLUGIN, CommandError, print_out
+from waxstudy.cli.errors import PLUGIN, USAGE, CommandError
+from waxstudy.cli.output import print_out, stdout
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -34,29 +35,34 @@ def registered(name: str) -> list[Registered]:
     near = nearest(name, names)
     hint = f"; did you mean '{near}'?" if near else ""
     broken = f"; broken plugins: {', '.join(registry.broken)}" if registry.broken else ""
+    if name.isidentifier() and _found_here(name):
+        hint = f"; a class of the module of this name is checked as {name}:CLASS"
     raise CommandError(f"no component '{name}'{hint} (installed: {', '.join(names)}){broken}", PLUGIN)
 
 
-def imported(target: str) -> Any:
-    """Return the object that `module:Class` names, also from the current folder.
+def _found_here(module: str) -> bool:
+    """Whether there is a module of this name, in the current folder or installed; a class there can be imported."""
+    if "" not in sys.path:
+        sys.path.insert(0, "")
+    return module in sys.modules or find_spec(module) is not None
 
-    Raises `LookupError` if there is no such module or class, and whatever the import itself raises.
-    """
-    from waxstudy.plugin.registry import nearest
+
+def imported(target: str) -> Any:
+    """Return the object that `module:Class` names, also from the current folder; raise `PluginError` if it cannot."""
+    from waxstudy.plugin.registry import PluginError, contained, nearest, told
 
     module, _, name = target.partition(":")
-    if (here := str(Path.cwd())) not in sys.path:
-        sys.path.insert(0, here)
-    try:
+    if not all(module.split(".")) or not name or ":" in name:
+        raise CommandError(f"'{target}' names no class: write MODULE:CLASS, as in my_motor:Motor", USAGE)
+    if not _found_here(module.partition(".")[0]):
+        raise PluginError(f"no module '{module}' in the current folder, and none installed")
+    with told(), contained():
         found = import_module(module)
-    except ModuleNotFoundError as error:
-        if error.name and module.startswith(error.name):
-            raise LookupError(f"no module '{module}' in {here}, and none installed") from None
-        raise
-    if not hasattr(found, name):
-        near = nearest(name, dir(found))
-        raise LookupError(f"module '{module}' has no '{name}'" + (f"; did you mean '{near}'?" if near else ""))
-    return getattr(found, name)
+        known = dir(found)
+        if hasattr(found, name):
+            return getattr(found, name)
+    near = nearest(name, known)
+    raise PluginError(f"module '{module}' has no '{name}'" + (f"; did you mean '{near}'?" if near else ""))
 
 
 def table(headings: Sequence[str]) -> Table:
@@ -76,7 +82,7 @@ def print_tables(*parts: object) -> None:
 
     width = max(NARROWEST, shutil.get_terminal_size((120, 24)).columns)
     out = io.StringIO()
-    colour = sys.stdout.isatty()
+    colour = stdout().isatty()
     console = Console(file=out, width=width, force_terminal=colour, no_color=not colour, highlight=False, emoji=False)
     for part in parts:
         console.print(part, markup=False, soft_wrap=isinstance(part, str))

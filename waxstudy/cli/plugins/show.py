@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from waxstudy.cli.output import Command
 from waxstudy.cli.plugins.lookup import as_json, print_json, print_tables, registered, table
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from waxstudy.plugin.registry import Registered
 
 
-@click.command("show")
+@click.command("show", cls=Command)
 @click.argument("name", metavar="NAME")
 @as_json
 def command(name: str, as_json: bool) -> None:
@@ -34,10 +35,31 @@ def command(name: str, as_json: bool) -> None:
 
 
 def _described(entry: Registered) -> dict[str, Any]:
+    """What a component says of itself; `problems` tells what of it cannot be shown."""
     from waxstudy.plugin import Block
+    from waxstudy.plugin.registry import PluginError, told
 
+    component: Any = entry.component
+    parts: dict[str, Callable[[], Any]] = {
+        "parameters": lambda: _parameters(component.Parameters, _defaults(component)),
+        "exemptions": lambda: {str(stage): str(reason) for stage, reason in component.exemptions.items()},
+    }
+    if issubclass(component, Block):
+        parts |= {"input": lambda: _port(component.input), "output": lambda: _port(component.output)}
+        parts["state"] = lambda: _state(component)
+    described = _declared(entry)
+    for name, part in parts.items():
+        try:
+            with told(name):
+                described[name] = part()
+        except PluginError as error:
+            described["problems"].append(str(error))
+    return described
+
+
+def _declared(entry: Registered) -> dict[str, Any]:
     component = entry.component
-    described: dict[str, Any] = {
+    return {
         "kind": component.kind,
         "name": component.name,
         "package": entry.package,
@@ -45,12 +67,8 @@ def _described(entry: Registered) -> dict[str, Any]:
         "api_version": component.api_version,
         "source_file": _source_file(component),
         "documentation": inspect.cleandoc(component.__doc__ or ""),
-        "parameters": _parameters(component.Parameters, _defaults(component)),
+        "problems": [],
     }
-    if issubclass(component, Block):
-        described["input"], described["output"] = vars(component.input), vars(component.output)
-        described["state"] = _state(component)
-    return described | {"exemptions": dict(component.exemptions)}
 
 
 def _source_file(component: type[Component]) -> str:
@@ -88,10 +106,13 @@ def _parameters(model: type[BaseModel], defaults: Mapping[str, Any], prefix: str
 
 def _defaults(component: type[Component]) -> Mapping[str, Any]:
     """What a study gets that gives no parameter: validators may fill in more than the fields themselves."""
+    from waxstudy.plugin.registry import PluginError, told
+
     model: type[Parameters] = component.Parameters
     try:
-        return model().model_dump(mode="json")
-    except Exception:  # something is required
+        with told():
+            return model().model_dump(mode="json")
+    except PluginError:  # something is required, or a validator fails
         fields = model.model_fields.items()
         return {
             name: field.get_default(call_default_factory=False) for name, field in fields if not field.is_required()
@@ -110,22 +131,43 @@ def _range(field: FieldInfo) -> str:
     return ", ".join(dict.fromkeys(choices))
 
 
+def _port(port: Any) -> dict[str, Any]:
+    from waxstudy.plugin import Port
+    from waxstudy.plugin.registry import PluginError
+
+    if not isinstance(port, Port) or not all(isinstance(bound, int | float) for bound in (port.low, port.high)):
+        raise PluginError("it must be a Port(quantity, unit, low, high)")
+    return vars(port)
+
+
 def _state(component: Any) -> list[dict[str, Any]]:
     """Fields of the state with their values at the start of the first example, at a step of 5 s."""
     import dataclasses
 
+    from waxstudy.plugin.registry import PluginError
     from waxstudy.simulation.records import plain_parameters
 
     example: Mapping[str, Any] = next(iter(component.examples.values()), {})
     start = component.start(plain_parameters(component.Parameters.model_validate(dict(example))), 5.0)
+    if not isinstance(start, component.State):
+        raise PluginError(f"start gives {type(start).__name__}, not its State, {component.State.__name__}")
     return [
         {
             "name": field.name,
             "type": getattr(field.type, "__name__", str(field.type)),
-            "start": getattr(start, field.name),
+            "start": _start(getattr(start, field.name)),
         }
         for field in dataclasses.fields(start)
     ]
+
+
+def _start(value: Any) -> Any:
+    """A field's value as JSON holds it."""
+    from waxstudy.plugin import Ring
+
+    if isinstance(value, Ring):
+        return {"ring": value.length}
+    return value if isinstance(value, bool | int | float) else type(value).__name__
 
 
 def _parts(shown: Mapping[str, Any]) -> list[object]:
@@ -134,15 +176,16 @@ def _parts(shown: Mapping[str, Any]) -> list[object]:
     ports = [(side, shown[side]) for side in ("input", "output") if side in shown]
     parts += [""] if ports else []
     parts += [f"{side + ':':8} {p['quantity']} [{p['unit']}], {p['low']:g} to {p['high']:g}" for side, p in ports]
-    parts += ["", _parameter_table(shown["parameters"])] if shown["parameters"] else ["", "no parameters"]
+    if "parameters" in shown:
+        parts += ["", _parameter_table(shown["parameters"]) if shown["parameters"] else "no parameters"]
     if shown.get("state"):
         state = table(("state", "type", "at the start"))
         for field in shown["state"]:
-            value = field["start"] if isinstance(field["start"], bool | int | float) else "empty"
-            state.add_row(field["name"], field["type"], f"{value}")
+            value = "empty" if isinstance(field["start"], dict) else str(field["start"])
+            state.add_row(field["name"], field["type"], value)
         parts += ["", state]
-    parts += [f"exempt from {stage}: {reason}" for stage, reason in shown["exemptions"].items()]
-    return parts
+    parts += [f"exempt from {stage}: {reason}" for stage, reason in shown.get("exemptions", {}).items()]
+    return [*parts, *(["", *shown["problems"]] if shown["problems"] else [])]
 
 
 def _parameter_table(parameters: list[dict[str, Any]]) -> object:

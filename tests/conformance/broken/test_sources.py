@@ -1,0 +1,66 @@
+"""Compiled code and results belong to the source that they were made from: nothing of another block is taken for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.conformance.broken.plugin import install, valve
+from tests.conformance.broken.test_runs import STUDY
+from tests.conftest import Waxstudy
+from waxstudy.conformance.drive import CompiledBlock
+from waxstudy.plugin import Block, Valve
+
+
+def of_gain(gain: float) -> type[Block]:
+    """A valve as a catalogue of products makes them: one function, many classes."""
+
+    class Made(Valve):
+        name = "made"
+
+        @staticmethod
+        def step(p, x, u, t, dt):  # type: ignore[no-untyped-def]
+            return gain * u
+
+    return Made
+
+
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("WAXSTUDY_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.mark.usefixtures("own_cache")
+def test_blocks_that_one_function_makes_keep_their_own_figures() -> None:
+    half, full = of_gain(0.5), of_gain(1.0)
+    assert CompiledBlock(half, (), 5.0).run([0.8], 5.0) == [0.4]
+    assert CompiledBlock(full, (), 5.0).run([0.8], 5.0) == [0.8]
+
+
+IMPORTED = {
+    "helper": ("from law import law", "return law(u)", "def law(u):\n    return {gain} * u\n"),
+    "constant": ("from law import LAW", "return LAW * u", "LAW = {gain}\n"),
+    "module": ("import law", "return law.LAW * u", "LAW = {gain}\n"),
+    "value read from a file": ("from law import LAW", "return LAW * u", "LAW = float('{gain}')\n"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("imports", "step", "law"), IMPORTED.values(), ids=IMPORTED)
+def test_what_a_step_takes_from_another_module_is_looked_at_again(
+    waxstudy: Waxstudy, tmp_path: Path, imports: str, step: str, law: str
+) -> None:
+    folder = tmp_path / "strangers"
+    install(folder, "law-of-another", valve(step, before=imports))
+    (tmp_path / "small.toml").write_text(STUDY.replace("VALVE", "law-of-another"))
+    env = {"PYTHONPATH": str(folder)}
+    figures = {}
+    for gain, options in (("0.5", ()), ("0.875", ()), ("0.875", ("--no-jit", "--out", "python"))):
+        (folder / "law.py").write_text(law.format(gain=gain))
+        done = waxstudy("run", "small.toml", *options, env=env)
+        assert (done.returncode, done.stderr) == (0, "")
+        figures[gain, options] = done.stdout.splitlines()[:-1]
+    first, again, python = figures.values()
+    assert again == python
+    assert again != first

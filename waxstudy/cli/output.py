@@ -1,0 +1,62 @@
+"""What a command prints: on stdout its results alone, on stderr what plugins print meanwhile."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from contextlib import redirect_stdout
+from typing import Any, TextIO
+
+import click
+
+from waxstudy.cli.errors import FAILED, PLUGIN, CommandError
+
+MOST_PRINTED = 10  # lines; a block that prints does so at every step
+
+
+class Aside(io.TextIOBase):
+    """Where plugins print: the first lines go to stderr, the rest nowhere."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lines = 0
+
+    def write(self, text: str) -> int:
+        if self.lines < MOST_PRINTED:
+            sys.stderr.write(text)
+            self.lines += text.count("\n")
+            if self.lines >= MOST_PRINTED:
+                sys.stderr.write("... (what plugins print from here on is left out)\n")
+        return len(text)
+
+
+class Command(click.Command):
+    """A command that leaves stdout to `print_out`, and does not let a plugin end it."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        ctx.obj = sys.stdout
+        try:
+            with redirect_stdout(Aside()):
+                return super().invoke(ctx)
+        except SystemExit as error:
+            from waxstudy.plugin.registry import described
+
+            raise CommandError(f"a plugin ended the program: {described(error)}", PLUGIN) from error
+
+
+def stdout() -> TextIO:
+    """Return the stream for results, which is not `sys.stdout` while a command runs."""
+    stream: TextIO = click.get_current_context().obj
+    return stream
+
+
+def print_out(text: str) -> None:
+    """Write to stdout; a reader that has seen enough and closed it is no failure."""
+    try:
+        click.echo(text, file=stdout(), nl=False)
+    except OSError as error:
+        # keep Python from complaining once more when it flushes at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stdout().fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise CommandError(f"the output cannot be written: {error.strerror or error}", FAILED) from error

@@ -1,0 +1,154 @@
+"""What rooms, weather and published figures must hold, told in sentences: the kit and every run ask the same."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence, Sized
+from datetime import date
+from math import inf, isfinite
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from waxstudy.plugin.contracts import ROOM_OUTPUTS, Facade, Finding, LinearRoom, PublishedRow, WeatherRecord
+from waxstudy.plugin.registry import PluginError, told
+
+Problems = Iterator[str]
+
+VERDICTS = ("held", "not held", "not resolved")
+
+
+def _is_of(made: object, kind: type) -> Problems:
+    if not isinstance(made, kind):
+        yield f"it gives {'None' if made is None else f'a {type(made).__name__}'}, not a {kind.__name__}"
+
+
+def _array(name: str, values: Any, shape: tuple[int, ...]) -> Problems:
+    if not isinstance(values, np.ndarray) or values.dtype.kind not in "biuf":
+        yield f"{name} must be an array of numbers, not of {getattr(values, 'dtype', type(values).__name__)}"
+    elif values.shape != shape:
+        yield f"{name} has the shape {values.shape}, {shape} is needed"
+    elif not np.isfinite(values).all():
+        yield f"{name} holds values that are no numbers"
+
+
+def _positive(made: object, *names: str) -> Problems:
+    for name in names:
+        value = getattr(made, name)
+        if not (isinstance(value, Real) and 0.0 < float(value) < inf):
+            yield f"{name} = {value!r:.60} must be a positive number"
+
+
+# --- room ------------------------------------------------------------------------------------------
+
+
+def room_problems(room: Any) -> Problems:
+    """Yield what keeps a room's parts from fitting each other."""
+    if wrong := list(_is_of(room, LinearRoom)):
+        yield from wrong
+        return
+    if not (isinstance(room.nodes, Sized) and isinstance(room.inputs, Sized)):
+        yield "nodes and inputs must be lists of names"
+        return
+    n, m, k = len(room.nodes), len(room.inputs), len(ROOM_OUTPUTS)
+    shapes = {
+        "capacity_J_K": (n,),
+        "conductance_W_K": (n, n),
+        "input_matrix": (n, m),
+        "floor_heat_share": (n,),
+        "output_matrix": (k, n),
+        "feedthrough": (k, m),
+        "air_nodes": (n,),
+    }
+    for name, shape in shapes.items():
+        yield from _array(name, getattr(room, name), shape)
+    yield from _positive(room, "floor_area_m2", "full_flow_L_h", "water_J_L_K")
+    facades = room.facades
+    if not (isinstance(facades, Mapping) and all(isinstance(facade, Facade) for facade in facades.values())):
+        yield "facades must be a table of names and Facades"
+
+
+def physics_problems(room: LinearRoom) -> Problems:
+    """Yield what makes a room whose parts fit unstable, or lose or make heat."""
+    G, share = room.conductance_W_K, room.floor_heat_share
+    if (room.capacity_J_K <= 0.0).any():
+        yield "capacity_J_K must be positive everywhere: leave out nodes without mass"
+    if not np.allclose(G, G.T, rtol=1e-9, atol=1e-9 * np.abs(G).max()):
+        yield "conductance_W_K is not symmetric: heat that leaves a node must arrive at another"
+    elif np.linalg.eigvalsh(G).min() <= 0.0:
+        yield "conductance_W_K is not positive definite: the room must lose heat to somewhere"
+    if abs(share.sum() - 1.0) > 1e-9 or (share < 0.0).any():
+        yield f"floor_heat_share must be shares that sum to 1, not to {share.sum():g}"
+    flow = np.linspace(0.0, 1.0, 21)
+    try:
+        with told("floor_conductance_W_K failed"):
+            conductance = room.floor_conductance_W_K(flow)
+    except PluginError as error:
+        yield str(error)
+        return
+    wrong = list(_array("floor_conductance_W_K", conductance, flow.shape))
+    yield from wrong
+    if not wrong and (conductance[0] != 0.0 or (np.diff(conductance) < 0.0).any()):
+        yield "floor_conductance_W_K must be 0 without flow and never fall with more flow"
+
+
+def driving_problems(room: LinearRoom, weather: WeatherRecord) -> Problems:
+    """Yield what is wrong with the inputs and the supply temperature that a room makes of weather."""
+    try:
+        with told("drive failed"):
+            inputs, supply_C = room.drive(weather)
+    except PluginError as error:
+        yield str(error)
+        return
+    n = len(weather.outdoor_C)
+    yield from _array("drive's table of inputs", inputs, (n, len(room.inputs)))
+    yield from _array("drive's supply_C", supply_C, (n,))
+
+
+# --- weather ---------------------------------------------------------------------------------------
+
+
+def weather_problems(record: Any, facades: Mapping[str, Facade]) -> Problems:
+    """Yield what keeps weather from being numbers for every interval and facade."""
+    if wrong := list(_is_of(record, WeatherRecord)):
+        yield from wrong
+        return
+    if not isinstance(record.irradiance_W_m2, Mapping):
+        yield "irradiance_W_m2 must be a table of names of facades and arrays"
+        return
+    if missing := set(facades) - set(record.irradiance_W_m2):
+        yield f"no irradiance for {', '.join(sorted(missing))}: give one per facade asked for"
+    yield from _positive(record, "interval_s")
+    n = np.size(record.outdoor_C)
+    for name, values in {"outdoor_C": record.outdoor_C, **record.irradiance_W_m2}.items():
+        yield from _array(name, values, (n,))
+    try:
+        date.fromisoformat(record.first_day)
+    except (TypeError, ValueError):
+        yield f"first_day is {record.first_day!r:.60}: write it as 2023-01-31"
+
+
+# --- published figures -----------------------------------------------------------------------------
+
+
+def rows_problems(rows: Sequence[Any]) -> Problems:
+    """Yield what keeps published rows from naming each case and week once, with numbers."""
+    if not rows or not all(isinstance(row, PublishedRow) for row in rows):
+        yield "rows must give at least one PublishedRow, and nothing else"
+        return
+    counted = Counter((row.case, row.week) for row in rows)
+    yield from (f"case {case}, week {week} is given twice" for (case, week), count in counted.items() if count > 1)
+    for row in rows:
+        if not all(isinstance(value, Real) and isfinite(value) for value in list(vars(row).values())[2:]):
+            yield f"case {row.case}, week {row.week}: figures that are no numbers"
+
+
+def findings_problems(findings: Sequence[Any]) -> Problems:
+    """Yield what keeps findings from being statements with a verdict."""
+    for finding in findings:
+        if not isinstance(finding, Finding) or not all(isinstance(value, str) for value in vars(finding).values()):
+            yield "findings must give Finding objects of four texts, and nothing else"
+            return
+        if finding.verdict not in VERDICTS:
+            yield f"finding {finding.id}: its verdict is '{finding.verdict}', not one of {', '.join(VERDICTS)}"
