@@ -81,12 +81,13 @@ def prepare(study: Study, jit: bool = True) -> Plan:
         record = _named(f"weather.{name}", partial(weather_class.load, choice.parameters, room.facades))
         for wrong in _weather_problems(record, study.step_s):
             raise InputError(f"weather.{name}", wrong)
-        plan.driven[name] = drive(room, record, study.step_s)
+        plan.driven[name] = _named(f"weather.{name}", partial(drive, room, record, study.step_s))
     return plan
 
 
 def _weather_problems(record: WeatherRecord, step_s: float) -> Iterator[str]:
-    series = {"outdoor_C": record.outdoor_C, **record.irradiance_W_m2}
+    sky = {} if record.sky_C is None else {"sky_C": record.sky_C}
+    series = {"outdoor_C": record.outdoor_C, **sky, **record.irradiance_W_m2}
     yield from (
         f"{name} has values that are no numbers" for name, values in series.items() if not np.isfinite(values).all()
     )
