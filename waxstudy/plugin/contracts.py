@@ -116,6 +116,8 @@ class Facade:
 
     azimuth_deg: float
     tilt_deg: float = 90.0
+    # above 0: each light counts by what so many panes of clear glass let through of it, relative to normal incidence
+    panes: int = 0
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,7 @@ class WeatherRecord:
     first_day: str  # ISO date
     outdoor_C: FloatArray  # (n,) mean of each interval
     irradiance_W_m2: Mapping[str, FloatArray]  # facade name -> (n,) global on the facade, mean of each interval
+    sky_C: FloatArray | None = None  # (n,) temperature at which the sky radiates; None where nobody knows it
 
     @property
     def duration_s(self) -> float:

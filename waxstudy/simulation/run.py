@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from waxstudy.plugin import FloatArray, Room, Weather, WeatherRecord
+from waxstudy.plugin import FloatArray, LinearRoom, Room, Weather, WeatherRecord
 from waxstudy.plugin.registry import PluginError, described, installed, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
@@ -85,7 +85,8 @@ def prepare(study: Study, jit: bool = True) -> Plan:
         _keeps_its_contract(f"weather.{name}", weather_problems(record, room.facades))
         for wrong in _weather_problems(record, study.step_s):
             raise InputError(f"weather.{name}", wrong)
-        _keeps_its_contract("room", driving_problems(room, record))
+        wrong_drive = _named(f"weather.{name}", partial(_problems_of_drive, room, record))
+        _keeps_its_contract("room", wrong_drive)
         with told("[room]"):
             plan.driven[name] = drive(room, record, study.step_s)
     return plan
@@ -94,6 +95,11 @@ def prepare(study: Study, jit: bool = True) -> Plan:
 def _keeps_its_contract(table: str, problems: Iterable[str]) -> None:
     for problem in problems:
         raise PluginError(f"[{table}]: {problem}")
+
+
+def _problems_of_drive(room: LinearRoom, record: WeatherRecord) -> list[str]:
+    """Raises `ValueError` where the room asks for what this weather does not hold, such as a sky temperature."""
+    return list(driving_problems(room, record))
 
 
 def _weather_problems(record: WeatherRecord, step_s: float) -> Iterator[str]:
