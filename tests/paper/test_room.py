@@ -56,6 +56,7 @@ walls = st.fixed_dictionaries(
         "facing": st.sampled_from(["wall", "ceiling"]),
         "boundary": st.sampled_from(["outdoors", "ground", "adiabatic"]),
         "layers": st.lists(layers, min_size=1, max_size=3),
+        "tilt_deg": st.sampled_from([0.0, 60.0, 90.0, 180.0]),
     }
 )
 windows = st.fixed_dictionaries(
@@ -63,6 +64,7 @@ windows = st.fixed_dictionaries(
         "area_m2": positive(0.5, 10.0),
         "U_W_m2K": positive(0.4, 2.0),
         "g": positive(0.0, 0.9),
+        "panes": st.integers(0, 3),
         "azimuth_deg": st.sampled_from([90.0, 180.0, 270.0]),
     }
 )
@@ -91,6 +93,7 @@ def descriptions(draw: st.DrawFn, /, **fixed: Any) -> RoomDescription:
             },
             "heated_floor": {"surface": "surface 0", "pipes_after_layer": 1},
             "circuit": {"exchange": "pipe"},
+            "films": {"sky_W_m2K": draw(st.just(0.0) | positive(0.1, 6.0))},
             "ground_temperature_C": 20.0,
             "sensing": {"sensor_radiant_share": draw(positive(0.0, 1.0))},
             **fixed,
@@ -146,7 +149,7 @@ def test_every_room_is_symmetric_positive_definite_and_has_the_declared_shapes(r
 @settings(max_examples=30, deadline=None)
 def test_a_room_at_the_temperature_of_its_surroundings_stays_there(room: RoomDescription) -> None:
     linear = linear_room(room)
-    u = inputs(linear, outdoor_C=20.0, ventilation_supply_C=20.0, ground_C=20.0)
+    u = np.array([20.0 if name.endswith("_C") else 0.0 for name in linear.inputs])
     flow_W = linear.input_matrix @ u - linear.conductance_W_K @ np.full(len(linear.nodes), 20.0)
     assert np.abs(flow_W).max() <= 1e-12 * 20.0 * np.abs(linear.conductance_W_K).max()
     y = linear.output_matrix @ np.full(len(linear.nodes), 20.0) + linear.feedthrough @ u
@@ -457,6 +460,68 @@ def test_sun_on_an_outer_wall_counts_only_where_it_is_absorbed() -> None:
     assert float((sunlit.input_matrix @ u).sum()) == pytest.approx(0.6 * 7.4 * 100.0)
 
 
+def sunlit_room(**changes: Any) -> RoomDescription:
+    """A roof, a floor and a south window without mass to speak of: what they lose and gain is a hand calculation."""
+    return RoomDescription.model_validate(
+        small_room(
+            surfaces=[
+                small_room()["surfaces"][0],
+                {**small_room()["surfaces"][1], "name": "roof", "facing": "ceiling", "tilt_deg": 0.0},
+            ],
+            windows=[{"name": "south", "area_m2": 2.0, "U_W_m2K": 1.0, "g": 0.5, "azimuth_deg": 180.0}],
+            **changes,
+        )
+    )
+
+
+def lost_to_the_sky_W(room: RoomDescription, tilt_of: str) -> float:
+    """Heat that a roof or window at 0 C loses to a sky at -20 C under air of 0 C, the inside held at 0 C."""
+    linear = linear_room(room)
+    full = full_system(assemble(room))
+    into_W = full.input_matrix @ inputs(linear, sky_C=-20.0)
+    return -float(into_W[assemble(room).network.nodes.index(tilt_of)])
+
+
+def test_a_roof_sees_all_of_the_sky_and_an_upright_window_35_percent_of_it() -> None:
+    room = sunlit_room(films={"sky_W_m2K": 4.0})
+    assert lost_to_the_sky_W(room, "roof 1") == pytest.approx(30.0 * 4.0 * 20.0)
+    window_W_K = 2.0 / (1.0 - 1 / (2.5 + 5.13))  # from the pane through the glass and the film outside
+    assert lost_to_the_sky_W(room, "south") == pytest.approx(window_W_K * 4.0 / 25.0 * 0.5**1.5 * 20.0)
+
+
+def test_a_sky_as_warm_as_the_air_changes_nothing() -> None:
+    plain, with_sky = linear_room(sunlit_room()), linear_room(sunlit_room(films={"sky_W_m2K": 4.0}))
+    assert "sky_C" not in plain.inputs
+    cold = outputs(with_sky, inputs(with_sky, outdoor_C=-10.0, sky_C=-10.0))
+    assert cold == pytest.approx(outputs(plain, inputs(plain, outdoor_C=-10.0)))
+
+
+def test_a_room_under_a_sky_refuses_weather_that_knows_none() -> None:
+    linear = linear_room(sunlit_room(films={"sky_W_m2K": 4.0}))
+    sun = {name: np.zeros(24) for name in linear.facades}
+    u, _ = linear.drive(WeatherRecord(3600.0, "2021-01-01", np.zeros(24), sun, sky_C=np.full(24, -15.0)))
+    assert (u[:, linear.inputs.index("sky_C")] == -15.0).all()
+    with pytest.raises(ValueError, match=r"no sky temperature, which films\.sky_W_m2K of the room needs"):
+        linear.drive(WeatherRecord(3600.0, "2021-01-01", np.zeros(24), sun))
+
+
+def test_sun_that_is_reflected_out_is_missing_inside() -> None:
+    def heat_W(**sun: float) -> float:
+        linear = linear_room(sunlit_room(sun=sun))
+        return float((linear.input_matrix @ inputs(linear, **{"irradiance azimuth 180 tilt 90 W_m2": 100.0})).sum())
+
+    transmitted_W = 2.0 * 0.5 * 0.88 * 100.0
+    assert heat_W() - heat_W(reflected_share=0.1) == pytest.approx(0.1 * transmitted_W)
+
+
+def test_windows_with_other_panes_ask_for_sun_of_their_own() -> None:
+    window = {"area_m2": 2.0, "U_W_m2K": 1.0, "g": 0.5, "azimuth_deg": 180.0}
+    panes = [{**window, "name": f"{n} panes", "panes": n} for n in (0, 2, 3)]
+    room = SurfacesRoom.build(SurfacesRoom.Parameters.model_validate(small_room(windows=panes)))
+    assert set(room.facades.values()) == {Facade(180.0), Facade(180.0, panes=2), Facade(180.0, panes=3)}
+    assert "irradiance azimuth 180 tilt 90 panes 3 W_m2" in room.inputs
+
+
 # --- the heating circuit ---------------------------------------------------------------------------
 
 
@@ -566,6 +631,7 @@ def reason(parameters: type[Any], values: dict[str, Any]) -> str:
         ),
         ({"windows": [{"name": "w", "area_m2": 1.0, "U_W_m2K": 9.0, "g": 0.5, "azimuth_deg": 0.0}]}, "inner film"),
         ({"circuit": {"nominal_output_W_m2": 100.0}}, "above the return of 29 C"),
+        ({"films": {"exterior_W_m2K": 4.0, "sky_W_m2K": 4.5}}, "sky_W_m2K is a part of exterior_W_m2K"),
     ],
 )
 def test_an_impossible_description_is_refused_with_its_reason(changes: dict[str, Any], said: str) -> None:

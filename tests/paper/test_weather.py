@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from waxstudy.plugin import Facade, FloatArray, WeatherRecord
 from waxstudy_paper.weather import Epw, TallinnWeek
-from waxstudy_paper.weather.sun import Sky, clear_sky, on_facade, sun_at
+from waxstudy_paper.weather.sun import Sky, clear_sky, diffuse_through_glass, on_facade, sun_at, through_glass
 from waxstudy_paper.weather.tallinn import clear_share
 
 FACADES = {"south": Facade(180.0), "west": Facade(270.0), "north": Facade(0.0), "east": Facade(90.0)}
@@ -193,6 +193,46 @@ def test_the_month_s_defaults_are_written_out_and_read_back(month: str) -> None:
     assert TallinnWeek.Parameters(**written) == p
 
 
+# --- glass -----------------------------------------------------------------------------------------
+
+# g of clear double glazing, relative to normal incidence: ASHRAE Handbook of Fundamentals, two panes of 3 mm
+PUBLISHED_GLASS = {40.0: 0.74 / 0.76, 50.0: 0.71 / 0.76, 60.0: 0.64 / 0.76, 70.0: 0.50 / 0.76, 80.0: 0.26 / 0.76}
+
+
+def test_two_panes_let_through_at_every_angle_what_is_published_of_them_within_three_percent_of_g() -> None:
+    angles_deg = np.array(list(PUBLISHED_GLASS))
+    assert through_glass(2, angles_deg) == pytest.approx(list(PUBLISHED_GLASS.values()), abs=0.03)
+    assert diffuse_through_glass(2) == pytest.approx(0.66 / 0.76, abs=0.03)
+
+
+@pytest.mark.parametrize("panes", [1, 2, 3])
+def test_glass_lets_less_through_the_flatter_the_light_and_nothing_from_behind(panes: int) -> None:
+    relative = through_glass(panes, np.linspace(0.0, 180.0, 361))
+    assert relative[0] == pytest.approx(1.0)
+    assert (np.diff(relative) <= 0.0).all()
+    assert relative[179] < 0.1
+    assert (relative[180:] == 0.0).all()
+    assert diffuse_through_glass(panes + 1) < diffuse_through_glass(panes) < 1.0
+
+
+def test_without_panes_a_facade_counts_all_light_alike() -> None:
+    assert (through_glass(0, np.array([0.0, 60.0, 89.0])) == 1.0).all()
+    assert diffuse_through_glass(0) == 1.0
+
+
+def test_behind_glass_direct_sun_counts_by_its_angle_and_diffuse_light_by_the_mean() -> None:
+    noon = sun_at(pd.DatetimeIndex(["2021-06-21 12:21"], tz="Etc/GMT-2"), 59.4, 24.8)
+    angle_deg = 90.0 - noon.zenith_deg  # the sun stands in the south: height is the angle to an upright facade
+    direct, overcast = Sky(*np.array([[800.0], [0.0], [0.0]])), Sky(*np.array([[0.0], [200.0], [200.0]]))
+
+    def relative(sky: Sky) -> float:
+        behind, plain = (on_facade(Facade(180.0, panes=panes), noon, sky, albedo=0.2) for panes in (2, 0))
+        return float(behind[0] / plain[0])
+
+    assert relative(direct) == pytest.approx(float(through_glass(2, angle_deg)[0]), abs=1e-3)
+    assert relative(overcast) == pytest.approx(diffuse_through_glass(2))
+
+
 # --- weather files ---------------------------------------------------------------------------------
 
 Change = Callable[[list[str]], None]
@@ -233,6 +273,20 @@ def test_an_hour_s_temperature_is_the_mean_of_its_two_ends(made_up: str) -> None
     assert record.first_day == "2019-01-02"
     assert np.allclose(record.outdoor_C, 0.005 * (np.arange(24, 72) - 0.5))
     assert record.duration_s == 2 * 86400
+
+
+def test_the_sky_is_as_cold_as_the_radiation_that_comes_from_it(made_up: str) -> None:
+    sky_C = load(made_up, start="01-02", days=2).sky_C
+    assert sky_C is not None
+    assert 5.670e-8 * (sky_C + 273.15) ** 4 == pytest.approx(np.full(48, 250.0))
+
+
+def test_a_file_without_the_sky_s_radiation_gives_no_sky_temperature(tmp_path: Path) -> None:
+    rows = year_of(2019)
+    replaced(24 * 1 + 5, ",250,7,5,6", ",9999,7,5,6")(rows)
+    path = write(tmp_path / "year.epw", rows)
+    assert load(path, start="01-02").sky_C is None
+    assert load(path, start="01-03").sky_C is not None
 
 
 def test_the_year_runs_on_from_december_to_january(made_up: str) -> None:

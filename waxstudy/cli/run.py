@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.errors import BACKEND, FAILED, INVALID, PLUGIN, CommandError
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.study import load_study
 
@@ -45,7 +45,7 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
 
 @contextmanager
 def failures(study_file: Path, folder: Path) -> Iterator[None]:
-    from waxstudy.plugin.registry import PluginError
+    from waxstudy.plugin.registry import BackendMissing, PluginError
     from waxstudy.results.run import RunError
     from waxstudy.simulation.interpreted import SimulationError
     from waxstudy.simulation.run import InputError
@@ -58,6 +58,8 @@ def failures(study_file: Path, folder: Path) -> Iterator[None]:
         raise CommandError(str(problem), INVALID, label="") from error
     except PluginError as error:
         raise CommandError(str(error), PLUGIN) from error
+    except BackendMissing as error:
+        raise CommandError(str(error), BACKEND) from error
     except (SimulationError, RunError) as error:
         raise CommandError(str(error), FAILED) from error
     except OSError as error:

@@ -12,11 +12,11 @@ from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, WeatherRecord
 from waxstudy.plugin.registry import told
 from waxstudy.results.kpis import MemberWeek, key_figures
 from waxstudy.simulation import ensemble
-from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import DAY_S, Loop
 from waxstudy.simulation.interpreted import checked
 from waxstudy.simulation.modes import drive
-from waxstudy.simulation.run import member_week, prepare
+from waxstudy.simulation.outside import OutsideLoop
+from waxstudy.simulation.run import loop_of, member_week, prepare
 from waxstudy.study.model import Case, Study
 
 # a room that names an input so gives the channel
@@ -44,7 +44,7 @@ class Reality:
         return {name: value if math.isfinite(value) else None for name, value in key_figures(self.week).items()}
 
 
-def reality_loop(study: Study, case: Case, weeks: Sequence[str], days: int | None) -> Loop:
+def reality_loop(study: Study, case: Case, weeks: Sequence[str], days: int | None) -> Loop | OutsideLoop:
     """Return a case's loop under some weeks one after another, the first day twice.
 
     The day put before fills the sensor's memory; `simulate` leaves it out. Raises as `simulation.run.prepare` does,
@@ -56,10 +56,10 @@ def reality_loop(study: Study, case: Case, weeks: Sequence[str], days: int | Non
     weather = _joined([_first_days(record, 1), record])
     with told("[room]"):
         together = drive(driven.room, weather, study.step_s)
-    return Loop(Chain(case.blocks, study.step_s), together, study.comfort.operative_limit_C)
+    return loop_of(study, case, together)
 
 
-def simulate(loop: Loop, study: Study, setpoint_C: float) -> Reality:
+def simulate(loop: Loop | OutsideLoop, study: Study, setpoint_C: float) -> Reality:
     """Run the first member of the study's ensemble through the loop; raise `SimulationError`."""
     (simulated,) = loop.weeks(setpoint_C, ensemble.starts(study.ensemble)[:1], trace=True)
     week = member_week(loop, simulated, setpoint_C, study)
@@ -78,7 +78,10 @@ def _joined(records: Sequence[WeatherRecord]) -> WeatherRecord:
     if any(record.duration_s % DAY_S for record in records[:-1]):
         raise RealityError("a week that another follows must last whole days")
     irradiance = {name: np.concatenate([r.irradiance_W_m2[name] for r in records]) for name in first.irradiance_W_m2}
-    return replace(first, outdoor_C=np.concatenate([r.outdoor_C for r in records]), irradiance_W_m2=irradiance)
+    skies = [record.sky_C for record in records if record.sky_C is not None]
+    sky_C = np.concatenate(skies) if len(skies) == len(records) else None
+    outdoor_C = np.concatenate([record.outdoor_C for record in records])
+    return replace(first, outdoor_C=outdoor_C, irradiance_W_m2=irradiance, sky_C=sky_C)
 
 
 def _first_days(record: WeatherRecord, days: int | None) -> WeatherRecord:
@@ -88,10 +91,11 @@ def _first_days(record: WeatherRecord, days: int | None) -> WeatherRecord:
     if count > len(record.outdoor_C):
         raise RealityError(f"the weather lasts {record.duration_s / DAY_S:g} days, less than {days}")
     irradiance = {name: values[:count] for name, values in record.irradiance_W_m2.items()}
-    return replace(record, outdoor_C=record.outdoor_C[:count], irradiance_W_m2=irradiance)
+    sky_C = None if record.sky_C is None else record.sky_C[:count]
+    return replace(record, outdoor_C=record.outdoor_C[:count], irradiance_W_m2=irradiance, sky_C=sky_C)
 
 
-def _of_surroundings(loop: Loop) -> dict[str, FloatArray]:
+def _of_surroundings(loop: Loop | OutsideLoop) -> dict[str, FloatArray]:
     """Return outdoor temperature, the sun's heat, and the inputs that the room has a known name for.
 
     The sun's heat is what the room's input matrix makes of the irradiance: all that reaches its nodes [W].
@@ -110,7 +114,7 @@ def _of_surroundings(loop: Loop) -> dict[str, FloatArray]:
     return {name: np.repeat(values, driven.steps_per_interval) for name, values in found.items()}
 
 
-def _readings(loop: Loop, channels: dict[str, FloatArray]) -> dict[str, FloatArray]:
+def _readings(loop: Loop | OutsideLoop, channels: dict[str, FloatArray]) -> dict[str, FloatArray]:
     """Return what the controller reads at the end of each step: the sensor once more, over the trace."""
     seen = _sensed_C(loop.driven.room, channels)
     block, dt = loop.chain.blocks[0], loop.driven.step_s

@@ -12,7 +12,9 @@ from waxstudy.plugin.contracts import (
     LEVEL,
     ROOM_OUTPUTS,
     TEMPERATURE,
+    TRACE,
     Actuator,
+    Advance,
     Block,
     Component,
     Controller,
@@ -21,6 +23,7 @@ from waxstudy.plugin.contracts import (
     FloatArray,
     LinearRoom,
     Modulator,
+    OutsideRoom,
     Port,
     PublishedRow,
     Reference,
@@ -32,6 +35,7 @@ from waxstudy.plugin.contracts import (
 )
 from waxstudy.plugin.hook import hookimpl
 from waxstudy.plugin.parameters import Parameters, parameter
+from waxstudy.plugin.registry import BackendMissing
 from waxstudy.plugin.ring import Ring, delayed
 
 __all__ = [
@@ -42,7 +46,10 @@ __all__ = [
     "LEVEL",
     "ROOM_OUTPUTS",
     "TEMPERATURE",
+    "TRACE",
     "Actuator",
+    "Advance",
+    "BackendMissing",
     "Block",
     "Component",
     "Controller",
@@ -51,6 +58,7 @@ __all__ = [
     "FloatArray",
     "LinearRoom",
     "Modulator",
+    "OutsideRoom",
     "Parameters",
     "Port",
     "PublishedRow",

@@ -94,9 +94,12 @@ def physics_problems(room: LinearRoom) -> Problems:
 
 
 def driving_problems(room: LinearRoom, weather: WeatherRecord) -> Problems:
-    """Yield what is wrong with the inputs and the supply temperature that a room makes of weather."""
+    """Yield what is wrong with the inputs and the supply temperature that a room makes of weather.
+
+    Raises the room's own `ValueError` where it asks for what this weather does not hold.
+    """
     try:
-        with told("drive failed"):
+        with told("drive failed", ValueError):
             inputs, supply_C = room.drive(weather)
     except PluginError as error:
         yield str(error)
@@ -121,12 +124,16 @@ def weather_problems(record: Any, facades: Mapping[str, Facade]) -> Problems:
         yield f"no irradiance for {', '.join(sorted(missing))}: give one per facade asked for"
     yield from _positive(record, "interval_s")
     n = np.size(record.outdoor_C)
-    for name, values in {"outdoor_C": record.outdoor_C, **record.irradiance_W_m2}.items():
+    for name, values in {"outdoor_C": record.outdoor_C, **_sky(record), **record.irradiance_W_m2}.items():
         yield from _array(name, values, (n,))
     try:
         date.fromisoformat(record.first_day)
     except (TypeError, ValueError):
         yield f"first_day is {record.first_day!r:.60}: write it as 2023-01-31"
+
+
+def _sky(record: WeatherRecord) -> dict[str, Any]:
+    return {} if record.sky_C is None else {"sky_C": record.sky_C}
 
 
 # --- published figures -----------------------------------------------------------------------------

@@ -13,22 +13,11 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
+from waxstudy.plugin import TRACE as TRACE
+
 CHAIN_LENGTH = 5  # sensor, controller, modulator, actuator, valve
 CONTROLLER = 1
 
-# columns of a full trace; temperatures at the end of the step, the rest over the step
-TRACE = (
-    "air_C",
-    "operative_C",
-    "floor_surface_C",
-    "layer_C",
-    "floor_heat_W_m2",
-    "output",
-    "signal",
-    "opening",
-    "flow_fraction",
-    "water_heat_W",
-)
 STOPPED = -2
 DONE = -1
 ROOM = CHAIN_LENGTH  # code of a failure that is not a block's

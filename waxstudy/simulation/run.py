@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from waxstudy.plugin import FloatArray, Room, Weather, WeatherRecord
+from waxstudy.plugin import BackendMissing, FloatArray, LinearRoom, OutsideRoom, Room, Weather, WeatherRecord
 from waxstudy.plugin.registry import PluginError, described, installed, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
@@ -26,6 +26,7 @@ from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import DAY_S, Loop, Start, Stopped, Week
 from waxstudy.simulation.interpreted import SimulationError
 from waxstudy.simulation.modes import DrivenRoom, drive
+from waxstudy.simulation.outside import OutsideLoop
 from waxstudy.simulation.sources import component_digest, digest, source_digest
 from waxstudy.study.model import Case, Study, is_multiple
 
@@ -85,7 +86,8 @@ def prepare(study: Study, jit: bool = True) -> Plan:
         _keeps_its_contract(f"weather.{name}", weather_problems(record, room.facades))
         for wrong in _weather_problems(record, study.step_s):
             raise InputError(f"weather.{name}", wrong)
-        _keeps_its_contract("room", driving_problems(room, record))
+        wrong_drive = _named(f"weather.{name}", partial(_problems_of_drive, room, record))
+        _keeps_its_contract("room", wrong_drive)
         with told("[room]"):
             plan.driven[name] = drive(room, record, study.step_s)
     return plan
@@ -94,6 +96,11 @@ def prepare(study: Study, jit: bool = True) -> Plan:
 def _keeps_its_contract(table: str, problems: Iterable[str]) -> None:
     for problem in problems:
         raise PluginError(f"[{table}]: {problem}")
+
+
+def _problems_of_drive(room: LinearRoom, record: WeatherRecord) -> list[str]:
+    """Raises `ValueError` where the room asks for what this weather does not hold, such as a sky temperature."""
+    return list(driving_problems(room, record))
 
 
 def _weather_problems(record: WeatherRecord, step_s: float) -> Iterator[str]:
@@ -165,16 +172,20 @@ def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Pro
             raise
 
 
-def _loop(plan: Plan, job: CaseFolder) -> Loop:
-    study = plan.study
-    chain = Chain(study.cases[job.case].blocks, study.step_s)
-    return Loop(chain, plan.driven[job.week], study.comfort.operative_limit_C, plan.jit)
+def _loop(plan: Plan, job: CaseFolder) -> Loop | OutsideLoop:
+    return loop_of(plan.study, plan.study.cases[job.case], plan.driven[job.week], plan.jit)
 
 
-def _job(plan: Plan, job: CaseFolder, loop: Loop, folder: Path) -> None:
+def loop_of(study: Study, case: Case, driven: DrivenRoom, jit: bool = True) -> Loop | OutsideLoop:
+    """Return a case closed over the study's room, whichever engine it runs on."""
+    fast = Loop(Chain(case.blocks, study.step_s), driven, study.comfort.operative_limit_C, jit)
+    return OutsideLoop(study.room, case, fast) if issubclass(study.room.component, OutsideRoom) else fast
+
+
+def _job(plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop, folder: Path) -> None:
     try:
         result = simulate_case(plan, job, loop)
-    except Stopped:
+    except (Stopped, BackendMissing):
         raise
     except Exception as error:
         reason = str(error) if isinstance(error, SimulationError) else described(error)
@@ -182,22 +193,21 @@ def _job(plan: Plan, job: CaseFolder, loop: Loop, folder: Path) -> None:
     write_case(folder, job, result)
 
 
-def simulate_case(plan: Plan, job: CaseFolder, loop: Loop) -> CaseResult:
+def simulate_case(plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop) -> CaseResult:
     """Solve the setpoint shift on the ensemble, then simulate every member at it."""
     study, comfort = plan.study, plan.study.comfort
     per_week = WEEK_H * 3600.0 / loop.driven.weather.duration_s
 
-    def hours_at(starts: Sequence[Start], shift_K: float) -> FloatArray:
-        weeks = loop.weeks(comfort.setpoint_C + shift_K, starts, stop=plan.stop)
+    def hours_at(of: Loop | OutsideLoop, starts: Sequence[Start], shift_K: float) -> FloatArray:
+        weeks = of.weeks(comfort.setpoint_C + shift_K, starts, stop=plan.stop)
         return np.array([week.hours_below for week in weeks]) * per_week
 
     target_h = comfort.hours_below_per_week
-    # a few members find the neighbourhood at a fraction of the cost
-    few = plan.starts[: -(-len(plan.starts) // 4)]
-    near = shift.solve(partial(hours_at, few), target_h)
-    found = near
-    if len(few) < len(plan.starts):
-        found = shift.solve(partial(hours_at, plan.starts), target_h, near.shift_K, CLOSE_K)
+    # a few members, or the room that stands in, find the neighbourhood at a fraction of the cost
+    quick, few = _quick(loop, plan.starts)
+    found = near = shift.solve(partial(hours_at, quick, few), target_h)
+    if quick is not loop or len(few) < len(plan.starts):
+        found = shift.solve(partial(hours_at, loop, plan.starts), target_h, near.shift_K, CLOSE_K)
     single_K = found.single_run_shifts_K(target_h)
     kpis, spans, traces = [], [], []
     setpoint_C = comfort.setpoint_C + found.shift_K
@@ -212,7 +222,11 @@ def simulate_case(plan: Plan, job: CaseFolder, loop: Loop) -> CaseResult:
     return CaseResult(pd.DataFrame(kpis), pd.concat(spans), pd.concat(traces) if traces else empty)
 
 
-def member_week(loop: Loop, week: Week, setpoint_C: float, study: Study) -> MemberWeek:
+def _quick(loop: Loop | OutsideLoop, starts: Sequence[Start]) -> tuple[Loop, Sequence[Start]]:
+    return (loop.stand_in, starts) if isinstance(loop, OutsideLoop) else (loop, starts[: -(-len(starts) // 4)])
+
+
+def member_week(loop: Loop | OutsideLoop, week: Week, setpoint_C: float, study: Study) -> MemberWeek:
     """Name the columns of a trace and add supply, return and flow in their units."""
     driven, room = loop.driven, loop.driven.room
     columns = {name: week.trace[:, i] for i, name in enumerate(kernel.TRACE)}

@@ -121,7 +121,7 @@ def component_digest(component: type[Component]) -> str:
     """Digest of the sources of a component: its bases' and its state's packages, and all that its functions use."""
     classes = (*component.__mro__, *component.Parameters.__mro__, *getattr(component, "State", object).__mro__)
     modules = {base.__module__ for base in classes if base.__module__.split(".")[0] not in _LIBRARIES}
-    defined = [getattr(component, name, None) for name in ("step", "start", "build", "load")]
+    defined = [getattr(component, name, None) for name in ("step", "start", "build", "load", "simulate")]
     functions = [getattr(function, "__func__", function) for function in defined]
     used = [function_digest(function) for function in functions if isinstance(function, FunctionType)]
     return digest([*sorted({source_digest(module) for module in modules}), *used])

@@ -9,7 +9,7 @@ from math import ceil, sqrt
 import numpy as np
 
 from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, WeatherRecord
-from waxstudy_paper.room.construction import Layer, Surface, Window
+from waxstudy_paper.room.construction import Layer, Part, Surface, Window
 from waxstudy_paper.room.description import RoomDescription, facade_name
 from waxstudy_paper.room.hydronics import WATER_J_L_K, floor_conductance_W_K, full_flow_L_h, supply_C
 from waxstudy_paper.room.network import Network, System, without_massless
@@ -62,7 +62,8 @@ def linear_room(room: RoomDescription) -> LinearRoom:
 def inputs_of(room: RoomDescription) -> tuple[str, ...]:
     """Return the names of the slow inputs."""
     ground = () if room.ground_temperature_C is None else ("ground_C",)
-    return ("outdoor_C", "ventilation_supply_C", *ground, "gains_W", *map(irradiance, room.facades))
+    sky = ("sky_C",) if room.films.sky_W_m2K else ()
+    return ("outdoor_C", "ventilation_supply_C", *ground, *sky, "gains_W", *map(irradiance, room.facades))
 
 
 def irradiance(facade: str) -> str:
@@ -70,7 +71,14 @@ def irradiance(facade: str) -> str:
 
 
 def drive(room: RoomDescription, weather: WeatherRecord) -> tuple[FloatArray, FloatArray]:
-    """Return the slow inputs (intervals, m) and the supply temperature [C]; gains by the hour of the midpoint."""
+    """Return the slow inputs (intervals, m) and the supply temperature [C]; gains by the hour of the midpoint.
+
+    Raises `ValueError` if the room radiates to a sky that the weather does not know.
+    """
+    if room.films.sky_W_m2K and weather.sky_C is None:
+        raise ValueError(
+            "it has no sky temperature, which films.sky_W_m2K of the room needs: use epw, or set that to 0"
+        )
     count = len(weather.outdoor_C)
     midpoint_s = (np.arange(count) + 0.5) * weather.interval_s
     hour = (midpoint_s % 86_400 // 3600).astype(int)
@@ -79,6 +87,7 @@ def drive(room: RoomDescription, weather: WeatherRecord) -> tuple[FloatArray, Fl
         "outdoor_C": weather.outdoor_C,
         "ventilation_supply_C": room.air.ventilation_supply_C,
         "ground_C": room.ground_temperature_C,
+        "sky_C": weather.sky_C,
         "gains_W": room.gains.mean_W_m2 * room.floor.area_m2 * factors[hour],
         **{irradiance(facade): weather.irradiance_W_m2[facade] for facade in room.facades},
     }
@@ -116,7 +125,7 @@ def _add_surface(assembly: Assembly, surface: Surface) -> None:
     network.join(borders[0], assembly.air, surface.area_m2 * room.films.convective_W_m2K(surface.facing))
     assembly.faces[surface.name] = borders[0]
     if surface.boundary == "outdoors":
-        network.hold(borders[-1], "outdoor_C", surface.area_m2 * room.films.exterior_W_m2K)
+        _hold_outdoors(assembly, borders[-1], surface, surface.area_m2 * room.films.exterior_W_m2K)
     elif surface.boundary == "ground":
         network.hold(borders[-1], "ground_C", surface.area_m2 / room.ground_resistance_m2K_W)
     if surface.facade is not None:
@@ -125,6 +134,14 @@ def _add_surface(assembly: Assembly, surface: Surface) -> None:
     if surface.name == room.heated_floor.surface:
         assembly.layer = borders[room.heated_floor.pipes_after_layer]
         assembly.floor_nodes = range(first, len(network.nodes))
+
+
+def _hold_outdoors(assembly: Assembly, node: int, part: Part, conductance_W_K: float) -> None:
+    """Join a node to the air outside and to the sky through a film whose radiative part is shared between them."""
+    sky = assembly.room.films.sky_share(part.tilt_deg)
+    assembly.network.hold(node, "outdoor_C", conductance_W_K * (1 - sky))
+    if sky:
+        assembly.network.hold(node, "sky_C", conductance_W_K * sky)
 
 
 def add_layers(network: Network, name: str, layers: tuple[Layer, ...], area_m2: float, cell_time_s: float) -> list[int]:
@@ -158,12 +175,12 @@ def _add_window(assembly: Assembly, window: Window) -> None:
     inner_m2K_W = room.films.interior_m2K_W("wall")
     pane = network.node(window.name)
     assembly.faces[window.name] = pane
-    network.hold(pane, "outdoor_C", area / (1 / window.U_W_m2K - inner_m2K_W))
+    _hold_outdoors(assembly, pane, window, area / (1 / window.U_W_m2K - inner_m2K_W))
     network.join(pane, assembly.air, area * room.films.wall_W_m2K)
     sun = irradiance(facade_name(window.facade))
     secondary = window.g * window.secondary_share
     network.heat(pane, sun, area * secondary / (1 - window.U_W_m2K * inner_m2K_W))
-    through_m2 = area * (window.g - secondary)
+    through_m2 = area * (window.g - secondary) * (1 - room.sun.reflected_share)
     network.heat(assembly.air, sun, through_m2 * room.sun.air_share)
     for surface, share in sun_shares(room).items():
         network.heat(assembly.faces[surface], sun, through_m2 * (1 - room.sun.air_share) * share)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import cos, radians
 from typing import Self
 
 from pydantic import model_validator
@@ -53,6 +54,29 @@ class Films(Parameters):
         gt=0,
         le=100,
     )
+
+    sky_W_m2K: float = parameter(
+        0.0,
+        unit="W/(m2 K)",
+        description="part of the exterior coefficient with which a surface that looks up radiates to the sky "
+        "instead of to the air; by tilt for others; above 0 it needs a weather that knows the sky, such as epw",
+        source="chosen: 0, the sky is as warm as the air; ISO 52016-1 has 4.14 for all radiation outside",
+        ge=0,
+        le=10,
+    )
+
+    @model_validator(mode="after")
+    def _sky_is_a_part(self) -> Self:
+        if self.sky_W_m2K > self.exterior_W_m2K:
+            raise ValueError("sky_W_m2K is a part of exterior_W_m2K and cannot exceed it")
+        return self
+
+    def sky_share(self, tilt_deg: float) -> float:
+        """Part of the exterior coefficient that goes to the sky: cos(tilt / 2)^3 of that of a surface looking up.
+
+        The view of the sky, cos(tilt / 2)^2, times what of it is colder than the air (Walton 1983, as in EnergyPlus).
+        """
+        return self.sky_W_m2K / self.exterior_W_m2K * cos(radians(tilt_deg) / 2) ** 3
 
     def convective_W_m2K(self, facing: Facing) -> float:
         return {"wall": self.wall_W_m2K, "ceiling": self.ceiling_W_m2K, "floor": self.floor_W_m2K}[facing]
@@ -128,8 +152,16 @@ class Gains(Parameters):
 
 
 class Sun(Parameters):
-    """Where the sun that windows let through is absorbed; nothing is reflected out again."""
+    """Where the sun that windows let through is absorbed."""
 
+    reflected_share: float = parameter(
+        0.0,
+        unit="1",
+        description="share that leaves through the windows again; the other shares are of the rest",
+        source="chosen: 0; ANSI/ASHRAE 140 has 0.035 for its case 600, whose surfaces absorb 0.6",
+        ge=0,
+        lt=1,
+    )
     air_share: float = parameter(
         0.1,
         unit="1",

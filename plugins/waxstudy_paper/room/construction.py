@@ -99,7 +99,7 @@ class Window(Part):
     )
     g: float = parameter(
         unit="1",
-        description="total solar energy transmittance, at any angle of incidence",
+        description="total solar energy transmittance, at normal incidence if panes are given, else at any angle",
         source=STUDY,
         ge=0,
         le=1,
@@ -112,10 +112,18 @@ class Window(Part):
         ge=0,
         le=1,
     )
+    panes: int = parameter(
+        0,
+        unit="1",
+        description="number of panes, by which g falls with the angle of incidence; 0 leaves it constant",
+        source="chosen: 0, g as the paper gives it; see docs/room.md for the equation",
+        ge=0,
+        le=5,
+    )
     azimuth_deg: float = parameter(
         unit="deg", description="outward direction from north, clockwise", source=STUDY, ge=0, lt=360
     )
 
     @property
     def facade(self) -> Facade:
-        return Facade(self.azimuth_deg, self.tilt_deg)
+        return Facade(self.azimuth_deg, self.tilt_deg, self.panes)

@@ -92,7 +92,8 @@ class RoomDescription(Parameters):
 
 
 def facade_name(facade: Facade) -> str:
-    return f"azimuth {facade.azimuth_deg:g} tilt {facade.tilt_deg:g}"
+    behind = f" panes {facade.panes}" if facade.panes else ""
+    return f"azimuth {facade.azimuth_deg:g} tilt {facade.tilt_deg:g}{behind}"
 
 
 def _problems(room: RoomDescription) -> Iterator[str]:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 HEADER_LINES = 8
+MISSING_W_M2 = 9999.0
+STEFAN_BOLTZMANN = 5.670e-8  # W/(m2 K4)
 COMMON_YEAR, LEAP_YEAR = 2001, 2000
 # pvlib's column -> what it is, and the range outside which EPW has no value (missing: 99.9 and 9999)
 DRY_BULB = {"temp_air": ("dry bulb temperature", -70.0, 70.0)}
@@ -69,6 +71,7 @@ class Epw(Weather):
 
     Radiation covers the hour that ends at a row's stamp: the sun stands where it stands in the middle of that
     hour. The dry bulb is a reading at the stamp: an interval gets the mean of the readings at both its ends.
+    The sky's temperature is that of a black body with the file's horizontal infrared radiation, if it has it.
     Raises `ValueError` with one line that names the file and the place. Source: EnergyPlus, Auxiliary Programs.
     """
 
@@ -98,6 +101,7 @@ class Epw(Weather):
             first_day=f"{hours.index[0]:%Y-%m-%d}",
             outdoor_C=(dry_bulb_C[:-1] + dry_bulb_C[1:]) / 2.0,
             irradiance_W_m2={name: on_facade(facade, sun, sky, p.albedo) for name, facade in facades.items()},
+            sky_C=_sky_C(hours),
         )
 
 
@@ -169,6 +173,14 @@ def _table(
     except (ValueError, KeyError, TypeError):
         raise ValueError(f"{path}: not an EPW file that pvlib can read") from None
     return data, site
+
+
+def _sky_C(hours: pd.DataFrame) -> FloatArray | None:
+    """Return the temperature of a black sky that radiates as the file says, None where an hour of it is missing."""
+    radiation_W_m2 = hours["ghi_infrared"].to_numpy(dtype=float)
+    if not np.all((radiation_W_m2 > 0.0) & (radiation_W_m2 < MISSING_W_M2)):
+        return None
+    return np.asarray((radiation_W_m2 / STEFAN_BOLTZMANN) ** 0.25 - 273.15)
 
 
 def _refuse_missing(

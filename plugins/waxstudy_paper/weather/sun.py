@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 # horizontal diverges; buildings and trees hide such a sun anyway.
 LOW_SUN_DEG = 3.0
 
+GLASS_REFRACTION = 1.526
+PANE_ABSORPTION = 0.09  # exponent of 3 mm of clear float glass at normal incidence
+
 
 class SunParameters(Parameters):
     """What every weather with a sun needs to know of the facades' surroundings."""
@@ -86,19 +89,21 @@ def overcast_sky(clear: Sky, transmittance: float) -> Sky:
 def on_facade(facade: Facade, sun: Sun, sky: Sky, albedo: float) -> FloatArray:
     """Return the global irradiance on a facade [W/m2]: direct, diffuse from the sky, reflected by the ground.
 
-    I = I_dn max(cos(theta), 0) + I_sky + albedo I_gh (1 - cos(tilt)) / 2
+    I = M(theta) I_dn max(cos(theta), 0) + M_d (I_sky + albedo I_gh (1 - cos(tilt)) / 2)
 
     I_sky is the anisotropic sky of Perez et al. (1990) in the form of Driesse et al. (2024), whose coefficients
     run on smoothly from one sky to the next. While the sun is lower than `LOW_SUN_DEG`, the global horizontal
-    irradiance is taken to come evenly from the whole sky.
+    irradiance is taken to come evenly from the whole sky. M is `through_glass` for the facade's panes, M_d its
+    mean over the hemisphere, both 1 without panes.
     """
     from pvlib import irradiance
 
     cos_tilt = np.cos(np.radians(facade.tilt_deg))
     ground = albedo * sky.global_horizontal_W_m2 * (1.0 - cos_tilt) / 2.0
-    total: FloatArray = sky.global_horizontal_W_m2 * (1.0 + cos_tilt) / 2.0 + ground
+    diffuse = diffuse_through_glass(facade.panes)
+    total: FloatArray = (sky.global_horizontal_W_m2 * (1.0 + cos_tilt) / 2.0 + ground) * diffuse
     up = sun.zenith_deg < 90.0 - LOW_SUN_DEG
-    total[up] = irradiance.get_total_irradiance(
+    parts = irradiance.get_total_irradiance(
         facade.tilt_deg,
         facade.azimuth_deg,
         sun.zenith_deg[up],
@@ -109,5 +114,40 @@ def on_facade(facade: Facade, sun: Sun, sky: Sky, albedo: float) -> FloatArray:
         dni_extra=sun.extraterrestrial_W_m2[up],
         albedo=albedo,
         model="perez-driesse",
-    )["poa_global"]
+    )
+    if facade.panes == 0:
+        total[up] = parts["poa_global"]
+        return total
+    angle_deg = irradiance.aoi(facade.tilt_deg, facade.azimuth_deg, sun.zenith_deg[up], sun.azimuth_deg[up])
+    total[up] = parts["poa_direct"] * through_glass(facade.panes, angle_deg) + parts["poa_diffuse"] * diffuse
     return total
+
+
+def through_glass(panes: int, angle_deg: FloatArray) -> FloatArray:
+    """Return what panes of clear glass let through at an angle of incidence, relative to normal incidence.
+
+    tau = exp(-0.09 N / cos(theta')) mean((1 - r) / (1 + (2 N - 1) r))   over both polarisations
+
+    with the reflectances r of a surface by Fresnel and theta' the angle in the glass (n = 1.526). It is used for g
+    as a whole. Source: Duffie and Beckman, Solar Engineering of Thermal Processes, chapter 5. 0 behind the glass.
+    """
+    if panes == 0:
+        return np.ones_like(angle_deg)
+    angle = np.radians(np.clip(angle_deg, 0.01, 89.99))
+    relative: FloatArray = _transmittance(panes, angle) / _transmittance(panes, np.radians(0.01))
+    return np.where(np.asarray(angle_deg) < 90.0, relative, 0.0)
+
+
+def _transmittance(panes: int, angle: FloatArray | float) -> FloatArray:
+    inside = np.arcsin(np.sin(angle) / GLASS_REFRACTION)
+    across = (np.sin(inside - angle) / np.sin(inside + angle)) ** 2
+    along = (np.tan(inside - angle) / np.tan(inside + angle)) ** 2
+    passed = sum((1.0 - r) / (1.0 + (2 * panes - 1) * r) for r in (across, along)) / 2.0
+    return np.asarray(passed * np.exp(-PANE_ABSORPTION * panes / np.cos(inside)))
+
+
+def diffuse_through_glass(panes: int) -> float:
+    """Return the mean of `through_glass` over light that comes evenly from the hemisphere."""
+    angle_deg = np.arange(0.5, 90.0)
+    weight = np.sin(2.0 * np.radians(angle_deg))
+    return float(np.average(through_glass(panes, angle_deg), weights=weight))

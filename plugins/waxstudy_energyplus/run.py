@@ -1,0 +1,175 @@
+"""Run a room in EnergyPlus, in a process of its own."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pickle
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from waxstudy.plugin import TRACE, Advance, FloatArray, WeatherRecord
+from waxstudy.simulation.engine import START, Start, Stopped
+from waxstudy.study.model import is_multiple
+from waxstudy_energyplus.library import EnergyPlusError, installed_version
+from waxstudy_energyplus.loop import CHAIN, MINUTE, MINUTE_S, Job
+from waxstudy_energyplus.model import model
+from waxstudy_energyplus.weather_file import still_year
+from waxstudy_paper.room.description import RoomDescription
+
+ERROR_LINES = 40
+HARMLESS = "CheckWarmupConvergence"  # the engine's own warm-up is cut short on purpose
+POLL_S = 0.1
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """What a run gives: a row per minute (columns `loop.MINUTE`) and a row per step of the chain (`loop.CHAIN`)."""
+
+    minutes: FloatArray
+    chain: FloatArray
+    step_s: float
+
+    def minute(self, name: str) -> FloatArray:
+        """Return a column of the minutes."""
+        return self.minutes[:, MINUTE.index(name)]
+
+    def stepped(self, name: str) -> FloatArray:
+        """Return a column at the chain's step: temperatures straight between the ends of minutes, the rest held."""
+        column, per_minute = self.minute(name), round(MINUTE_S / self.step_s)
+        if not name.endswith("_C"):
+            return np.repeat(column, per_minute)
+        ends_s = (np.arange(len(column)) + 1.0) * MINUTE_S
+        steps_s = (np.arange(len(column) * per_minute) + 1.0) * self.step_s
+        return np.asarray(np.interp(steps_s, ends_s, column))
+
+    def trace(self) -> FloatArray:
+        """Return the run in the columns of `kernel.TRACE`; the minute's heat is shared out as the water flowed."""
+        columns = {name: self.chain[:, place] for place, name in enumerate(CHAIN)}
+        flow = columns["flow_fraction"].reshape(len(self.minutes), -1)
+        mean = flow.mean(axis=1, keepdims=True)
+        share = np.divide(flow, mean, out=np.ones_like(flow), where=mean > 0)
+        columns["water_heat_W"] = self.stepped("water_heat_W") * share.ravel()
+        return np.column_stack([columns[name] if name in columns else self.stepped(name) for name in TRACE])
+
+    def hours_below(self, limit_C: float) -> float:
+        """Return the hours of the run with an operative temperature below the limit."""
+        return float(np.sum(self.stepped("operative_C") < limit_C) * self.step_s / 3600.0)
+
+
+def simulate(
+    room: RoomDescription,
+    weather: WeatherRecord,
+    advance: Advance,
+    *,
+    setpoint_C: float,
+    step_s: float = 5.0,
+    start: Start = START,
+    stop: Callable[[], bool] = lambda: False,
+) -> Simulated:
+    """Warm a room up with the first day's weather and simulate the record, `advance` opening and closing the valve.
+
+    `advance` is pickled with its state, called in another process at every `step_s`, warm-up included, and given the
+    sensed temperature, carried on straight from the last two minutes because EnergyPlus tells it once a minute.
+    Raises what `advance` raises, `EnergyPlusError` with the engine's error file, `BackendMissing`, `Stopped`,
+    or `OSError`.
+    """
+    if not (is_multiple(MINUTE_S, of=step_s) and is_multiple(weather.interval_s, of=MINUTE_S)):
+        raise ValueError(
+            f"EnergyPlus runs in minutes: step_s = {step_s:g} must divide one, and the weather's interval "
+            f"of {weather.interval_s:g} s must be a multiple of it"
+        )
+    installed_version()
+    job = Job(room, weather, advance, step_s, setpoint_C, start)
+    with tempfile.TemporaryDirectory(prefix="waxstudy-energyplus-", ignore_cleanup_errors=True) as name:
+        folder = Path(name)
+        (folder / "room.epJSON").write_text(json.dumps(model(room, job.days)))
+        (folder / "year.epw").write_text(still_year())
+        minutes, chain = _answer(job, folder, stop)
+    return Simulated(minutes, chain, step_s)
+
+
+def _answer(job: Job, folder: Path, stop: Callable[[], bool]) -> tuple[FloatArray, FloatArray]:
+    path = [entry or os.getcwd() for entry in sys.path]
+    question = pickle.dumps(path) + pickle.dumps(job)
+    command = [sys.executable, "-m", "waxstudy_energyplus.worker", str(folder)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path)}
+    with (folder / "printed.txt").open("wb") as printed:
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=printed, cwd=folder, env=environment
+        )
+    try:
+        answer = _exchange(process, question, stop)
+    finally:
+        _end(process)
+    return _understood(answer, process.returncode, folder)
+
+
+def _exchange(process: subprocess.Popen[bytes], question: bytes, stop: Callable[[], bool]) -> bytes:
+    """Ask, and wait for the answer; stdin stays open, for its end would end the process."""
+    asked, answered = process.stdin, process.stdout
+    assert asked is not None
+    assert answered is not None
+    parts: list[bytes] = []
+    reader = threading.Thread(target=lambda: parts.append(answered.read()), daemon=True)
+    reader.start()
+    with contextlib.suppress(BrokenPipeError):  # it has ended already, and its error file says why
+        asked.write(question)
+        asked.flush()
+    while reader.is_alive():
+        reader.join(POLL_S)
+        if stop():
+            raise Stopped
+    return parts[0] if parts else b""
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    process.wait()
+    for pipe in (process.stdin, process.stdout):
+        with contextlib.suppress(BrokenPipeError):
+            if pipe is not None:
+                pipe.close()
+
+
+class _Remote(Exception):
+    """The traceback in the engine's process, as the cause of what is raised here."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self.text = text
+
+    def __str__(self) -> str:
+        return f"\n{self.text}"
+
+
+def _understood(answer: bytes, code: int, folder: Path) -> tuple[FloatArray, FloatArray]:
+    if not answer:
+        raise EnergyPlusError(f"EnergyPlus' process ended by itself (code {code}){_error_file(folder)}")
+    result: tuple[FloatArray, FloatArray]
+    result, error, text = pickle.loads(answer)
+    if isinstance(error, EnergyPlusError):
+        raise EnergyPlusError(f"{error}{_error_file(folder)}")
+    if error is not None:
+        raise error from _Remote(text)
+    return result
+
+
+def _error_file(folder: Path) -> str:
+    """Return what the engine's error file says from its first severe line on, or else what was printed."""
+    for name, first in (("eplusout.err", "** Severe"), ("eplusout.err", "**  Fatal"), ("printed.txt", "")):
+        with contextlib.suppress(OSError):
+            lines = (folder / name).read_text(encoding="utf-8", errors="replace").splitlines()
+            found = [n for n, line in enumerate(lines) if first in line and HARMLESS not in line]
+            if found:
+                shown = lines[found[0] : found[0] + ERROR_LINES]
+                return "\n".join([f"; {name}:", *(f"  {line.strip()}" for line in shown)])
+    return ""

@@ -1,0 +1,37 @@
+"""A case's chain as an outside engine calls it, step by step, wherever that engine runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.interpreted import checked
+from waxstudy.simulation.kernel import CONTROLLER
+from waxstudy.study.model import Choice
+
+
+class ChainAdvance:
+    """The blocks of a case at a setpoint, called step by step; raises `SimulationError` as the fast room's loop does.
+
+    Its blocks run in Python, as with `--no-jit`. It is pickled before its first step, and made ready where it runs.
+    """
+
+    def __init__(self, blocks: Mapping[str, Choice], step_s: float, setpoint_C: float) -> None:
+        self.blocks, self.step_s, self.setpoint_C = dict(blocks), step_s, setpoint_C
+        self._ready: list[tuple[Any, Any, Any]] = []
+
+    def __call__(self, sensed_C: float, time_s: float, step_s: float) -> list[float]:
+        """Return output, signal, opening and flow fraction after a step; a block left out passes on what it gets."""
+        if not self._ready:
+            chain = Chain(self.blocks, self.step_s)
+            steps = [checked(block) if block else None for block in chain.blocks]
+            self._ready = list(zip(steps, chain.plain, chain.start(), strict=True))
+        u, values = sensed_C, []
+        for place, (step, p, x) in enumerate(self._ready):
+            if place == CONTROLLER:
+                u = self.setpoint_C - u
+            if step is not None:
+                u = step(p, x, u, time_s, step_s)
+            values.append(u)
+        return values[CONTROLLER:]
