@@ -39,7 +39,7 @@ def _sun(room: RoomDescription, irradiance_W_m2: Mapping[str, FloatArray], count
     through_W, panes_W = np.zeros(count), np.zeros(count)
     for window in room.windows:
         gain_W = window.area_m2 * window.g * irradiance_W_m2[facade_name(window.facade)]
-        through_W += gain_W * (1 - window.secondary_share)
+        through_W += gain_W * (1 - window.secondary_share) * (1 - room.sun.reflected_share)
         panes_W += gain_W * window.secondary_share
     on_surfaces_W = through_W * (1 - room.sun.air_share)
     shares = sun_shares(room)

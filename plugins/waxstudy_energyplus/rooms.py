@@ -22,6 +22,9 @@ class InEnergyPlus(OutsideRoom):
 
     @classmethod
     def build(cls, p: Any) -> LinearRoom:
+        """Return the room that stands in; raise `ValueError` for what the room in EnergyPlus does not have."""
+        if cls.description(p).films.sky_W_m2K > 0.0:
+            raise ValueError("films.sky_W_m2K: the room in EnergyPlus has no sky colder than the air; leave it at 0")
         return cls.ours.build(p)
 
     @classmethod

@@ -16,6 +16,7 @@ from waxstudy.plugin import BackendMissing, WeatherRecord
 from waxstudy_energyplus.inputs import inputs
 from waxstudy_energyplus.model import Model, model
 from waxstudy_energyplus.objects import GAINS, SUN_TO_AIR, SUN_TO_PANES, sun_on
+from waxstudy_energyplus.rooms import SurfacesEnergyPlus
 from waxstudy_energyplus.run import simulate
 from waxstudy_energyplus.weather_file import still_year
 from waxstudy_paper.room import NzebRoom, RoomDescription
@@ -123,3 +124,13 @@ def test_the_transfer_functions_of_the_heated_floor_keep_up_with_the_minute(repo
 def test_energyplus_finds_nothing_severe_but_its_own_warm_up(reported: tuple[str, str]) -> None:
     severe = [line for line in reported[1].splitlines() if "** Severe" in line]
     assert all("CheckWarmupConvergence" in line for line in severe), severe
+
+
+def test_a_sky_colder_than_the_air_is_refused_and_reflected_sun_leaves_again(room: RoomDescription) -> None:
+    films = room.films.model_copy(update={"sky_W_m2K": 4.0})
+    with pytest.raises(ValueError, match="sky_W_m2K: the room in EnergyPlus has no sky"):
+        SurfacesEnergyPlus.build(room.model_copy(update={"films": films}))
+    lit = WeatherRecord(3600.0, "2021-01-01", np.zeros(24), {name: np.full(24, 100.0) for name in room.facades})
+    sun = room.sun.model_copy(update={"reflected_share": 0.25})
+    whole, less = inputs(room, lit), inputs(room.model_copy(update={"sun": sun}), lit)
+    assert less[SUN_TO_AIR] == pytest.approx(0.75 * whole[SUN_TO_AIR])

@@ -6,9 +6,11 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from waxstudy.plugin import TRACE, OutsideRoom
+from waxstudy.plugin import TRACE, BackendMissing, FloatArray, OutsideRoom
+from waxstudy.plugin.registry import PluginError, told
 from waxstudy.simulation.advance import ChainAdvance
-from waxstudy.simulation.engine import Loop, Start, Week
+from waxstudy.simulation.engine import Loop, Start, Stopped, Week
+from waxstudy.simulation.interpreted import SimulationError
 from waxstudy.study.model import Case, Choice
 
 OPERATIVE = TRACE.index("operative_C")
@@ -25,9 +27,17 @@ class OutsideLoop:
         self, setpoint_C: float, starts: Iterable[Start], *, trace: bool = False, stop: np.ndarray | None = None
     ) -> Iterator[Week]:
         """Warm up and simulate the week from every start; raise what the room raises."""
+        asked = np.zeros(1, dtype=np.int64) if stop is None else stop
+        for start in starts:
+            record = self._record(setpoint_C, start, asked)
+            cold = np.count_nonzero(record[:, OPERATIVE] < self.stand_in.limit_C)
+            yield Week(hours_below=cold * self.driven.step_s / 3600.0, trace=record if trace else record[:0])
+
+    def _record(self, setpoint_C: float, start: Start, stop: np.ndarray) -> FloatArray:
+        """Return what the room gives; what it breaks off or leaves unfinished must not be kept as a result."""
         component, driven = self.room.component, self.driven
         assert issubclass(component, OutsideRoom)
-        for start in starts:
+        with told("[room]", Stopped, BackendMissing, SimulationError, OSError):
             record = component.simulate(
                 self.room.parameters,
                 driven.weather,
@@ -36,7 +46,11 @@ class OutsideLoop:
                 step_s=driven.step_s,
                 air_K=start.air_K,
                 slab_K=start.slab_K,
-                stop=lambda: stop is not None and bool(stop[0]),
+                stop=lambda: bool(stop[0]),
             )
-            cold = np.count_nonzero(record[:, OPERATIVE] < self.stand_in.limit_C)
-            yield Week(hours_below=cold * driven.step_s / 3600.0, trace=record if trace else record[:0])
+        if stop[0]:
+            raise Stopped
+        shape = (len(driven.supply_C) * driven.steps_per_interval, len(TRACE))
+        if np.shape(record) != shape or not np.isfinite(record).all():
+            raise PluginError(f"[room]: its record must hold numbers in the shape {shape}, not {np.shape(record)}")
+        return record

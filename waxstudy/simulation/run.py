@@ -185,7 +185,7 @@ def loop_of(study: Study, case: Case, driven: DrivenRoom, jit: bool = True) -> L
 def _job(plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop, folder: Path) -> None:
     try:
         result = simulate_case(plan, job, loop)
-    except (Stopped, BackendMissing):
+    except (Stopped, BackendMissing, PluginError):
         raise
     except Exception as error:
         reason = str(error) if isinstance(error, SimulationError) else described(error)
