@@ -233,7 +233,7 @@ STAGES = (
     Stage("ports", "input and output with unit and range", ports, needed=True),
     Stage("state", "a fresh state of simple fields", state, needed=True),
     Stage("output", "a number in its range for any input", output, needed=True),
-    Stage("reproducible", "the same again, also beside another chain", reproducible, exemptible=False),
+    Stage("reproducible", "the same again, also beside another chain", reproducible),
     Stage("restore", "goes on after being saved and read", restore),
     Stage("compiled", "compiled as in Python, to the bit", compiled, exemptible=True),
     Stage("step-halving", "settles with a shorter step", step_halving, exemptible=True),

@@ -78,11 +78,11 @@ class CompiledChain:
     """
 
     def __init__(self, chain: Chain) -> None:
+        from waxstudy.simulation.compiled import loop
+
         self.chain = chain
         self.warnings: list[str] = []
         self.callbacks: dict[int, Callback] = {}
-        from waxstudy.simulation.compiled import loop
-
         loop()  # compiled here, so that threads only compute
         self.addresses = np.array([self._address(place) for place in range(len(CHAIN))], dtype=np.int64)
         self._parameters = self._stored(chain.plain, parameter_record)
