@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from waxstudy.plugin.parameters import Parameters
 
 if TYPE_CHECKING:
+    from waxstudy.plugin.effect import Uncertainty
     from waxstudy.results.run import Run
 
 API_VERSION = "1.0"
@@ -193,6 +194,11 @@ class Room(Component):
         """Return the linear room for parameters `p`; raise `ValueError` with a one-line reason."""
         raise NotImplementedError
 
+    @classmethod
+    def uncertainties(cls, p: Any) -> Sequence[Uncertainty]:
+        """Return what of this room nobody knows exactly; a diagnosis fits it, held by its priors."""
+        return ()
+
 
 # sensed temperature [C], time at the start of the step [s], step [s] -> output, signal, opening, flow fraction
 Advance = Callable[[float, float, float], Sequence[float]]
@@ -281,4 +287,4 @@ class Reference(Component):
         return ()
 
 
-KINDS = (*CHAIN, "room", "weather", "reference")
+KINDS = (*CHAIN, "room", "weather", "effect", "reference")

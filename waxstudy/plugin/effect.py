@@ -1,0 +1,115 @@
+"""The contract of an effect: a named edit of what the modeller believes, with free parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from waxstudy.plugin.contracts import CHAIN, Component, FloatArray
+
+if TYPE_CHECKING:
+    from waxstudy.study.model import Choice
+
+# the links of the loop where a gap can lie
+STAGES = (*CHAIN, "emitter", "room")
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What drove the room, as recorded or assumed; each array is (n,), NaN-free, one value per interval.
+
+    Temperatures are values at the end of an interval, the rest means over it.
+    """
+
+    interval_s: float
+    start_s: float  # start of the first interval after midnight
+    outdoor_C: FloatArray
+    supply_C: FloatArray
+    solar_W: FloatArray
+    gains_W: FloatArray
+    ventilation_C: FloatArray
+    air_C: FloatArray  # the room's own air, smoothed, for what exchanges heat with it
+    flow_L_h: FloatArray | None = None  # through the circuit, where it was recorded
+    neighbour_C: FloatArray | None = None
+    extra_W: FloatArray | None = None  # heat that an effect gives to the air
+
+    @property
+    def hour(self) -> FloatArray:
+        """Hour of the day at the middle of each interval (n,)."""
+        middle_s = self.start_s + (_count(self.outdoor_C) + 0.5) * self.interval_s
+        hours: FloatArray = middle_s % 86_400 / 3600
+        return hours
+
+
+def _count(values: FloatArray) -> FloatArray:
+    import numpy as np
+
+    return np.arange(len(values), dtype=float)
+
+
+@dataclass(frozen=True)
+class Belief:
+    """What the modeller believes, and what an effect edits: the chain's blocks by kind, the room, its inputs."""
+
+    blocks: Mapping[str, Choice]
+    room: Choice | None = None
+    inputs: Inputs | None = None
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Where a parameter of an effect is looked for. `noticeable` is the least departure from neutral worth naming."""
+
+    low: float
+    high: float
+    noticeable: float  # a factor where `is_log`, else in the parameter's unit
+    is_log: bool = False
+    # departure that the believed model's published uncertainty covers; as `noticeable`
+    tolerance: float = 0.0
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Something that nobody knows of a room exactly: `apply(p, departure)` edits its parameters; 0 is what is believed.
+
+    The departure has a normal prior of standard deviation `sd`.
+    """
+
+    name: str
+    description: str
+    sd: float
+    apply: Callable[[Any, float], Any]
+
+
+class Effect(Component):
+    """An edit of a belief; it changes nothing at `neutral`. `priors` says where its parameters are looked for."""
+
+    kind = "effect"
+    stage: ClassVar[str]  # one of STAGES
+    priors: ClassVar[Mapping[str, Prior]] = {}
+
+    @classmethod
+    def hindrance(cls, belief: Belief) -> str:
+        """Return why the effect cannot apply to this belief, or an empty text."""
+        return ""
+
+    @classmethod
+    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
+        """Return the parameters at which it does nothing, or None where there are none (a block is replaced)."""
+        return {name: float(field.default) for name, field in cls.Parameters.model_fields.items()}
+
+    @classmethod
+    def apply(cls, belief: Belief, p: Any) -> Belief:
+        """Return the belief with the effect; raise `ValueError` with a one-line reason where p is impossible."""
+        raise NotImplementedError
+
+    @classmethod
+    def sentence(cls, p: Any) -> str:
+        """Return what a plant engineer should read, one sentence."""
+        raise NotImplementedError
+
+    @classmethod
+    def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
+        """Return parameters to start a fit from, where the corners of `priors` would miss the best."""
+        return ()
