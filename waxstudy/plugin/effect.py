@@ -28,8 +28,8 @@ class Inputs:
     supply_C: FloatArray
     solar_W: FloatArray
     gains_W: FloatArray
-    ventilation_C: FloatArray
     air_C: FloatArray  # the room's own air, smoothed, for what exchanges heat with it
+    ventilation_C: FloatArray | None = None  # supply air; None leaves what the room says
     flow_L_h: FloatArray | None = None  # through the circuit, where it was recorded
     neighbour_C: FloatArray | None = None
     extra_W: FloatArray | None = None  # heat that an effect gives to the air

@@ -25,7 +25,7 @@ def run(
     high: Any,
     signal: Any,  # (n,) what drives the first block, at the end of each interval
     setpoint: Any,  # (n,) C
-    is_switched: bool,  # the signal jumps halfway between two samples; else it runs straight between them
+    jump: Any,  # (n,) part of the interval after which the signal jumps; below 0 it runs straight through it
     first: int,  # place of the first block
     dt: float,
     steps_per_interval: int,
@@ -40,7 +40,8 @@ def run(
         now = signal[n]
         for i in range(steps_per_interval):
             part = (i + 0.5) / steps_per_interval
-            u = before + (now - before) * (round(part) if is_switched else part)
+            share = part if jump[n] < 0.0 else float(part > jump[n])
+            u = before + (now - before) * share
             t = start_s + (n * steps_per_interval + i) * dt
             for k in range(first, CHAIN_LENGTH):
                 if k == CONTROLLER:
@@ -59,8 +60,7 @@ def run(
 _NUMBERS, _TABLE, _COUNTS = types.float64[::1], types.float64[:, ::1], types.int64[::1]
 _RUN = types.int64(
     *[_COUNTS] * 3,
-    *[_NUMBERS] * 4,
-    types.boolean,
+    *[_NUMBERS] * 5,
     types.int64,
     types.float64,
     types.int64,
@@ -90,13 +90,14 @@ def replay(
     *,
     interval_s: float,
     start_s: float,
-    is_switched: bool,
+    jump: FloatArray | None = None,
 ) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
     """Drive a chain from the block of kind `first` on; return each kind's output (n,) at the ends, and its means.
 
     `signal` (n,) is what that block would get (the sensor's temperature, for the controller the reading), at the end
     of each interval, the first of which starts `start_s` after midnight. A kind without a block passes on what it
-    gets. Raises `SimulationError`.
+    gets. With `jump` (n,) the signal is a switch that jumps after that part of each interval; without, it runs straight
+    from sample to sample. Raises `SimulationError`.
     """
     ready = CompiledChain(chain)
     place, count = CHAIN.index(first), len(signal)
@@ -114,7 +115,7 @@ def replay(
         chain.high,
         np.array(signal, dtype=float),  # a copy: compiled code takes no read-only memory
         np.array(setpoint_C, dtype=float),
-        is_switched,
+        np.full(count, -1.0) if jump is None else np.array(jump, dtype=float),
         place,
         chain.step_s,
         round(interval_s / chain.step_s),
