@@ -49,7 +49,9 @@ def _built(check: Check, values: dict[str, Any], notes: Notes) -> Choice | None:
         notes.assume(sentence)
     if words:
         notes.assume(f"Words in [building] are for people and are not read: {', '.join(words)}.")
-    written = {key: Written(value, BUILDING.at(key) if key in values else BUILDING) for key, value in parameters.items()}
+    written = {
+        key: Written(value, BUILDING.at(key) if key in values else BUILDING) for key, value in parameters.items()
+    }
     checked = check.parameters(room.Parameters, RawTable(written, BUILDING, BUILDING))
     return Choice(room, checked) if checked else None
 

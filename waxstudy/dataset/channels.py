@@ -37,7 +37,9 @@ CHANNELS = {
         Channel("control_output", "output", "level"),
         Channel("heating_signal", "signal", "level"),
         Channel("displacement", "opening", "level", noise=0.01, resolution=0.001, low=0.0, high=1.0),
-        Channel("flow_L_h", "flow_L_h", "flow", is_mean=True, noise=1.0, is_quiet_at_zero=True, resolution=0.1, low=0.0),
+        Channel(
+            "flow_L_h", "flow_L_h", "flow", is_mean=True, noise=1.0, is_quiet_at_zero=True, resolution=0.1, low=0.0
+        ),
         Channel("supply_temperature_C", "supply_C", "water", noise=0.05, resolution=0.01),
         Channel("return_temperature_C", "return_C", "water", noise=0.05, resolution=0.01),
         Channel("outdoor_temperature_C", "outdoor_C", "outdoor", noise=0.1, resolution=0.01),

@@ -27,7 +27,7 @@ def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, n
 
     wanted = {name: columns.get(name, Column(column=name)) for name in CHANNELS}
     found = {
-        name: column for name, column in wanted.items() if name in columns or name in table.columns and name != time
+        name: column for name, column in wanted.items() if name in columns or (name in table.columns and name != time)
     }
     _tell_others(table, found, time, bool(columns), notes)
     if not found:
@@ -37,7 +37,14 @@ def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, n
     values = {name: _value(name, column, table, notes) for name, column in found.items()}
     if any(value is None for value in values.values()):
         return None
-    return pd.DataFrame(values, index=table.index)
+    channels = pd.DataFrame(values, index=table.index)
+    empty = [name for name in channels if channels[name].isna().all()]
+    if len(empty) == len(channels.columns):
+        notes.refuse(", ".join(empty), "holds no value at all")
+        return None
+    for name in empty:
+        notes.warn(f"{name} holds no value: taken as not measured")
+    return channels.drop(columns=empty)
 
 
 def _value(channel: str, column: Column, table: pd.DataFrame, notes: Notes) -> pd.Series | None:
@@ -75,7 +82,7 @@ def _numbers(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None
     row = int(np.argmax(bad.to_numpy()))
     example, line = shown(str(written.iloc[row])), row + 2
     if bad.sum() > UNREADABLE_SHARE * written.notna().sum():
-        wrong = f"{bad.sum()} of {len(written)} cells are no numbers; decimal commas need [dataset] decimal = \",\""
+        wrong = f'{bad.sum()} of {len(written)} cells are no numbers; decimal commas need [dataset] decimal = ","'
         notes.refuse(channel, wrong, line=line, value=example)
         return None
     notes.warn(f"{channel}: {bad.sum()} cells are no numbers (the first is {example} in line {line}): missing")

@@ -22,8 +22,10 @@ LONGEST = 20_000_000  # intervals
 NS = 1_000_000_000
 
 
-def on_grid(values: pd.DataFrame, times: pd.DatetimeIndex, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
-    """Return the channels at the ends of equal intervals, missing where no row is near."""
+def on_grid(
+    values: pd.DataFrame, times: pd.DatetimeIndex, about: DatasetTable, notes: Notes
+) -> tuple[pd.DataFrame, float] | None:
+    """Return the channels at the ends of equal intervals, missing where no row is near, and the interval [s]."""
     import pandas as pd
 
     seconds = times.as_unit("ns").asi8
@@ -49,7 +51,7 @@ def on_grid(values: pd.DataFrame, times: pd.DatetimeIndex, about: DatasetTable, 
     stamps = pd.DatetimeIndex((np.arange(count) + place[0]) * step + phase, name=TIME)
     rows = values.set_axis(place - place[0], axis="index")
     gridded = _means(rows, interval_s, usual_s, notes) if finer else _nearest(rows, off, notes)
-    return gridded.reindex(np.arange(count)).set_axis(stamps, axis="index")
+    return gridded.reindex(np.arange(count)).set_axis(stamps, axis="index"), interval_s
 
 
 def _usual(steps_s: FloatArray, notes: Notes) -> float:
@@ -77,7 +79,9 @@ def _nearest(rows: pd.DataFrame, off_s: FloatArray, notes: Notes) -> pd.DataFram
     """Return the rows at the nearest places of the grid; of two, the nearer."""
     moved = int((off_s > 0.0).sum())
     if moved:
-        sentence = f"{moved} of {len(off_s)} stamps are off the grid, by up to {off_s.max():.3g} s: moved to the nearest"
+        sentence = (
+            f"{moved} of {len(off_s)} stamps are off the grid, by up to {off_s.max():.3g} s: moved to the nearest"
+        )
         notes.warn(sentence)
     if rows.index.is_unique:
         return rows

@@ -16,7 +16,9 @@ class Notes:
     warnings: list[str] = field(default_factory=list)
     assumptions: list[str] = field(default_factory=list)
 
-    def refuse(self, key: str, wrong: str, *, line: int = 0, value: str = "", near: str = "", allowed: str = "") -> None:
+    def refuse(
+        self, key: str, wrong: str, *, line: int = 0, value: str = "", near: str = "", allowed: str = ""
+    ) -> None:
         """Note what makes the data file unusable."""
         self.problems.append(Problem(self.file, line, "", key, value, wrong, near, allowed))
 

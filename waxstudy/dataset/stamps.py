@@ -66,15 +66,14 @@ def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.D
     if read is None:
         return None
     offsets = written.str.extract(r"([+-])(\d\d):?(\d\d)\s*$")
-    minutes = (offsets[1].astype(float) * 60 + offsets[2].astype(float)) * np.where(offsets[0] == "-", -1.0, 1.0)
-    least = float(minutes.fillna(0.0).min())
+    signs = np.where(offsets[0] == "-", -1.0, 1.0)
+    minutes = (offsets[1].astype(float) * 60.0 + offsets[2].astype(float)).fillna(0.0).to_numpy() * signs
+    least = float(minutes.min())
     notes.assume(f"Stamps are taken as local standard time at UTC{least / 60:+g} h, the smallest offset in the file.")
     return read.tz_convert(None) + pd.Timedelta(minutes=least)
 
 
-def _all_read(
-    written: pd.Series, times: pd.Series, time_format: str | None, notes: Notes
-) -> pd.DatetimeIndex | None:
+def _all_read(written: pd.Series, times: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
     import pandas as pd
 
     bad = times.isna().to_numpy()

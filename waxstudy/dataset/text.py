@@ -85,8 +85,7 @@ def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
         except pd.errors.ParserWarning:
             notes.refuse("", "rows have more cells than the header has names; is the separator or decimal mark right?")
             return None
-    data.columns = [name.strip() for name in data.columns]
-    return data
+    return data.rename(columns=str.strip)
 
 
 def _head(path: Path) -> tuple[list[str], str]:
@@ -105,7 +104,7 @@ def _head(path: Path) -> tuple[list[str], str]:
 
 
 def _layout(head: list[str], encoding: str, about: DatasetTable) -> Layout:
-    separator = about.separator or max(SEPARATORS, key=head[0].count)
+    separator: str = about.separator or max(SEPARATORS, key=lambda mark: head[0].count(mark))
     decimal = about.decimal or ("," if separator != "," and _has_decimal_commas(head, separator) else ".")
     return Layout(encoding, separator, decimal)
 

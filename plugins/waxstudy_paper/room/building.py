@@ -76,9 +76,7 @@ class NzebBuilding(Table3):
     infiltration_L_s: float | None = parameter(
         None, unit="L/s", description="outdoor air through leaks", source=BUILT, ge=0, le=10_000
     )
-    ventilation_L_s: float | None = parameter(
-        None, unit="L/s", description="supply air", source=BUILT, ge=0, le=10_000
-    )
+    ventilation_L_s: float | None = parameter(None, unit="L/s", description="supply air", source=BUILT, ge=0, le=10_000)
     gain_radiant_share: float | None = parameter(
         None, unit="1", description="share of the internal gains that is radiated", source=BUILT, ge=0, le=1
     )
@@ -114,7 +112,7 @@ def _plan(b: NzebBuilding, said: list[str]) -> dict[str, Any]:
         said.append("No facade_m is told: the outer walls are south and west, as in Table 3.")
         return {"facade_m": widths.model_dump()}
     outer = [side for side in SIDES if side in b.facade_m.model_fields_set]
-    windows = {side: 0.0 for side in SIDES}
+    windows: dict[str, float] = dict.fromkeys(SIDES, 0.0)
     if "window_area_m2" in b.model_fields_set:
         windows |= b.window_area_m2.model_dump(exclude_unset=True)
     else:
