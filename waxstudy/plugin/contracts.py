@@ -188,6 +188,16 @@ class LinearRoom:
 
 class Room(Component):
     kind = "room"
+    # what a dataset may say of such a room in words and numbers; None where it can only be given by its parameters
+    Building: ClassVar[type[Parameters] | None] = None
+
+    @classmethod
+    def of_building(cls, building: Any) -> tuple[Mapping[str, Any], Sequence[str]]:
+        """Return parameters in the study file's words, and what was assumed, one sentence each.
+
+        `building` is an instance of `Building`. Raises `ValueError` with a one-line reason.
+        """
+        raise NotImplementedError
 
     @classmethod
     def build(cls, p: Any) -> LinearRoom:

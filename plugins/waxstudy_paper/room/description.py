@@ -6,12 +6,13 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Self
 
+import numpy as np
 from pydantic import model_validator
 
 from waxstudy.plugin import Facade, Parameters, parameter
 from waxstudy_paper.room.conditions import Air, Films, Gains, Sensing, Sun
 from waxstudy_paper.room.construction import STUDY, Layer, Part, Surface, Window
-from waxstudy_paper.room.hydronics import Circuit, nominal_exchange_W_m2K, nominal_film_m2K_W
+from waxstudy_paper.room.hydronics import Circuit, exchange_W_m2K, nominal_film_m2K_W
 
 
 class HeatedFloor(Parameters):
@@ -85,6 +86,12 @@ class RoomDescription(Parameters):
         return self.floor.layers[after - 1], self.floor.layers[after]
 
     @property
+    def screed_W_mK(self) -> float:
+        """Conductivity around the pipes."""
+        above, below = self.beside_pipes
+        return (above.conductivity_W_mK + below.conductivity_W_mK) / 2
+
+    @property
     def facades(self) -> dict[str, Facade]:
         """One entry per direction from which the sun matters."""
         directions = [part.facade for part in self.parts]
@@ -145,8 +152,7 @@ def _boundary_problems(room: RoomDescription) -> Iterator[str]:
 
 
 def _design_problems(room: RoomDescription) -> Iterator[str]:
-    if room.circuit.exchange == "nominal":
-        try:
-            nominal_exchange_W_m2K(room.circuit, room.cover_m2K_W)
-        except ValueError as error:
-            yield str(error)
+    try:
+        exchange_W_m2K(room.circuit, room.cover_m2K_W, room.screed_W_mK, np.ones(1))
+    except ValueError as error:
+        yield str(error)
