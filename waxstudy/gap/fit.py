@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from waxstudy.gap.judge import FIT, SELECT, Errors, Judge
-from waxstudy.gap.links import Link
+from waxstudy.gap.links import Link, Reading
 from waxstudy.gap.record import Record
 from waxstudy.plugin import Belief, Effect, FloatArray, Prior, Uncertainty
 from waxstudy.simulation.interpreted import SimulationError
@@ -29,7 +29,7 @@ class Fitted:
     """A belief with effects and departures fitted to a link: what it says, and what it misses."""
 
     effects: tuple[tuple[EffectType, Values], ...]
-    reading: str
+    reading: Reading
     departures: FloatArray
     errors: Sequence[Errors] = field(repr=False)
 
@@ -69,7 +69,9 @@ class Fitter:
             belief = effect.apply(belief, effect.Parameters(**values))
         return belief
 
-    def at(self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray, reading: str) -> Fitted | None:
+    def at(
+        self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray, reading: Reading
+    ) -> Fitted | None:
         """Return what a hypothesis misses at given values, or None where it cannot be simulated."""
         try:
             predicted = self.link.predict(self.record, self.edited(effects, departures), reading)
@@ -81,12 +83,8 @@ class Fitter:
 
     @cached_property
     def base(self) -> Fitted:
-        """The belief itself, with its room fitted and the errors' colour taken from it."""
-        fitted = self._best([self._room_fit((), np.zeros(len(self.sd)), reading) for reading in self.link.readings])
-        if self.unknowns:
-            self.judge.colour(fitted.errors)
-            fitted = self._best([self._room_fit((), fitted.departures, fitted.reading)])
-        return fitted
+        """The belief itself, with its room fitted, read in the way that fits best."""
+        return self._best([self._room_fit((), np.zeros(len(self.sd)), reading) for reading in self.link.readings])
 
     def _best(self, tried: Sequence[Fitted | None]) -> Fitted:
         done = [each for each in tried if each is not None]
@@ -113,14 +111,14 @@ class Fitter:
         return self.refined((*given.effects, (effect, values)), given.departures, reading, parts)
 
     def _scanned(
-        self, effect: EffectType, space: Space, given: Fitted, reading: str, parts: Sequence[int]
-    ) -> tuple[float, Values, str]:
+        self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
+    ) -> tuple[float, Values, Reading]:
         tried = [*space.points(self.thorough), *effect.starts(self.belief)]
         scores = [self._score(self._at((*given.effects, (effect, v)), given, reading), parts) for v in tried]
         best = int(np.argmin(scores))
         return scores[best], tried[best], reading
 
-    def _at(self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: str) -> Fitted | None:
+    def _at(self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading) -> Fitted | None:
         """Return a hypothesis with the room's departures where they would go, were everything straight from here."""
         fitted = self.at(effects, given.departures, reading)
         if fitted is None or not self.unknowns:
@@ -158,7 +156,7 @@ class Fitter:
         self,
         effects: Sequence[tuple[EffectType, Values]],
         departures: FloatArray,
-        reading: str,
+        reading: Reading,
         parts: Sequence[int] = (FIT,),
     ) -> Fitted | None:
         """Return a hypothesis with all its parameters fitted together from given ones."""
@@ -180,7 +178,7 @@ class Fitter:
         self,
         effects: Sequence[tuple[EffectType, Values]],
         departures: FloatArray,
-        reading: str,
+        reading: Reading,
         parts: Sequence[int] = (FIT, SELECT),
     ) -> Fitted | None:
         """Fit departures and effects together by least squares, the departures held by their priors."""

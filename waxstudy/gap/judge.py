@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.links import AFTER, BEFORE, JUDGED_S, ROOM_STEP_S, Drift, Link, Predicted, means, weighted
+from waxstudy.gap.links import JUDGED_S, ROOM_STEP_S, Drift, Link, Predicted, Reading, weighted
 from waxstudy.gap.record import DAY_S, Record
 from waxstudy.plugin import Belief, FloatArray
 
@@ -16,6 +16,15 @@ SHAKES = 4  # how often a drive is shaken to see what its noise does to the timi
 SHIFTS = (-0.5, -0.25, 0.0, 0.25, 0.5)  # of an interval: nobody knows when in it a switch was thrown
 SHORT_DAYS = 6
 LEAST_SHRINK_DAYS = 3
+# what the form of a room's model leaves of each channel, as seen against another engine's rooms [K]
+FORM_K = {
+    "air_temperature_C": 0.07,
+    "operative_temperature_C": 0.07,
+    "floor_surface_temperature_C": 0.08,
+    "return_temperature_C": 0.15,
+}
+CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
+PIECE = 8  # quarters of an hour over which such errors hang together
 RIDGE = 0.15  # share of full scale by which a moving valve may be missed, beside the noise
 
 
@@ -51,7 +60,6 @@ class Judge:
         self._timing = {
             channel: self._switching(channel, belief) for channel in link.judged if self._is_switch(channel)
         }
-        self._colour: dict[str, tuple[float, float]] = {}
         self._measured = {channel: self._quarters(channel) for channel in link.judged if self._is_quarterly(channel)}
 
     def _is_switch(self, channel: str) -> bool:
@@ -75,6 +83,22 @@ class Judge:
                 found.append(self._running(channel, predicted[channel]))
         return found
 
+    def measured(self, channel: str) -> FloatArray:
+        """Return the record as it is judged: of a room means over quarters, else its samples, gaps filled."""
+        return self._measured[channel] if channel in self._measured else self.record.filled(channel)
+
+    def noise(self, channel: str) -> FloatArray:
+        """Return the standard deviation of the noise of what is judged, 0 where a meter stands still or rests."""
+        record = self.record
+        noise = record.noise[channel]
+        if channel in self._measured:
+            parts, merged = self._merging()
+            return np.full(len(self._measured[channel]), noise / np.sqrt(parts * merged))
+        values = record.filled(channel)
+        if channel == "flow_L_h":
+            return np.where(values > 0.02 * np.nanmax(values), noise, 0.0)
+        return np.full(len(values), noise * (CLIPPED if channel == "displacement" else 1.0))
+
     # --- what switches ---
 
     def _switching(self, channel: str, belief: Belief) -> _Switches:
@@ -91,7 +115,7 @@ class Judge:
         return _Switches(windows, max(least_s, typical))
 
     def _moved(
-        self, channel: str, belief: Belief, reading: str, still: FloatArray, windows: np.ndarray, seed: int
+        self, channel: str, belief: Belief, reading: Reading, still: FloatArray, windows: np.ndarray, seed: int
     ) -> FloatArray:
         shaken = self.link.predict(self.record, belief, reading, Drift(np.random.default_rng(seed)))[channel]
         off_s = (
@@ -181,22 +205,8 @@ class Judge:
         error[:count] = predicted[:count] - measured[:count]
         known = np.isfinite(error) & self.record.settled[sample]
         error = np.where(known, error, 0.0)
-        whitened = self._whitened(channel, error, known)
-        return Errors(channel, "K", error, whitened, known, self.record.day[sample], self.parts[sample], sample)
-
-    def colour(self, errors: Sequence[Errors]) -> None:
-        """Take the autocorrelation and size of each room channel's discrepancy from the errors of a fitted model."""
-        for each in errors:
-            if each.channel in self._measured:
-                self._colour[each.channel] = _colour(each.error, each.judged, self.record.noise[each.channel])
-
-    def _whitened(self, channel: str, error: FloatArray, known: np.ndarray) -> FloatArray:
-        """Return the errors that the one before does not tell, in standard deviations (first-order autoregression)."""
-        correlation, scale = self._colour.get(channel, (0.0, 0.1))
-        follows = np.concatenate(([False], known[:-1])) & known
-        before = np.concatenate(([0.0], error[:-1]))
-        fresh = np.where(follows, error - correlation * before, error * np.sqrt(1.0 - correlation**2))
-        return np.asarray(np.where(known, fresh / scale, 0.0))
+        scale_K = np.hypot(FORM_K[channel], self.record.noise[channel]) * PIECE**0.5
+        return Errors(channel, "K", error, error / scale_K, known, self.record.day[sample], self.parts[sample], sample)
 
 
 @dataclass(frozen=True)
@@ -212,17 +222,6 @@ def _windows(record: Record, channel: str) -> np.ndarray:
         return record.day - record.day[0]
     middles = (edges[1:] + edges[:-1]) // 2
     return np.searchsorted(middles, np.arange(len(record)), side="right")
-
-
-def _colour(error: FloatArray, known: np.ndarray, noise: float) -> tuple[float, float]:
-    """Return the autocorrelation from one quarter to the next, and the scale of what is fresh in it."""
-    pairs = known[1:] & known[:-1]
-    if pairs.sum() < 20:
-        return 0.0, max(noise, 0.1)
-    now, before = error[1:][pairs], error[:-1][pairs]
-    correlation = float(np.clip(now @ before / max(before @ before, 1e-12), 0.0, 0.98))
-    fresh = now - correlation * before
-    return correlation, max(float(1.4826 * np.median(np.abs(fresh - np.median(fresh)))), 0.25 * noise, 1e-4)
 
 
 def parts_of(record: Record) -> np.ndarray:
@@ -246,6 +245,3 @@ def losses(errors: Sequence[Errors], part: int) -> Mapping[int, float]:
         for block, value in zip(each.block[chosen], each.whitened[chosen] ** 2, strict=True):
             found[int(block)] = found.get(int(block), 0.0) + float(value)
     return found
-
-
-__all__ = ["AFTER", "BEFORE", "Errors", "Judge", "losses", "means"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -34,8 +34,21 @@ OF_ROOM = {
 STEP_S = 5.0
 ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
 JUDGED_S = 900.0
-AFTER, BEFORE = "after the sensor", "before the sensor"
 Predicted = dict[str, FloatArray]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A way to read a record where its words leave a choice."""
+
+    words: str = ""  # a sentence for the report
+    is_before: bool = False  # the sensor's temperature was logged before what the sensor does to it
+    solar_factor: float = 1.0  # the sun's heat over what was recorded of it
+
+
+AFTER = Reading("The sensor temperature was logged as the controller reads it.")
+BEFORE = Reading("The sensor temperature was logged before the sensor's delay or lag.", is_before=True)
+PLAIN = Reading()
 
 
 @dataclass(frozen=True)
@@ -73,7 +86,7 @@ class Link:
     stages: tuple[str, ...]
     driven_by: str
     judged: tuple[str, ...]
-    readings: tuple[str, ...] = ("",)
+    readings: tuple[Reading, ...] = (PLAIN,)
 
     @property
     def name(self) -> str:
@@ -83,7 +96,7 @@ class Link:
     def with_room(self) -> bool:
         return "room" in self.stages
 
-    def predict(self, record: Record, belief: Belief, reading: str = "", drift: Drift = STILL) -> Predicted:
+    def predict(self, record: Record, belief: Belief, reading: Reading = PLAIN, drift: Drift = STILL) -> Predicted:
         """Return what the belief makes of the measured drive, each judged channel (n,) or (quarters,) for a room's.
 
         Raises `SimulationError`, and `ValueError` from an impossible room.
@@ -95,17 +108,17 @@ class Link:
             shown = self._chain(record, belief, reading, drift, chain)
             flow = shown.get("flow_L_h", flow)
         if self.with_room:
-            shown |= room_response(record, belief, flow)
+            shown |= room_response(record, belief, flow, reading.solar_factor)
         return {channel: shown[channel] for channel in self.judged}
 
-    def _chain(self, record: Record, belief: Belief, reading: str, drift: Drift, chain: list[str]) -> Predicted:
+    def _chain(self, record: Record, belief: Belief, reading: Reading, drift: Drift, chain: list[str]) -> Predicted:
         blocks, first = {kind: belief.blocks[kind] for kind in chain if kind in belief.blocks}, chain[0]
         shown: Predicted = {}
         signal, jump = self._drive(record, drift), None
         if first == "sensor":
             if SHOWN["sensor"] in self.judged:
                 shown[SHOWN["sensor"]] = self._sensor(record, belief, reading, drift)
-            if reading == AFTER:
+            if not reading.is_before and self.driven_by == SHOWN["sensor"]:
                 first = "controller"
                 blocks.pop("sensor", None)
         elif self.driven_by in record.binary:
@@ -126,10 +139,10 @@ class Link:
         return drift.opening(record) if self.driven_by == "displacement" else record.drive(self.driven_by)
 
     @staticmethod
-    def _sensor(record: Record, belief: Belief, reading: str, drift: Drift) -> FloatArray:
+    def _sensor(record: Record, belief: Belief, reading: Reading, drift: Drift) -> FloatArray:
         """Return the reading that the sensor makes of the air, or the air where it was logged before the sensor."""
         air = drift.temperature(record, record.air_channel)
-        if reading == BEFORE or "sensor" not in belief.blocks:
+        if reading.is_before or "sensor" not in belief.blocks:
             return air
         chain = _chain_of({"sensor": belief.blocks["sensor"]}, record.interval_s)
         ends, _ = replay(chain, "sensor", air, air, interval_s=record.interval_s, start_s=record.start_s)
@@ -148,7 +161,8 @@ def links(record: Record, belief: Belief) -> list[Link]:
     room = tuple(channel for channel in ROOM_CHANNELS if record.has(channel))
     if room and belief.room and all(record.has(c) for c in ("outdoor_temperature_C", "supply_temperature_C")):
         rest = CHAIN[CHAIN.index(since) :] if since in CHAIN else ()
-        found.append(_link(record, (*rest, *ROOM_STAGES), driven_by, *room))
+        link = _link(record, (*rest, *ROOM_STAGES), driven_by, *room)
+        found.append(replace(link, readings=tuple(_with_sun(link.readings, belief.room, record))))
     return found
 
 
@@ -157,6 +171,15 @@ def _link(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str)
         return Link(stages, driven_by, judged)
     seen = ("sensor_temperature_C",) if record.has("air_temperature_C") else ()
     return Link(stages, driven_by, (*seen, *judged), readings=(AFTER, BEFORE))
+
+
+def _with_sun(readings: tuple[Reading, ...], room: Choice, record: Record) -> Iterator[Reading]:
+    """Yield each reading with each way to mean the sun's heat, where there is any."""
+    assert issubclass(room.component, Room)
+    factors = room.component.solar_readings(room.parameters) if record.has("solar_gain_W") else {"": 1.0}
+    for reading in readings:
+        for words, factor in (factors or {"": 1.0}).items():
+            yield replace(reading, words=" ".join(filter(None, (reading.words, words))), solar_factor=factor)
 
 
 def _next(kind: str) -> str:
@@ -190,11 +213,12 @@ def built(room: Choice) -> LinearRoom:
     return room.component.build(room.parameters)
 
 
-def room_response(record: Record, belief: Belief, flow_L_h: FloatArray) -> Predicted:
+def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, solar_factor: float = 1.0) -> Predicted:
     """Return what the room makes of a flow: its channels, means over quarters of an hour."""
     assert belief.room
     assert belief.inputs
     coarse, parts = coarsened(belief.inputs, record.interval_s)
+    coarse = replace(coarse, solar_W=solar_factor * coarse.solar_W)
     driven = driven_by(built(belief.room), coarse)
     flow = means(flow_L_h, parts)
     found = respond(driven, flow, float(np.mean(coarse.air_C)))

@@ -209,6 +209,11 @@ class Room(Component):
         """Return what of this room nobody knows exactly; a diagnosis fits it, held by its priors."""
         return ()
 
+    @classmethod
+    def solar_readings(cls, p: Any) -> Mapping[str, float]:
+        """Return how a recorded solar gain can be meant: a sentence -> the sun's heat over the recorded one."""
+        return {}
+
 
 # sensed temperature [C], time at the start of the step [s], step [s] -> output, signal, opening, flow fraction
 Advance = Callable[[float, float, float], Sequence[float]]

@@ -76,7 +76,7 @@ def weather_of(inputs: Inputs) -> WeatherRecord:
 def driven_by(room: LinearRoom, inputs: Inputs, step_s: float | None = None) -> DrivenRoom:
     """Return a room in modal form under recorded inputs; the step is the interval, cut to at most two minutes."""
     parts = max(1, int(np.ceil(inputs.interval_s / (step_s or LONGEST_STEP_S))))
-    return drive(recorded_room(room, inputs), weather_of(inputs), inputs.interval_s / parts)
+    return drive(recorded_room(room, inputs), weather_of(inputs), inputs.interval_s / parts, tolerance_K=0.0)
 
 
 def respond(driven: DrivenRoom, flow_L_h: FloatArray, start_C: float) -> dict[str, FloatArray]:

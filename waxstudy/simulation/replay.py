@@ -40,7 +40,7 @@ def run(
         now = signal[n]
         for i in range(steps_per_interval):
             part = (i + 0.5) / steps_per_interval
-            share = part if jump[n] < 0.0 else float(part > jump[n])
+            share = part if jump[n] < 0.0 else (1.0 if part > jump[n] else 0.0)
             u = before + (now - before) * share
             t = start_s + (n * steps_per_interval + i) * dt
             for k in range(first, CHAIN_LENGTH):

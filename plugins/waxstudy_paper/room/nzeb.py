@@ -13,6 +13,7 @@ from waxstudy_paper.room.building import NzebBuilding, external_m2, parameters_o
 from waxstudy_paper.room.conditions import Air
 from waxstudy_paper.room.construction import Boundary, Facing, Layer, Material, Surface, Window
 from waxstudy_paper.room.description import HeatedFloor, RoomDescription
+from waxstudy_paper.room.panes import solar_readings
 from waxstudy_paper.room.table3 import SIDES, Side, Table3
 from waxstudy_paper.room.view import Rectangle
 
@@ -65,6 +66,11 @@ class NzebRoom(Room):
     def describe(cls, p: NzebParameters) -> RoomDescription:
         """Return the room in the words of room `surfaces`; raise `ValueError` where the geometry is impossible."""
         return describe(p)
+
+    @classmethod
+    def solar_readings(cls, p: NzebParameters) -> Mapping[str, float]:
+        """Return the ways to mean a recorded solar gain, by the panes of this room."""
+        return solar_readings(p.window_g, p.window_U_W_m2K)
 
     @classmethod
     def build(cls, p: NzebParameters) -> LinearRoom:
