@@ -95,7 +95,7 @@ class PITuning(Effect):
 
     @classmethod
     def sentence(cls, p: Any) -> str:
-        return f"The PI controller has a gain of {p.gain:.3g} per K and an integration time of {p.integration_time_s:.0f} s."
+        return f"The PI controller is set to a gain of {p.gain:.3g} per K and to {p.integration_time_s:.0f} s."
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
