@@ -16,6 +16,7 @@ from waxstudy.plugin.contracts import (
     Actuator,
     Advance,
     Block,
+    Choice,
     Component,
     Controller,
     Facade,
@@ -23,6 +24,7 @@ from waxstudy.plugin.contracts import (
     FloatArray,
     LinearRoom,
     Modulator,
+    NoState,
     OutsideRoom,
     Port,
     PublishedRow,
@@ -35,7 +37,7 @@ from waxstudy.plugin.contracts import (
 )
 from waxstudy.plugin.effect import STAGES, Belief, Effect, Inputs, Prior, Uncertainty
 from waxstudy.plugin.hook import hookimpl
-from waxstudy.plugin.parameters import Parameters, parameter
+from waxstudy.plugin.parameters import Parameters, changed, parameter
 from waxstudy.plugin.registry import BackendMissing
 from waxstudy.plugin.ring import Ring, delayed
 
@@ -54,6 +56,7 @@ __all__ = [
     "BackendMissing",
     "Belief",
     "Block",
+    "Choice",
     "Component",
     "Controller",
     "Effect",
@@ -63,6 +66,7 @@ __all__ = [
     "Inputs",
     "LinearRoom",
     "Modulator",
+    "NoState",
     "OutsideRoom",
     "Parameters",
     "Port",
@@ -76,6 +80,7 @@ __all__ = [
     "Valve",
     "Weather",
     "WeatherRecord",
+    "changed",
     "delayed",
     "hookimpl",
     "parameter",

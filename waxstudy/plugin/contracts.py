@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from waxstudy.plugin.parameters import Parameters
+from waxstudy.plugin.parameters import Parameters, changed, checked
 
 if TYPE_CHECKING:
     from waxstudy.plugin.effect import Uncertainty
@@ -37,6 +37,27 @@ class Component:
     examples: ClassVar[Mapping[str, Mapping[str, Any]]] = {"default": {}}
     # conformance stages that cannot hold for this component -> why
     exemptions: ClassVar[Mapping[str, str]] = {}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A component with checked parameters."""
+
+    component: type[Component]
+    parameters: Parameters
+
+    @classmethod
+    def of(cls, component: type[Component], values: Mapping[str, Any]) -> Choice:
+        """Return a component with these parameters; raise `ValueError` with a one-line reason."""
+        return cls(component, checked(component.Parameters, values))
+
+    def changed(self, **values: Any) -> Choice:
+        """Return the same component with some parameters changed; raise `ValueError` with a one-line reason."""
+        return Choice(self.component, changed(self.parameters, **values))
+
+    def described(self) -> dict[str, object]:
+        """The choice in the study file's words, all defaults filled in, a path as an absolute one."""
+        return {"use": self.component.name, **self.parameters.model_dump(mode="json", exclude_none=True)}
 
 
 # --- blocks of the control chain -------------------------------------------------------------------

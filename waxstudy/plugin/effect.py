@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
-from waxstudy.plugin.contracts import CHAIN, Component, FloatArray
-
-if TYPE_CHECKING:
-    from waxstudy.study.model import Choice
+from waxstudy.plugin.contracts import CHAIN, Choice, Component, FloatArray
 
 # the links of the loop where a gap can lie
 STAGES = (*CHAIN, "emitter", "room")
@@ -56,6 +53,24 @@ class Belief:
     room: Choice | None = None
     inputs: Inputs | None = None
 
+    def has(self, kind: str, *parameters: str) -> bool:
+        """Whether there is a block of this kind and it has all these parameters."""
+        block = self.blocks.get(kind)
+        return block is not None and all(name in type(block.parameters).model_fields for name in parameters)
+
+    def value(self, kind: str, parameter: str) -> float:
+        """Return the believed value of a block's parameter."""
+        return float(getattr(self.blocks[kind].parameters, parameter))
+
+    def with_block(self, kind: str, choice: Choice) -> Belief:
+        """Return the belief with another block of this kind, or with one where there was none."""
+        blocks = {**self.blocks, kind: choice}
+        return replace(self, blocks={kind: blocks[kind] for kind in CHAIN if kind in blocks})
+
+    def changed(self, kind: str, **values: float) -> Belief:
+        """Return the belief with parameters of a block changed; raise `ValueError` with a one-line reason."""
+        return self.with_block(kind, self.blocks[kind].changed(**values))
+
 
 @dataclass(frozen=True)
 class Prior:
@@ -63,9 +78,9 @@ class Prior:
 
     low: float
     high: float
-    noticeable: float  # a factor where `is_log`, else in the parameter's unit
+    noticeable: float  # a factor above 1 where `is_log`, else in the parameter's unit
     is_log: bool = False
-    # departure that the believed model's published uncertainty covers; as `noticeable`
+    # departure that the believed model's published uncertainty covers; as `noticeable`, 0 where there is none
     tolerance: float = 0.0
 
 

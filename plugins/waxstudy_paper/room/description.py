@@ -76,8 +76,14 @@ class RoomDescription(Parameters):
     @property
     def cover_m2K_W(self) -> float:
         """From the plane of the pipes to the room at the nominal output: layers and the film of EN 1264-2."""
-        above = self.floor.layers[: self.heated_floor.pipes_after_layer]
-        return sum(layer.resistance_m2K_W for layer in above) + nominal_film_m2K_W(self.circuit)
+        return self.design_cover_m2K_W + nominal_film_m2K_W(self.circuit)
+
+    @property
+    def design_cover_m2K_W(self) -> float:
+        """The layers above the pipes that the nominal output is stated for."""
+        if self.circuit.design_cover_m2K_W is not None:
+            return self.circuit.design_cover_m2K_W
+        return sum(layer.resistance_m2K_W for layer in self.floor.layers[: self.heated_floor.pipes_after_layer])
 
     @property
     def beside_pipes(self) -> tuple[Layer, Layer]:

@@ -60,6 +60,22 @@ class Circuit(Parameters):
         gt=0,
         le=5,
     )
+    design_cover_m2K_W: float | None = parameter(
+        None,
+        unit="m2 K/W",
+        description="layers above the pipes that the nominal output is stated for; none given: those of the floor",
+        source="chosen: a cover laid later takes from the output and leaves the pipes as they are",
+        ge=0,
+        le=5,
+    )
+    exchange_factor: float = parameter(
+        1.0,
+        unit="1",
+        description="factor on the water-to-layer exchange",
+        source="chosen: 1; other programs have a far stronger exchange, and more resistance above the pipes",
+        ge=0.01,
+        le=100,
+    )
     heating_curve_C: tuple[CurvePoint, ...] = parameter(
         ((-22.0, 34.0), (20.0, 22.0)),
         unit="C",
@@ -177,10 +193,12 @@ def floor_conductance_W_K(
 ) -> FloatArray:
     """Return the heat to the floor per kelvin of supply minus layer temperature [W/K], 0 without flow.
 
-    K = m c (1 - exp(-k A / (m c))): the water cools towards a layer of one temperature on its way.
+    K = m c (1 - exp(-k A / (m c))): the water cools towards a layer of one temperature on its way;
+    k is the exchange of the circuit's method times `exchange_factor`.
     """
     flow_L_s = np.asarray(flow_fraction, dtype=float) * full_flow_L_h(circuit, area_m2) / 3600.0
     exchange = exchange_W_m2K(circuit, cover_m2K_W, screed_W_mK, flow_L_s)
     stream_W_K = flow_L_s * WATER_J_L_K
+    exchange = exchange * circuit.exchange_factor
     units = np.divide(exchange * area_m2, stream_W_K, out=np.full_like(stream_W_K, np.inf), where=stream_W_K > 0)
     return -stream_W_K * np.expm1(-units)
