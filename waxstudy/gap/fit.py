@@ -11,7 +11,8 @@ import numpy as np
 from waxstudy.gap.judge import FIT, SELECT, Errors, Judge
 from waxstudy.gap.links import Link, Reading
 from waxstudy.gap.record import Record
-from waxstudy.plugin import Belief, Effect, FloatArray, Prior, Uncertainty
+from waxstudy.gap.unknowns import unknowns
+from waxstudy.plugin import Belief, Effect, FloatArray, Prior
 from waxstudy.simulation.interpreted import SimulationError
 
 IMPOSSIBLE = 1e12  # loss of a belief that cannot be
@@ -47,24 +48,16 @@ class Fitter:
     def __init__(self, link: Link, record: Record, belief: Belief, thorough: float = 1.0) -> None:
         self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
         self.judge = Judge(link, record, belief)
-        self.unknowns = self._unknowns() if link.with_room else []
+        self.unknowns = unknowns(belief, record) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
-
-    def _unknowns(self) -> list[Uncertainty]:
-        assert self.belief.room
-        room = self.belief.room
-        return list(room.component.uncertainties(room.parameters))  # type: ignore[attr-defined]
 
     # --- one hypothesis at given values ---
 
     def edited(self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray) -> Belief:
         """Return the belief with departures of the room and with effects; raise `ValueError` where it cannot be."""
         belief = self.belief
-        if belief.room and len(departures):
-            parameters = belief.room.parameters
-            for unknown, value in zip(self.unknowns, departures, strict=True):
-                parameters = unknown.apply(parameters, float(value))
-            belief = replace(belief, room=replace(belief.room, parameters=parameters))
+        for unknown, value in zip(self.unknowns, departures, strict=True):
+            belief = unknown.apply(belief, float(value))
         for effect, values in effects:
             belief = effect.apply(belief, effect.Parameters(**values))
         return belief

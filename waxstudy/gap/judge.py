@@ -99,6 +99,10 @@ class Judge:
             return np.where(values > 0.02 * np.nanmax(values), noise, 0.0)
         return np.full(len(values), noise * (CLIPPED if channel == "displacement" else 1.0))
 
+    def timing_s(self, channel: str) -> float:
+        """Return how far noise alone moves the switches of a channel, typically."""
+        return self._timing[channel].scale_s
+
     # --- what switches ---
 
     def _switching(self, channel: str, belief: Belief) -> _Switches:
