@@ -86,9 +86,11 @@ def _lags(cause: FloatArray, effect: FloatArray, direction: float, interval_s: f
     longest = LONGEST_S / interval_s
     if not len(starts) or not len(ends):
         return np.array([])
-    nearest = ends[np.argmin(np.abs(ends[None, :] - starts[:, None]), axis=1)]
+    after = np.clip(np.searchsorted(ends, starts), 1, len(ends) - 1) if len(ends) > 1 else np.zeros(len(starts), int)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(starts - ends[before] < ends[after] - starts, ends[before], ends[after])
     lags = (nearest - starts).astype(float)
-    return lags[np.abs(lags) <= longest]
+    return np.asarray(lags[np.abs(lags) <= longest])
 
 
 def _tell_early_sensor(values: pd.DataFrame, interval_s: float, notes: Notes) -> None:
@@ -112,9 +114,7 @@ def _tell_early_sensor(values: pd.DataFrame, interval_s: float, notes: Notes) ->
 
 def _square(sensor: FloatArray, air: FloatArray, late: int) -> float:
     """Return the variance of the difference of a sensor and the air so many samples before."""
-    if late >= 0:
-        difference = sensor[late:] - air[: len(air) - late]
-    else:
-        difference = sensor[:late] - air[-late:]
+    moved, still = (sensor[late:], air[: len(air) - late]) if late >= 0 else (sensor[:late], air[-late:])
+    difference = moved - still
     seen = difference[np.isfinite(difference)]
     return float(seen.var()) if len(seen) > SMOOTH else float("nan")

@@ -38,7 +38,7 @@ def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, n
     if any(value is None for value in values.values()):
         return None
     channels = pd.DataFrame(values, index=table.index)
-    empty = [name for name in channels if channels[name].isna().all()]
+    empty = [name for name in channels.columns if channels[name].isna().all()]
     if len(empty) == len(channels.columns):
         notes.refuse(", ".join(empty), "holds no value at all")
         return None
