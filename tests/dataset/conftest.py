@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -52,3 +53,7 @@ def written(folder: Path, study: Study, simulated: Simulated, case: str, believe
     telling = Telling(study, study.cases[case], study.cases[believed], ["january"], SETPOINT_C)
     write(folder, telling, simulated(case), Instruments(**measured))
     return folder
+
+
+def described(folder: Path) -> dict[str, Any]:
+    return tomllib.loads((folder / "dataset.toml").read_text(encoding="utf-8"))

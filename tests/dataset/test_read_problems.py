@@ -97,7 +97,7 @@ DATA: dict[str, tuple[Frame, str]] = {
         swapped("heating_signal", "air_temperature_C"),
         "lies between 0 and 1",
     ),
-    "sun for people": (swapped("solar_gain_W", "flow_L_h"), "solar_gain_W|flow_L_h"),
+    "sun for people": (swapped("solar_gain_W", "internal_gain_W"), "the first is there at night, the second never"),
     "signal for opening": (
         swapped("heating_signal", "displacement"),
         "look swapped: the opening is",
@@ -105,21 +105,20 @@ DATA: dict[str, tuple[Frame, str]] = {
     "stamps for values": (swapped("time", "air_temperature_C"), "time = .*: is a number, not a date and time"),
 }
 
-PULSES_TOO_LONG = '[nominal.modulator]\nuse = "pwm"\nperiod_s = 600.0\nmin_pulse_s = 900.0\n'
+CURVE_THAT_FALLS = (
+    '[nominal.actuator]\nuse = "ideal"\n[nominal.valve]\nuse = "quick-opening"\nh_min = 0.9\nh_mid = 0.3\n'
+)
 
 # what is done to a good dataset.toml -> what the message says, with its place
 DESCRIPTION: dict[str, tuple[tuple[str, str], str]] = {
-    "an unknown block": (('use = "on-off"', 'use = "off-on"'), r"\[nominal\] controller.use = .*did you mean 'on-off'"),
+    "an unknown block": (('use = "on-off"', 'use = "onoff"'), r"\[nominal\] controller.use = .*did you mean 'on-off'"),
     "a parameter out of bounds": (
         ("[nominal.controller]", '[nominal.sensor]\nuse = "delay"\ndelay_s = -5.0\n[nominal.controller]'),
         r"\[nominal\] sensor.delay_s = -5.0: must be at least 0",
     ),
     "two parameters that contradict each other": (
-        (
-            "[nominal.controller]",
-            '[nominal.modulator]\nuse = "pwm"\nperiod_s = 600.0\nmin_pulse_s = 900.0\n[nominal.controller]',
-        ),
-        r"\[nominal\] modulator",
+        ('[nominal.valve]\nuse = "linear"\n', CURVE_THAT_FALLS),
+        r"\[nominal\] valve: h_min < h_mid < h_max is needed",
     ),
     "no controller": (("[nominal.controller]", "[nominal.sensor]"), r"\[nominal\] controller: missing"),
     "a misspelled kind": (("[nominal.controller]", "[nominal.contoller]"), "did you mean 'controller'"),
@@ -134,7 +133,7 @@ DESCRIPTION: dict[str, tuple[tuple[str, str], str]] = {
     ),
     "noise that is none": (("displacement = 0.01", "displacement = -0.01"), r"\[noise\] displacement = -0.01: must be"),
     "noise of no channel": (("displacement = 0.01", "displacment = 0.01"), r"\[noise\] displacment: unknown key"),
-    "a room that cannot be": (('use = "nzeb"', 'use = "nzeb"\nheight_m = -1.0'), r"\[room\] height_m = -1.0"),
+    "a room that cannot be": (("height_m = 2.6", "height_m = 1.6"), r"\[room\]: .*are together more than height_m"),
     "a data file that is not there": (
         ("interval_s = 60", 'interval_s = 60\nfile = "no.csv"'),
         "no such file",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import pytest
 import tomli_w
 
 from tests.conftest import ROOT
-from tests.dataset.conftest import Simulated, written
+from tests.dataset.conftest import Simulated, described, written
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.write import truth_beside
 from waxstudy.plugin.registry import installed
@@ -21,10 +20,6 @@ from waxstudy.study.model import Study
 from waxstudy.study.read import read_study
 
 EXAMPLE = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data")) / "realities" / "r01"
-
-
-def described(folder: Path) -> dict[str, Any]:
-    return tomllib.loads((folder / "dataset.toml").read_text(encoding="utf-8"))
 
 
 def truth(folder: Path) -> dict[str, Any]:
