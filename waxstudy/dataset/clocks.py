@@ -36,6 +36,8 @@ def look_at_clocks(values: pd.DataFrame, interval_s: float, has_modulator: bool,
     for cause, effect, cause_level, effect_level in PAIRS:
         if not {cause, effect} <= set(values.columns):
             continue
+        if cause == "control_output" and not (_is_binary(values[cause]) and _is_binary(values[effect])):
+            continue  # a continuous output and a signal that switches have no edges in common
         late = _lateness(_switched(values[cause], cause_level), _switched(values[effect], effect_level), interval_s)
         if late is None or late == 0 or (late == -1 and effect == "flow_L_h"):
             continue  # a mean over an interval tells of an edge within it

@@ -13,7 +13,8 @@ ENOUGH = 10
 ROOM = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 COLD_C = 15.0  # outdoors: a floor heats, it does not cool
 NOT_SENSED = ("floor_surface_temperature_C", "supply_temperature_C", "return_temperature_C")
-NIGHT_H = (22, 23, 0, 1, 2)
+NO_FLOW_L_H = 5.0  # the noise of a meter is taken for no flow
+NIGHT_H = (23, 0, 1, 2)
 
 
 def look_at_pairs(values: pd.DataFrame, has_modulator: bool, notes: Notes) -> None:
@@ -83,8 +84,8 @@ def _supply_and_return(values: pd.DataFrame, notes: Notes) -> None:
     pairs = _both(values, "supply_temperature_C", "return_temperature_C", "flow_L_h")
     if pairs is None:
         return
-    flowing = pairs[pairs["flow_L_h"] > 0.5 * pairs["flow_L_h"].max()]
-    if len(flowing) < ENOUGH or not pairs["flow_L_h"].max() > 0.0:
+    flowing = pairs[pairs["flow_L_h"] > max(0.5 * pairs["flow_L_h"].max(), NO_FLOW_L_H)]
+    if len(flowing) < ENOUGH:
         return
     supply, back = flowing["supply_temperature_C"], flowing["return_temperature_C"]
     room = next((float(values[name].median()) for name in ROOM if name in values), 22.0)
