@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -144,6 +145,30 @@ def test_the_data_file_may_lie_elsewhere(good: Path, tmp_path: Path) -> None:
     text = path.read_text(encoding="utf-8").replace("[dataset]", '[dataset]\nfile = "../record.txt"')
     path.write_text(text, encoding="utf-8")
     pd.testing.assert_frame_equal(read_dataset(good).values, ours.values)
+
+
+@pytest.mark.parametrize("words", [("on", "off"), ("True", "False"), ("OPEN", "closed")])
+def test_signals_may_be_told_in_words(good: Path, words: tuple[str, str]) -> None:
+    ours = read_dataset(good)
+    read = reread(good, lambda data: data.assign(heating_signal=np.where(data["heating_signal"] > 0.5, *words)))
+    np.testing.assert_array_equal(read.values["heating_signal"], ours.values["heating_signal"])
+
+
+def test_the_example_of_the_page_is_understood(good: Path) -> None:
+    page = (ROOT / "docs" / "datasets.md").read_text(encoding="utf-8")
+    example = next(block for block in re.findall(r"```toml\n(.*?)```", page, re.DOTALL) if "[columns]" in block)
+    ours, data = read_dataset(good), data_of(good)
+    names = ["T_Raum", "T_10", "T_110", "T_170"]
+    table = pd.DataFrame({"Zeit": pd.to_datetime(data["time"]).dt.strftime("%d.%m.%Y %H:%M")})
+    table = table.assign(V=data["flow_L_h"] / 1000.0, Ta=data["outdoor_temperature_C"] * 1.8 + 32.0)
+    table = table.assign(P_light=data["internal_gain_W"] - 10.0, P_stove=20.0)
+    table = table.assign(**{name: data["air_temperature_C"] for name in names})
+    table.to_csv(good / "export.csv", index=False, sep=";", decimal=",")
+    (good / "dataset.toml").write_text(example + "\n[nominal]\n", encoding="utf-8")
+    read = read_dataset(good)
+    assert list(read.values)[:2] == ["sensor_temperature_C", "air_temperature_C"]
+    for name in set(read.values) - {"sensor_temperature_C"}:
+        np.testing.assert_allclose(read.values[name], ours.values[name], atol=0.01)
 
 
 def test_offsets_from_utc_become_standard_time(good: Path) -> None:

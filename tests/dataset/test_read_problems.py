@@ -55,6 +55,8 @@ DATA: dict[str, tuple[Frame, str]] = {
         stamps(lambda t: [f"{s[8:10]}.{s[5:7]}.{s[:4]} {s[11:16]}" for s in t]),
         r"say \[dataset\] time_format = ",
     ),
+    "a stamp of long ago": (at(0, "time", "0001-01-01T00:00:00"), "is not within the years 1900 to 2200"),
+    "a stamp of another century": (at(0, "time", "1905-01-01T00:00:00"), r"there are \d+ intervals of 60 s"),
     "numbers for stamps": (lambda d: d.assign(time=range(len(d))), "is a number, not a date and time"),
     "some stamps with an offset": (
         stamps(lambda t: [t[0] + "Z", *t[1:]]),
