@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.dataset.conftest import Simulated, written
+from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import read_dataset
 from waxstudy.study.model import Study
 from waxstudy.study.problems import StudyError
@@ -200,6 +205,40 @@ def test_all_problems_are_told_at_once(good: Path) -> None:
     data = pd.read_csv(good / "data.csv")
     changed(air_temperature_C=fahrenheit, displacement=lambda x: x * 100.0)(data).to_csv(good / "data.csv", index=False)
     assert len(said(good).splitlines()) == 2
+
+
+def test_data_and_description_are_told_together(good: Path) -> None:
+    changed(air_temperature_C=fahrenheit)(pd.read_csv(good / "data.csv")).to_csv(good / "data.csv", index=False)
+    path = good / "dataset.toml"
+    path.write_text(path.read_text(encoding="utf-8").replace('"on-off"', '"onoff"'), encoding="utf-8")
+    message = said(good)
+    assert "did you mean 'on-off'" in message
+    assert "Fahrenheit" in message
+
+
+CELLS = st.sampled_from(
+    ["", "0", "1", "21.5", "-999", "1e9", "inf", "x", "on", "2020-01-01T00:01:00", "300", "-5", "0.5"]
+)
+NAMES = st.sampled_from(["time", *CHANNELS])
+
+
+@settings(max_examples=150)
+@given(
+    header=st.lists(NAMES, min_size=1, max_size=6),
+    rows=st.lists(st.lists(CELLS, min_size=6, max_size=6), max_size=30),
+    has_stamps=st.booleans(),
+)
+def test_whatever_the_data_they_are_read_or_refused(header: list[str], rows: list[list[str]], has_stamps: bool) -> None:
+    names = ["time", *(name for name in dict.fromkeys(header) if name != "time")] if has_stamps else header
+    lines = [",".join(names)]
+    for minute, row in enumerate(rows):
+        cells = [f"2020-01-01T00:{minute:02}:00", *row] if has_stamps else row
+        lines.append(",".join(cells[: len(names)]))
+    with TemporaryDirectory() as place:
+        (Path(place) / "data.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        (Path(place) / "dataset.toml").write_text("[nominal]\n", encoding="utf-8")
+        with suppress(StudyError):
+            assert len(read_dataset(Path(place)).values.columns) > 0
 
 
 def test_a_folder_without_its_files_is_refused(tmp_path: Path, good: Path) -> None:

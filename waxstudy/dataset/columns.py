@@ -38,11 +38,14 @@ def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, n
     values = {name: _value(name, column, table, notes) for name, column in found.items()}
     if any(value is None for value in values.values()):
         return None
-    channels = pd.DataFrame(values, index=table.index)
+    return pd.DataFrame(values, index=table.index)
+
+
+def without_empty(channels: pd.DataFrame, notes: Notes) -> pd.DataFrame:
+    """Return the channels that hold a value; note it if none does."""
     empty = [name for name in channels.columns if channels[name].isna().all()]
     if len(empty) == len(channels.columns):
         notes.refuse(", ".join(empty), "holds no value at all")
-        return None
     for name in empty:
         notes.warn(f"{name} holds no value: taken as not measured")
     return channels.drop(columns=empty)
