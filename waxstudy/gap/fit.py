@@ -61,10 +61,10 @@ class Fitter:
         """Return the belief with departures of the room and with effects; raise `ValueError` where it cannot be."""
         belief = self.belief
         if belief.room and len(departures):
-            parameters = belief.room.parameters
+            room = belief.room
             for unknown, value in zip(self.unknowns, departures, strict=True):
-                parameters = unknown.apply(parameters, float(value))
-            belief = replace(belief, room=replace(belief.room, parameters=parameters))
+                room = unknown.apply(room, float(value))
+            belief = replace(belief, room=room)
         for effect, values in effects:
             belief = effect.apply(belief, effect.Parameters(**values))
         return belief

@@ -86,15 +86,16 @@ class Prior:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Something that nobody knows of a room exactly: `apply(p, departure)` edits its parameters; 0 is what is believed.
+    """Something that nobody knows of a room exactly: `apply(room, departure)` edits a room; 0 is what is believed.
 
-    The departure has a normal prior of standard deviation `sd`.
+    The departure has a normal prior of standard deviation `sd`. The edited room may be another component, and takes
+    the other edits too.
     """
 
     name: str
     description: str
     sd: float
-    apply: Callable[[Any, float], Any]
+    apply: Callable[[Choice, float], Choice]
 
 
 class Effect(Component):
