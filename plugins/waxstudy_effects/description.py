@@ -7,6 +7,7 @@ from typing import Any
 
 from waxstudy.plugin import Belief, Choice, changed
 from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom, hydronics
+from waxstudy_paper.room.nzeb import described
 
 NO_ROOM = "no room is believed"
 NOT_DESCRIBED = "this room cannot be described by surfaces"
@@ -24,9 +25,7 @@ def description(belief: Belief) -> RoomDescription:
     if problem := room_hindrance(belief):
         raise ValueError(problem)
     assert belief.room is not None
-    room: Any = belief.room
-    described: RoomDescription = room.parameters
-    return NzebRoom.describe(room.parameters) if issubclass(room.component, NzebRoom) else described
+    return described(belief.room)
 
 
 def changed_room(belief: Belief, **parts: Any) -> Belief:

@@ -95,9 +95,7 @@ class PipeDelay(Effect):
 
     @classmethod
     def sentence(cls, p: Any) -> str:
-        return (
-            f"Between supply sensor and floor lie {p.volume_L:.1f} L of pipe, in which water is late and cools."
-        )
+        return f"Between supply sensor and floor lie {p.volume_L:.1f} L of pipe, in which water is late and cools."
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:

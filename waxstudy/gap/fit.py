@@ -56,8 +56,10 @@ class Fitter:
     def edited(self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray) -> Belief:
         """Return the belief with departures of the room and with effects; raise `ValueError` where it cannot be."""
         belief = self.belief
+        absorbed = {name for effect, _ in effects for name in effect.absorbs}
         for unknown, value in zip(self.unknowns, departures, strict=True):
-            belief = unknown.apply(belief, float(value))
+            if unknown.name not in absorbed:
+                belief = unknown.apply(belief, float(value))
         for effect, values in effects:
             belief = effect.apply(belief, effect.Parameters(**values))
         return belief
@@ -76,8 +78,9 @@ class Fitter:
 
     @cached_property
     def base(self) -> Fitted:
-        """The belief itself, with its room fitted, read in the way that fits best."""
-        return self._best([self._room_fit((), np.zeros(len(self.sd)), reading) for reading in self.link.readings])
+        """The belief itself, its room fitted to the first part, read in the way that fits best."""
+        start = np.zeros(len(self.sd))
+        return self._best([self._room_fit((), start, reading, (FIT,)) for reading in self.link.readings])
 
     def _best(self, tried: Sequence[Fitted | None]) -> Fitted:
         done = [each for each in tried if each is not None]
@@ -107,22 +110,24 @@ class Fitter:
         self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
     ) -> tuple[float, Values, Reading]:
         tried = [*space.points(self.thorough), *effect.starts(self.belief)]
-        scores = [self._score(self._at((*given.effects, (effect, v)), given, reading), parts) for v in tried]
+        scores = [self._score(self._at((*given.effects, (effect, v)), given, reading, parts), parts) for v in tried]
         best = int(np.argmin(scores))
         return scores[best], tried[best], reading
 
-    def _at(self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading) -> Fitted | None:
+    def _at(
+        self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading, parts: Sequence[int]
+    ) -> Fitted | None:
         """Return a hypothesis with the room's departures where they would go, were everything straight from here."""
         fitted = self.at(effects, given.departures, reading)
         if fitted is None or not self.unknowns:
             return fitted
-        return replace(fitted, errors=self._followed(fitted))
+        return replace(fitted, errors=self._followed(fitted, parts))
 
-    def _followed(self, fitted: Fitted) -> list[Errors]:
+    def _followed(self, fitted: Fitted, parts: Sequence[int]) -> list[Errors]:
         """Return the errors after the room's departures follow, by the slopes at the base."""
         sizes = [len(each.whitened) for each in fitted.errors]
         whole = np.concatenate([each.whitened for each in fitted.errors])
-        fit = np.concatenate([(each.part == FIT) | (each.part == SELECT) for each in fitted.errors])
+        fit = np.concatenate([np.isin(each.part, parts) for each in fitted.errors])
         slopes = self._slopes
         lhs = np.vstack((slopes[fit], np.diag(1.0 / self.sd)))
         rhs = np.concatenate((whole[fit], fitted.departures / self.sd))
@@ -172,7 +177,7 @@ class Fitter:
         effects: Sequence[tuple[EffectType, Values]],
         departures: FloatArray,
         reading: Reading,
-        parts: Sequence[int] = (FIT, SELECT),
+        parts: Sequence[int],
     ) -> Fitted | None:
         """Fit departures and effects together by least squares, the departures held by their priors."""
         if not self.unknowns:

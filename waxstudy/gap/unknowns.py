@@ -45,8 +45,7 @@ def unknowns(belief: Belief, record: Record) -> list[Unknown]:
 def _of_room(uncertainty: Uncertainty) -> Unknown:
     def apply(belief: Belief, departure: float) -> Belief:
         assert belief.room
-        parameters = uncertainty.apply(belief.room.parameters, departure)
-        return replace(belief, room=replace(belief.room, parameters=parameters))
+        return replace(belief, room=uncertainty.apply(belief.room, departure))
 
     return Unknown(uncertainty.name, uncertainty.sd, apply)
 

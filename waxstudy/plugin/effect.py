@@ -86,15 +86,16 @@ class Prior:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Something that nobody knows of a room exactly: `apply(p, departure)` edits its parameters; 0 is what is believed.
+    """Something that nobody knows of a room exactly: `apply(room, departure)` edits a room; 0 is what is believed.
 
-    The departure has a normal prior of standard deviation `sd`.
+    The departure has a normal prior of standard deviation `sd`. The edited room may be another component, and takes
+    the other edits too.
     """
 
     name: str
     description: str
     sd: float
-    apply: Callable[[Any, float], Any]
+    apply: Callable[[Choice, float], Choice]
 
 
 class Effect(Component):
@@ -103,6 +104,8 @@ class Effect(Component):
     kind = "effect"
     stage: ClassVar[str]  # one of STAGES
     priors: ClassVar[Mapping[str, Prior]] = {}
+    # names of uncertainties whose place it takes: with them both, neither could be told
+    absorbs: ClassVar[Sequence[str]] = ()
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 from pydantic import ValidationError, model_validator
 
-from waxstudy.plugin import LinearRoom, Room
+from waxstudy.plugin import Choice, LinearRoom, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.building import NzebBuilding, external_m2, parameters_of
 from waxstudy_paper.room.conditions import Air
@@ -15,6 +15,7 @@ from waxstudy_paper.room.construction import Boundary, Facing, Layer, Material, 
 from waxstudy_paper.room.description import HeatedFloor, RoomDescription
 from waxstudy_paper.room.panes import solar_readings
 from waxstudy_paper.room.table3 import SIDES, Side, Table3
+from waxstudy_paper.room.uncertain import uncertainties
 from waxstudy_paper.room.view import Rectangle
 
 Layers = tuple[Layer, ...]
@@ -73,6 +74,11 @@ class NzebRoom(Room):
         return solar_readings(p.window_g, p.window_U_W_m2K)
 
     @classmethod
+    def uncertainties(cls, p: NzebParameters) -> Sequence[Uncertainty]:
+        """Return what nobody knows of this room exactly; with a departure it becomes a room `surfaces`."""
+        return uncertainties(described)
+
+    @classmethod
     def build(cls, p: NzebParameters) -> LinearRoom:
         """Return the linear room of Table 3 (equations and assumptions: docs/room.md)."""
         return linear_room(describe(p))
@@ -91,6 +97,12 @@ def _misfits(p: NzebParameters) -> Iterator[str]:
             yield f"window_area_m2.{side} = {area:g}, but {side} is not among outer_walls"
         elif area >= width * p.height_m or area / p.window_height_m > width:
             yield f"window_area_m2.{side} = {area:g} does not fit into a facade of {width:g} m at window_height_m"
+
+
+def described(room: Choice) -> RoomDescription:
+    """Return a room `nzeb` or `surfaces` in the words of `surfaces`."""
+    parameters: Any = room.parameters
+    return parameters if isinstance(parameters, RoomDescription) else describe(parameters)
 
 
 def describe(p: NzebParameters) -> RoomDescription:
