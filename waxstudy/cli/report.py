@@ -49,10 +49,18 @@ def command(
         text = render(run_folder, form, None if against is None else _folder_or_name(against))
     if out is None:
         print_out(text)
-        return
+    else:
+        _write(out, text)
+
+
+def _write(out: Path, text: str) -> None:
+    """Write a file whole; a device or pipe is written to, as a file in its place would take it from everyone."""
     from waxstudy.results.atomic import whole_file
 
     try:
+        if out.exists() and not out.is_file():
+            out.write_text(text, encoding="utf-8")
+            return
         with whole_file(out) as path:
             path.write_text(text, encoding="utf-8")
     except OSError as error:
