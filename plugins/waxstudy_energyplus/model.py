@@ -30,7 +30,7 @@ from waxstudy_energyplus.plant import CONDUCTIVITY_W_MK, LAMINAR_NUSSELT, WIDE_M
 from waxstudy_energyplus.shell import shell
 from waxstudy_paper.room.assembly import AIR_J_L_K
 from waxstudy_paper.room.description import RoomDescription
-from waxstudy_paper.room.hydronics import full_flow_L_h, nominal_exchange_W_m2K, pipe_exchange_W_m2K
+from waxstudy_paper.room.hydronics import exchange_W_m2K, full_flow_L_h
 
 Model = dict[str, dict[str, dict[str, Any]]]
 
@@ -124,13 +124,8 @@ def tube_length_m(room: RoomDescription) -> float:
     EnergyPlus has two tube models. `ISOStandard` gives other resistances than EN 1264 and ours; `ConvectionOnly` has
     a film only, which for laminar flow depends neither on flow nor on diameter: the one number that is needed.
     """
-    above, below = room.beside_pipes
-    screed_W_mK = (above.conductivity_W_mK + below.conductivity_W_mK) / 2
-    if room.circuit.exchange == "nominal":
-        exchange = nominal_exchange_W_m2K(room.circuit, room.cover_m2K_W)
-    else:  # at full flow
-        flow_L_s = np.array([full_flow_L_h(room.circuit, room.floor.area_m2) / 3600.0])
-        exchange = float(pipe_exchange_W_m2K(room.circuit, screed_W_mK, flow_L_s)[0])
+    full_L_s = np.array([full_flow_L_h(room.circuit, room.floor.area_m2) / 3600.0])
+    exchange = float(exchange_W_m2K(room.circuit, room.cover_m2K_W, room.screed_W_mK, full_L_s)[0])
     return exchange * room.floor.area_m2 / (pi * CONDUCTIVITY_W_MK * LAMINAR_NUSSELT)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from waxstudy.conformance import declaration as said
 from waxstudy.conformance import surroundings
 from waxstudy.conformance.blocks import STAGES as BLOCK_STAGES
+from waxstudy.conformance.effects import EFFECT_STAGES
 from waxstudy.conformance.stage import Problems, Stage, Subject
 from waxstudy.plugin import CHAIN
 from waxstudy.plugin.registry import described
@@ -23,6 +24,7 @@ BY_KIND: Mapping[str, tuple[Stage, ...]] = {
     **{kind: BLOCK_STAGES for kind in CHAIN},
     "room": surroundings.ROOM_STAGES,
     "weather": surroundings.WEATHER_STAGES,
+    "effect": EFFECT_STAGES,
     "reference": surroundings.REFERENCE_STAGES,
 }
 PASSED, FAILED, EXEMPT, NOT_RUN = "passed", "failed", "exempt", "not run"

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 INF = float("inf")
+
+Quantity = Literal["indoor", "water", "outdoor", "level", "flow", "gain"]
 
 
 @dataclass(frozen=True)
@@ -13,6 +16,7 @@ class Channel:
 
     name: str  # ends in its unit; a level from 0 to 1 has none
     source: str  # column of the simulation that it is taken from
+    quantity: Quantity  # what values are plausible for it
     is_mean: bool = False  # over the interval that ended; else the value at its end
     is_assumed: bool = False  # known to the modeller without measuring: no noise, no gaps
     noise: float = 0.0  # standard deviation, in the channel's unit
@@ -26,21 +30,23 @@ class Channel:
 CHANNELS = {
     channel.name: channel
     for channel in (
-        Channel("sensor_temperature_C", "reading_C", noise=0.03, resolution=0.01),
-        Channel("air_temperature_C", "air_C", noise=0.03, resolution=0.01),
-        Channel("operative_temperature_C", "operative_C", noise=0.03, resolution=0.01),
-        Channel("setpoint_C", "setpoint_C", is_assumed=True),
-        Channel("control_output", "output"),
-        Channel("heating_signal", "signal"),
-        Channel("displacement", "opening", noise=0.01, resolution=0.001, low=0.0, high=1.0),
-        Channel("flow_L_h", "flow_L_h", is_mean=True, noise=1.0, is_quiet_at_zero=True, resolution=0.1, low=0.0),
-        Channel("supply_temperature_C", "supply_C", noise=0.05, resolution=0.01),
-        Channel("return_temperature_C", "return_C", noise=0.05, resolution=0.01),
-        Channel("outdoor_temperature_C", "outdoor_C", noise=0.1, resolution=0.01),
-        Channel("solar_gain_W", "solar_gain_W", is_mean=True, is_assumed=True, resolution=0.1),
-        Channel("internal_gain_W", "internal_gain_W", is_mean=True, is_assumed=True, resolution=0.1),
-        Channel("floor_surface_temperature_C", "floor_surface_C", noise=0.03, resolution=0.01),
-        Channel("ventilation_supply_temperature_C", "ventilation_supply_C", noise=0.1, resolution=0.01),
-        Channel("neighbour_temperature_C", "neighbour_C", noise=0.03, resolution=0.01),
+        Channel("sensor_temperature_C", "reading_C", "indoor", noise=0.03, resolution=0.01),
+        Channel("air_temperature_C", "air_C", "indoor", noise=0.03, resolution=0.01),
+        Channel("operative_temperature_C", "operative_C", "indoor", noise=0.03, resolution=0.01),
+        Channel("setpoint_C", "setpoint_C", "indoor", is_assumed=True),
+        Channel("control_output", "output", "level"),
+        Channel("heating_signal", "signal", "level"),
+        Channel("displacement", "opening", "level", noise=0.01, resolution=0.001, low=0.0, high=1.0),
+        Channel(
+            "flow_L_h", "flow_L_h", "flow", is_mean=True, noise=1.0, is_quiet_at_zero=True, resolution=0.1, low=0.0
+        ),
+        Channel("supply_temperature_C", "supply_C", "water", noise=0.05, resolution=0.01),
+        Channel("return_temperature_C", "return_C", "water", noise=0.05, resolution=0.01),
+        Channel("outdoor_temperature_C", "outdoor_C", "outdoor", noise=0.1, resolution=0.01),
+        Channel("solar_gain_W", "solar_gain_W", "gain", is_mean=True, is_assumed=True, resolution=0.1),
+        Channel("internal_gain_W", "internal_gain_W", "gain", is_mean=True, is_assumed=True, resolution=0.1),
+        Channel("floor_surface_temperature_C", "floor_surface_C", "indoor", noise=0.03, resolution=0.01),
+        Channel("ventilation_supply_temperature_C", "ventilation_supply_C", "outdoor", noise=0.1, resolution=0.01),
+        Channel("neighbour_temperature_C", "neighbour_C", "outdoor", noise=0.03, resolution=0.01),
     )
 }

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from waxstudy.plugin.parameters import Parameters
+from waxstudy.plugin.parameters import Parameters, changed, checked
 
 if TYPE_CHECKING:
+    from waxstudy.plugin.effect import Uncertainty
     from waxstudy.results.run import Run
 
 API_VERSION = "1.0"
@@ -36,6 +37,27 @@ class Component:
     examples: ClassVar[Mapping[str, Mapping[str, Any]]] = {"default": {}}
     # conformance stages that cannot hold for this component -> why
     exemptions: ClassVar[Mapping[str, str]] = {}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A component with checked parameters."""
+
+    component: type[Component]
+    parameters: Parameters
+
+    @classmethod
+    def of(cls, component: type[Component], values: Mapping[str, Any]) -> Choice:
+        """Return a component with these parameters; raise `ValueError` with a one-line reason."""
+        return cls(component, checked(component.Parameters, values))
+
+    def changed(self, **values: Any) -> Choice:
+        """Return the same component with some parameters changed; raise `ValueError` with a one-line reason."""
+        return Choice(self.component, changed(self.parameters, **values))
+
+    def described(self) -> dict[str, object]:
+        """The choice in the study file's words, all defaults filled in, a path as an absolute one."""
+        return {"use": self.component.name, **self.parameters.model_dump(mode="json", exclude_none=True)}
 
 
 # --- blocks of the control chain -------------------------------------------------------------------
@@ -97,7 +119,10 @@ class Modulator(Block):
 
 
 class Actuator(Block):
+    """An actuator, and how far real ones are known to stray from it: |displacement error| over time, per switch [s]."""
+
     kind = "actuator"
+    stray_s: ClassVar[float] = 0.0
 
 
 class Valve(Block):
@@ -187,11 +212,31 @@ class LinearRoom:
 
 class Room(Component):
     kind = "room"
+    # what a dataset may say of such a room in words and numbers; None where it can only be given by its parameters
+    Building: ClassVar[type[Parameters] | None] = None
+
+    @classmethod
+    def of_building(cls, building: Any) -> tuple[Mapping[str, Any], Sequence[str]]:
+        """Return parameters in the study file's words, and what was assumed, one sentence each.
+
+        `building` is an instance of `Building`. Raises `ValueError` with a one-line reason.
+        """
+        raise NotImplementedError
 
     @classmethod
     def build(cls, p: Any) -> LinearRoom:
         """Return the linear room for parameters `p`; raise `ValueError` with a one-line reason."""
         raise NotImplementedError
+
+    @classmethod
+    def uncertainties(cls, p: Any) -> Sequence[Uncertainty]:
+        """Return what of this room nobody knows exactly; a diagnosis fits it, held by its priors."""
+        return ()
+
+    @classmethod
+    def solar_readings(cls, p: Any) -> Mapping[str, float]:
+        """Return how a recorded solar gain can be meant: a sentence -> the sun's heat over the recorded one."""
+        return {}
 
 
 # sensed temperature [C], time at the start of the step [s], step [s] -> output, signal, opening, flow fraction
@@ -281,4 +326,4 @@ class Reference(Component):
         return ()
 
 
-KINDS = (*CHAIN, "room", "weather", "reference")
+KINDS = (*CHAIN, "room", "weather", "effect", "reference")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 
 class Parameters(BaseModel):
@@ -41,3 +42,20 @@ def parameter(
     if "default_factory" in options:
         return Field(description=description, json_schema_extra=extra, **options)
     return Field(default, description=description, json_schema_extra=extra, **options)
+
+
+P = TypeVar("P", bound=Parameters)
+
+
+def checked(model: type[P], values: Mapping[str, Any]) -> P:
+    """Return parameters of a model; raise `ValueError` with a one-line reason."""
+    try:
+        return model.model_validate(dict(values))
+    except ValidationError as error:
+        reasons = [(*map(str, e["loc"]), str(e.get("ctx", {}).get("error", e["msg"]))) for e in error.errors()]
+        raise ValueError("; ".join(": ".join(reason) for reason in reasons)) from None
+
+
+def changed(parameters: P, **values: Any) -> P:
+    """Return parameters with some of them changed; raise `ValueError` with a one-line reason."""
+    return checked(type(parameters), {**dict(parameters), **values})

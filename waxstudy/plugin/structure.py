@@ -9,6 +9,7 @@ from types import FunctionType
 from typing import Any
 
 from waxstudy.plugin.contracts import API_VERSION, CHAIN, KINDS, Block, Component, Port, Reference, Room, Weather
+from waxstudy.plugin.effect import Effect
 from waxstudy.plugin.parameters import Parameters
 
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
@@ -19,6 +20,7 @@ PROVIDED: dict[str, tuple[type[Component], str, int]] = {
     **{kind: (Block, "step", len(STEP)) for kind in CHAIN},
     "room": (Room, "build", 1),
     "weather": (Weather, "load", 2),
+    "effect": (Effect, "apply", 2),
     "reference": (Reference, "rows", 0),
 }
 

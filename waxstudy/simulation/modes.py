@@ -76,7 +76,9 @@ def drive(room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: 
 
 
 def _kept(outputs: FloatArray, driving: FloatArray, rates: FloatArray, tolerance: float) -> tuple[np.ndarray, float]:
-    """Choose the fewest modes, by their reach, whose step error is within the tolerance."""
+    """Choose the fewest modes, by their reach, whose step error is within the tolerance; all where that is 0."""
+    if tolerance <= 0.0:
+        return np.ones(len(rates), dtype=bool), 0.0
     reach = np.max(np.abs(outputs), axis=0) * np.sum(np.abs(driving), axis=1)
     order = np.argsort(reach)[::-1]
     for n_kept in range(1, len(rates)):

@@ -84,11 +84,12 @@ def _case(check: Check, place: Spot, values: dict[str, Any], before: Mapping[str
     blocks = dict(before)
     for kind in CHAIN:
         if kind in values:
-            _merge(check, blocks, kind, values[kind], place.at(kind))
+            merge_block(check, blocks, kind, values[kind], place.at(kind))
     return RawCase(id if isinstance(id, str) else "", place, {kind: blocks[kind] for kind in CHAIN if kind in blocks})
 
 
-def _merge(check: Check, blocks: dict[str, RawTable], kind: str, block: Any, spot: Spot) -> None:
+def merge_block(check: Check, blocks: dict[str, RawTable], kind: str, block: Any, spot: Spot) -> None:
+    """Put what a table says of a block of this kind upon what was there before; note it if it is no table."""
     if not isinstance(block, dict):
         example = block if isinstance(block, str) and block in check.registry.names(kind) else "..."
         check.problem(spot, f'must be a table such as {{ use = "{example}" }}', value=block)

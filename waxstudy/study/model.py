@@ -9,7 +9,8 @@ from typing import Any
 
 from pydantic import field_validator
 
-from waxstudy.plugin import Component, Parameters, parameter
+from waxstudy.plugin import Choice as Choice
+from waxstudy.plugin import Parameters, parameter
 
 NAME_RULE = "must be at most 64 letters, digits, '_', '-' or '.', with a letter or digit at both ends"
 NAME_PATTERN = r"[A-Za-z0-9]([A-Za-z0-9_.-]{0,62}[A-Za-z0-9])?"
@@ -25,18 +26,6 @@ def is_multiple(value: float, of: float) -> bool:
     """Whether a time is a whole number of others, but for rounding: 3600 is one of 0.1."""
     count = round(value / of)
     return count >= 1 and abs(count * of - value) <= 1e-9 * value
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A registered component with checked parameters."""
-
-    component: type[Component]
-    parameters: Parameters
-
-    def described(self) -> dict[str, object]:
-        """The choice in the study file's words, all defaults filled in, a path as an absolute one."""
-        return {"use": self.component.name, **self.parameters.model_dump(mode="json", exclude_none=True)}
 
 
 @dataclass(frozen=True)

@@ -36,8 +36,6 @@ def linear_room(room: RoomDescription) -> LinearRoom:
     system = without_massless(full_system(assembly))
     floor = room.floor
     floor_names = {assembly.network.nodes[node] for node in assembly.floor_nodes}
-    above, below = room.beside_pipes
-    screed_W_mK = (above.conductivity_W_mK + below.conductivity_W_mK) / 2
     return LinearRoom(
         floor_area_m2=floor.area_m2,
         nodes=system.nodes,
@@ -53,7 +51,7 @@ def linear_room(room: RoomDescription) -> LinearRoom:
         full_flow_L_h=full_flow_L_h(room.circuit, floor.area_m2),
         water_J_L_K=WATER_J_L_K,
         floor_conductance_W_K=partial(
-            floor_conductance_W_K, room.circuit, floor.area_m2, room.cover_m2K_W, screed_W_mK
+            floor_conductance_W_K, room.circuit, floor.area_m2, room.cover_m2K_W, room.screed_W_mK
         ),
         drive=partial(drive, room),
     )

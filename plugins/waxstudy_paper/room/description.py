@@ -6,12 +6,13 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Self
 
+import numpy as np
 from pydantic import model_validator
 
 from waxstudy.plugin import Facade, Parameters, parameter
 from waxstudy_paper.room.conditions import Air, Films, Gains, Sensing, Sun
 from waxstudy_paper.room.construction import STUDY, Layer, Part, Surface, Window
-from waxstudy_paper.room.hydronics import Circuit, nominal_exchange_W_m2K, nominal_film_m2K_W
+from waxstudy_paper.room.hydronics import Circuit, exchange_W_m2K, nominal_film_m2K_W
 
 
 class HeatedFloor(Parameters):
@@ -75,14 +76,26 @@ class RoomDescription(Parameters):
     @property
     def cover_m2K_W(self) -> float:
         """From the plane of the pipes to the room at the nominal output: layers and the film of EN 1264-2."""
-        above = self.floor.layers[: self.heated_floor.pipes_after_layer]
-        return sum(layer.resistance_m2K_W for layer in above) + nominal_film_m2K_W(self.circuit)
+        return self.design_cover_m2K_W + nominal_film_m2K_W(self.circuit)
+
+    @property
+    def design_cover_m2K_W(self) -> float:
+        """The layers above the pipes that the nominal output is stated for."""
+        if self.circuit.design_cover_m2K_W is not None:
+            return self.circuit.design_cover_m2K_W
+        return sum(layer.resistance_m2K_W for layer in self.floor.layers[: self.heated_floor.pipes_after_layer])
 
     @property
     def beside_pipes(self) -> tuple[Layer, Layer]:
         """The layers above and below the plane of the pipes."""
         after = self.heated_floor.pipes_after_layer
         return self.floor.layers[after - 1], self.floor.layers[after]
+
+    @property
+    def screed_W_mK(self) -> float:
+        """Conductivity around the pipes."""
+        above, below = self.beside_pipes
+        return (above.conductivity_W_mK + below.conductivity_W_mK) / 2
 
     @property
     def facades(self) -> dict[str, Facade]:
@@ -145,8 +158,7 @@ def _boundary_problems(room: RoomDescription) -> Iterator[str]:
 
 
 def _design_problems(room: RoomDescription) -> Iterator[str]:
-    if room.circuit.exchange == "nominal":
-        try:
-            nominal_exchange_W_m2K(room.circuit, room.cover_m2K_W)
-        except ValueError as error:
-            yield str(error)
+    try:
+        exchange_W_m2K(room.circuit, room.cover_m2K_W, room.screed_W_mK, np.ones(1))
+    except ValueError as error:
+        yield str(error)

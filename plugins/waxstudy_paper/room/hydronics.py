@@ -45,11 +45,36 @@ class Circuit(Parameters):
         gt=0,
         le=10_000,
     )
-    exchange: Literal["nominal", "pipe"] = parameter(
+    exchange: Literal["nominal", "pipe", "stated"] = parameter(
         "nominal",
         unit="",
-        description="water-to-layer exchange: from the nominal output, or from the pipe's resistances",
+        description="water-to-layer exchange: from the nominal output, from the pipe's resistances, or from "
+        "water_to_surface_m2K_W",
         source="section 3.3: logarithmic temperature differences to one layer; 'pipe' is ISO 11855-2",
+    )
+    water_to_surface_m2K_W: float | None = parameter(
+        None,
+        unit="m2 K/W",
+        description="resistance between water and floor surface per floor area, in steady state, for exchange 'stated'",
+        source="given by the user, as measured or from a floor's data sheet",
+        gt=0,
+        le=5,
+    )
+    design_cover_m2K_W: float | None = parameter(
+        None,
+        unit="m2 K/W",
+        description="layers above the pipes that the nominal output is stated for; none given: those of the floor",
+        source="chosen: a cover laid later takes from the output and leaves the pipes as they are",
+        ge=0,
+        le=5,
+    )
+    exchange_factor: float = parameter(
+        1.0,
+        unit="1",
+        description="factor on the water-to-layer exchange",
+        source="chosen: 1; other programs have a far stronger exchange, and more resistance above the pipes",
+        ge=0.01,
+        le=100,
     )
     heating_curve_C: tuple[CurvePoint, ...] = parameter(
         ((-22.0, 34.0), (20.0, 22.0)),
@@ -71,6 +96,8 @@ class Circuit(Parameters):
             raise ValueError("pipe_wall_m leaves no bore in the pipe")
         if self.exchange == "pipe" and self.spacing_m <= pi * self.pipe_outer_m:
             raise ValueError("spacing_m must exceed pi pipe diameters for the resistance method")
+        if (self.exchange == "stated") != (self.water_to_surface_m2K_W is not None):
+            raise ValueError('water_to_surface_m2K_W and exchange = "stated" go together')
         return self
 
 
@@ -138,18 +165,40 @@ def pipe_exchange_W_m2K(circuit: Circuit, screed_W_mK: float, flow_L_s: FloatArr
     return 1.0 / (spacing / (pi * bore * film_W_m2K(flow_L_s, bore)) + wall + spread)
 
 
+def stated_exchange_W_m2K(circuit: Circuit, cover_m2K_W: float) -> float:
+    """Return the exchange between water and layer that leaves the stated resistance between water and floor surface.
+
+    1/k = R_stated - R_layers above; heat lost downwards is not counted. Raises `ValueError` if the layers alone have
+    more. `cover_m2K_W` has the floor's film in it, as for the nominal output.
+    """
+    above_m2K_W = cover_m2K_W - nominal_film_m2K_W(circuit)
+    stated_m2K_W = circuit.water_to_surface_m2K_W or 0.0
+    if stated_m2K_W <= above_m2K_W:
+        raise ValueError(
+            f"water_to_surface_m2K_W = {stated_m2K_W:g} is not above the {above_m2K_W:.3g} of the layers over the pipes"
+        )
+    return 1.0 / (stated_m2K_W - above_m2K_W)
+
+
+def exchange_W_m2K(circuit: Circuit, cover_m2K_W: float, screed_W_mK: float, flow_L_s: FloatArray) -> FloatArray:
+    """Return the exchange between water and layer per floor area, in the way that the circuit says."""
+    if circuit.exchange == "pipe":
+        return pipe_exchange_W_m2K(circuit, screed_W_mK, flow_L_s)
+    way = nominal_exchange_W_m2K if circuit.exchange == "nominal" else stated_exchange_W_m2K
+    return np.full_like(flow_L_s, way(circuit, cover_m2K_W))
+
+
 def floor_conductance_W_K(
     circuit: Circuit, area_m2: float, cover_m2K_W: float, screed_W_mK: float, flow_fraction: FloatArray
 ) -> FloatArray:
     """Return the heat to the floor per kelvin of supply minus layer temperature [W/K], 0 without flow.
 
-    K = m c (1 - exp(-k A / (m c))): the water cools towards a layer of one temperature on its way.
+    K = m c (1 - exp(-k A / (m c))): the water cools towards a layer of one temperature on its way;
+    k is the exchange of the circuit's method times `exchange_factor`.
     """
     flow_L_s = np.asarray(flow_fraction, dtype=float) * full_flow_L_h(circuit, area_m2) / 3600.0
-    if circuit.exchange == "nominal":
-        exchange = np.full_like(flow_L_s, nominal_exchange_W_m2K(circuit, cover_m2K_W))
-    else:
-        exchange = pipe_exchange_W_m2K(circuit, screed_W_mK, flow_L_s)
+    exchange = exchange_W_m2K(circuit, cover_m2K_W, screed_W_mK, flow_L_s)
     stream_W_K = flow_L_s * WATER_J_L_K
+    exchange = exchange * circuit.exchange_factor
     units = np.divide(exchange * area_m2, stream_W_K, out=np.full_like(stream_W_K, np.inf), where=stream_W_K > 0)
     return -stream_W_K * np.expm1(-units)

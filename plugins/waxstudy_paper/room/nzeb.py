@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Self
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Self
 
 from pydantic import ValidationError, model_validator
 
-from waxstudy.plugin import LinearRoom, Room
+from waxstudy.plugin import Choice, LinearRoom, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
+from waxstudy_paper.room.building import NzebBuilding, external_m2, parameters_of
 from waxstudy_paper.room.conditions import Air
 from waxstudy_paper.room.construction import Boundary, Facing, Layer, Material, Surface, Window
 from waxstudy_paper.room.description import HeatedFloor, RoomDescription
-from waxstudy_paper.room.table3 import Table3
+from waxstudy_paper.room.panes import solar_readings
+from waxstudy_paper.room.table3 import SIDES, Side, Table3
+from waxstudy_paper.room.uncertain import uncertainties
 from waxstudy_paper.room.view import Rectangle
 
 Layers = tuple[Layer, ...]
-AZIMUTH_DEG = {"south": 180.0, "west": 270.0}
+AZIMUTH_DEG: dict[Side, float] = {"south": 180.0, "west": 270.0, "north": 0.0, "east": 90.0}
 
 
 class NzebParameters(Table3):
@@ -33,6 +36,19 @@ class NzebParameters(Table3):
             raise ValueError("; ".join(str(e.get("ctx", {}).get("error", e["msg"])) for e in error.errors())) from None
         return self
 
+    @property
+    def floor_area_m2(self) -> float:
+        return self.facade_m.south * self.facade_m.west
+
+    @property
+    def external_m2(self) -> float:
+        return external_m2(self.facade_m, self.outer_walls, self.height_m, self.ceiling)
+
+    @property
+    def glazed(self) -> tuple[Side, ...]:
+        """The sides with windows."""
+        return tuple(side for side in SIDES if self.window_area_m2.on(side) > 0.0)
+
 
 class NzebRoom(Room):
     """The south-west corner room of the nZEB test house (Table 3), heated through its floor."""
@@ -40,11 +56,27 @@ class NzebRoom(Room):
     name = "nzeb"
     api_version = "1.0"
     Parameters = NzebParameters
+    Building = NzebBuilding
+
+    @classmethod
+    def of_building(cls, building: NzebBuilding) -> tuple[Mapping[str, Any], Sequence[str]]:
+        """Return the parameters of a room told in words and numbers (docs/datasets.md), and what was assumed."""
+        return parameters_of(building)
 
     @classmethod
     def describe(cls, p: NzebParameters) -> RoomDescription:
         """Return the room in the words of room `surfaces`; raise `ValueError` where the geometry is impossible."""
         return describe(p)
+
+    @classmethod
+    def solar_readings(cls, p: NzebParameters) -> Mapping[str, float]:
+        """Return the ways to mean a recorded solar gain, by the panes of this room."""
+        return solar_readings(p.window_g, p.window_U_W_m2K)
+
+    @classmethod
+    def uncertainties(cls, p: NzebParameters) -> Sequence[Uncertainty]:
+        """Return what nobody knows of this room exactly; with a departure it becomes a room `surfaces`."""
+        return uncertainties(described)
 
     @classmethod
     def build(cls, p: NzebParameters) -> LinearRoom:
@@ -57,10 +89,20 @@ def _misfits(p: NzebParameters) -> Iterator[str]:
         yield "operative_height_m is not below the ceiling"
     if p.window_sill_m + p.window_height_m > p.height_m:
         yield "window_sill_m and window_height_m are together more than height_m"
-    for side in AZIMUTH_DEG:
-        width, area = getattr(p.facade_m, side), getattr(p.window_area_m2, side)
-        if area >= width * p.height_m or area / p.window_height_m > width:
+    if len(set(p.outer_walls)) < len(p.outer_walls):
+        yield "outer_walls names a side twice"
+    for side in p.glazed:
+        width, area = p.facade_m.along(side), p.window_area_m2.on(side)
+        if side not in p.outer_walls:
+            yield f"window_area_m2.{side} = {area:g}, but {side} is not among outer_walls"
+        elif area >= width * p.height_m or area / p.window_height_m > width:
             yield f"window_area_m2.{side} = {area:g} does not fit into a facade of {width:g} m at window_height_m"
+
+
+def described(room: Choice) -> RoomDescription:
+    """Return a room `nzeb` or `surfaces` in the words of `surfaces`."""
+    parameters: Any = room.parameters
+    return parameters if isinstance(parameters, RoomDescription) else describe(parameters)
 
 
 def describe(p: NzebParameters) -> RoomDescription:
@@ -90,13 +132,15 @@ def _surfaces(p: NzebParameters) -> Iterator[Surface]:
     views = solid_angles_sr(p)
     wall = p.films.interior_m2K_W("wall")
     board, cladding = _layer(p.gypsum, p.gypsum_m), _layer(p.cladding, p.cladding_m)
-    for side in AZIMUTH_DEG:
-        area = getattr(p.facade_m, side) * p.height_m - getattr(p.window_area_m2, side)
-        outer = _insulated(p, "wall_U_W_m2K", (board,), p.wool, (cladding,), wall)
-        yield _surface(f"{side} wall", area, "wall", "outdoors", outer, views)
+    outer = _insulated(p, "wall_U_W_m2K", (board,), p.wool, (cladding,), wall)
     partition = (_layer(p.gypsum, p.partition_gypsum_m), _layer(p.wool, p.partition_wool_m))
-    yield _surface("north partition", p.facade_m.south * p.height_m, "wall", "adiabatic", partition, views)
-    yield _surface("east partition", p.facade_m.west * p.height_m, "wall", "adiabatic", partition, views)
+    for side in SIDES:
+        area = p.facade_m.along(side) * p.height_m
+        if side in p.outer_walls:
+            opaque = area - p.window_area_m2.on(side)
+            yield _surface(f"{side} wall", opaque, "wall", "outdoors", outer, views)
+        else:
+            yield _surface(f"{side} partition", area, "wall", "adiabatic", partition, views)
     yield _surface("floor", p.floor_area_m2, "floor", "outdoors", _floor_layers(p), views)
     if p.ceiling == "outdoors":
         board = _layer(p.gypsum, p.partition_gypsum_m)
@@ -138,15 +182,15 @@ def _insulated(
 
 def _windows(p: NzebParameters) -> Iterator[Window]:
     views = solid_angles_sr(p)
-    for side, azimuth in AZIMUTH_DEG.items():
+    for side in p.glazed:
         name = f"{side} window"
         yield Window(
             name=name,
-            area_m2=getattr(p.window_area_m2, side),
+            area_m2=p.window_area_m2.on(side),
             U_W_m2K=p.window_U_W_m2K,
             g=p.window_g,
             secondary_share=p.window_secondary_share,
-            azimuth_deg=azimuth,
+            azimuth_deg=AZIMUTH_DEG[side],
             operative_weight=views[name],
         )
 
@@ -160,18 +204,23 @@ def solid_angles_sr(p: NzebParameters) -> dict[str, float]:
         p.operative_height_m,
     )
     angles = {
-        "north partition": _centred(depth / 2, width, -down, up),
-        "east partition": _centred(width / 2, depth, -down, up),
         "floor": _centred(down, width, -depth / 2, depth / 2),
         "ceiling": _centred(up, width, -depth / 2, depth / 2),
     }
-    for side, distance in (("south", depth / 2), ("west", width / 2)):
-        wide = getattr(p.window_area_m2, side) / p.window_height_m
-        sill = p.window_sill_m - down
-        window = _centred(distance, wide, sill, sill + p.window_height_m)
-        facade = _centred(distance, getattr(p.facade_m, side), -down, up)
-        angles |= {f"{side} window": window, f"{side} wall": facade - window}
+    for side in SIDES:
+        distance = (depth if side in ("south", "north") else width) / 2
+        whole = _centred(distance, p.facade_m.along(side), -down, up)
+        window = _window_sr(p, side, distance) if side in p.glazed else 0.0
+        if side in p.outer_walls:
+            angles |= {f"{side} window": window, f"{side} wall": whole - window}
+        else:
+            angles[f"{side} partition"] = whole
     return angles
+
+
+def _window_sr(p: NzebParameters, side: Side, distance_m: float) -> float:
+    sill = p.window_sill_m - p.operative_height_m
+    return _centred(distance_m, p.window_area_m2.on(side) / p.window_height_m, sill, sill + p.window_height_m)
 
 
 def _centred(distance_m: float, width_m: float, bottom_m: float, top_m: float) -> float:

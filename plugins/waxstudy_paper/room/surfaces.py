@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from waxstudy.plugin import LinearRoom, Room
+from collections.abc import Sequence
+
+from waxstudy.plugin import LinearRoom, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.description import RoomDescription
-from waxstudy_paper.room.nzeb import NzebParameters, describe
+from waxstudy_paper.room.nzeb import NzebParameters, describe, described
+from waxstudy_paper.room.uncertain import uncertainties
 
 
 class SurfacesRoom(Room):
@@ -20,3 +23,8 @@ class SurfacesRoom(Room):
     def build(cls, p: RoomDescription) -> LinearRoom:
         """Return the linear room of the description (equations: docs/room.md)."""
         return linear_room(p)
+
+    @classmethod
+    def uncertainties(cls, p: RoomDescription) -> Sequence[Uncertainty]:
+        """Return what nobody knows of this room exactly."""
+        return uncertainties(described)

@@ -20,24 +20,43 @@ def material(conductivity_W_mK: float, density_kg_m3: float, heat_capacity_J_kgK
     return parameter(default, unit="", description=description, source=ISO_10456)
 
 
-class Widths(Parameters):
-    """Widths of the two facades."""
+Side = Literal["south", "west", "north", "east"]
+SIDES: tuple[Side, ...] = ("south", "west", "north", "east")
 
-    south: float = parameter(4.0, unit="m", description="south facade", source="chosen: gives 10.4 m2", gt=0, le=50)
-    west: float = parameter(2.6, unit="m", description="west facade", source="chosen: gives 10.4 m2", gt=0, le=50)
+
+class Widths(Parameters):
+    """Widths of a rectangular room along its south and its west side."""
+
+    south: float = parameter(4.0, unit="m", description="south side", source="chosen: gives 10.4 m2", gt=0, le=50)
+    west: float = parameter(2.6, unit="m", description="west side", source="chosen: gives 10.4 m2", gt=0, le=50)
+
+    def along(self, side: Side) -> float:
+        return self.south if side in ("south", "north") else self.west
 
 
 class WindowAreas(Parameters):
-    """Window areas of the two facades."""
+    """Window areas of the facades."""
 
-    south: float = parameter(3.0, unit="m2", description="south windows", source="Table 3", gt=0, le=500)
-    west: float = parameter(3.0, unit="m2", description="west windows", source="Table 3", gt=0, le=500)
+    south: float = parameter(3.0, unit="m2", description="south windows", source="Table 3", ge=0, le=500)
+    west: float = parameter(3.0, unit="m2", description="west windows", source="Table 3", ge=0, le=500)
+    north: float = parameter(0.0, unit="m2", description="north windows", source="Table 3: none", ge=0, le=500)
+    east: float = parameter(0.0, unit="m2", description="east windows", source="Table 3: none", ge=0, le=500)
+
+    def on(self, side: Side) -> float:
+        return {"south": self.south, "west": self.west, "north": self.north, "east": self.east}[side]
 
 
 class Table3(Parameters):
     """The room of Table 3; what the table leaves open is chosen and says so."""
 
-    facade_m: Widths = parameter(Widths(), unit="m", description="widths of the facades", source="chosen: 10.4 m2")
+    facade_m: Widths = parameter(Widths(), unit="m", description="widths of the room", source="chosen: 10.4 m2")
+    outer_walls: tuple[Side, ...] = parameter(
+        ("south", "west"),
+        unit="",
+        description="sides towards the outdoors; the others are partitions to rooms that are as warm",
+        source="section 3.3: a corner room",
+        strict=False,
+    )
     height_m: float = parameter(
         2.6, unit="m", description="room height", source="chosen: the paper says nothing", gt=0, le=20
     )
@@ -153,13 +172,3 @@ class Table3(Parameters):
         ge=10,
         le=86_400,
     )
-
-    @property
-    def floor_area_m2(self) -> float:
-        return self.facade_m.south * self.facade_m.west
-
-    @property
-    def external_m2(self) -> float:
-        """Outer walls with their windows, the floor, and the roof if there is one."""
-        walls = (self.facade_m.south + self.facade_m.west) * self.height_m
-        return walls + self.floor_area_m2 * (2 if self.ceiling == "outdoors" else 1)

@@ -1,4 +1,4 @@
-"""Broken weather, rooms and published figures: source of their function, and what a run or report says."""
+"""Broken weather, rooms, published figures and effects: source of their function, and what a run or report says."""
 
 from __future__ import annotations
 
@@ -6,7 +6,12 @@ from collections.abc import Mapping
 from textwrap import indent
 
 FINDINGS = "findings = classmethod(lambda cls, run: "
-SIGNATURES = {"Weather": "load(cls, p, facades)", "Room": "build(cls, p)", "Reference": "rows(cls)"}
+SIGNATURES = {
+    "Weather": "load(cls, p, facades)",
+    "Room": "build(cls, p)",
+    "Reference": "rows(cls)",
+    "Effect": "apply(cls, belief, p)",
+}
 DAYS = "WeatherRecord(3600.0, '2023-01-01', np.zeros(48), {f: np.zeros(48) for f in facades})"
 NZEB = (
     "from dataclasses import replace\n"
@@ -15,19 +20,38 @@ NZEB = (
 )
 
 
+OF_EFFECT = """
+class Leak(Parameters):
+    fraction: float = parameter(0.0, unit="1", ge=0, le=1, description="Leak.", source="chosen for a test")
+
+
+"""
+IN_EFFECT = """
+    stage = "emitter"
+    Parameters = Leak
+    priors = {"fraction": Prior(0.0, 0.5, noticeable=0.01)}
+    sentence = classmethod(lambda cls, p: "The valve leaks.")
+"""
+
+
 def source(kind: str, body: str) -> str:
     """Source of a plugin of one component of this kind."""
     return f'''\
+from dataclasses import replace
+
 import numpy as np
 
-from waxstudy.plugin import PublishedRow, Reference, Room, Weather, WeatherRecord, hookimpl
+from waxstudy.plugin import (
+    Effect, Parameters, Prior, PublishedRow, Reference, Room, Weather, WeatherRecord, hookimpl, parameter
+)
 
-
+{OF_EFFECT if kind == "Effect" else ""}
 class Broken({kind}):
     """Made for a test."""
 
     name = "NAME"
     api_version = "1.0"
+{IN_EFFECT if kind == "Effect" else ""}
 
     @classmethod
     def {SIGNATURES[kind]}:
@@ -66,4 +90,17 @@ REFERENCES: Mapping[str, str] = {
     "findings-of-nothing": f"{ROWS}\n\n{FINDINGS}None)",
     "findings-of-dicts": f"{ROWS}\n\n{FINDINGS}[{{'id': 'a'}}])",
     "no-findings": ROWS,
+}
+COLDER = "belief.inputs.supply_C"
+EFFECTS: Mapping[str, tuple[str, str]] = {
+    "effect-that-changes-at-neutral": (
+        f"return replace(belief, inputs=replace(belief.inputs, supply_C={COLDER} - 1.0 - p.fraction))",
+        "at its neutral parameters, fraction = 0, an output changes by ",
+    ),
+    "effect-that-changes-its-belief": (
+        f"{COLDER}[:] -= p.fraction\nreturn belief",
+        "apply changes the belief that it is given: return another, with belief.changed or replace",
+    ),
+    "effect-of-nothing": ("return belief", "it changes nothing at any point of its range: controller 'on-off'"),
+    "effect-that-gives-none": ("return None", "apply gives None, not a Belief"),
 }

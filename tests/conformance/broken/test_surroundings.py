@@ -1,4 +1,4 @@
-"""What broken weather, rooms and published figures do is told in one line, which names the plugin or its table."""
+"""What broken weather, rooms, figures and effects do is told in one line, which names the plugin or its table."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from tests.cli.conftest import Entry
 from tests.conformance.broken.plugin import CHECK_FAILED, PLUGIN, install, module_of
-from tests.conformance.broken.surroundings import REFERENCES, ROOMS, WEATHER, source
+from tests.conformance.broken.surroundings import EFFECTS, REFERENCES, ROOMS, WEATHER, source
 from tests.conformance.broken.test_runs import STUDY
 from waxstudy.plugin.registry import installed
 
@@ -27,7 +27,7 @@ def offer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Offer]:
         installed.cache_clear()
 
     yield load
-    for name in {**WEATHER, **ROOMS, **REFERENCES}:
+    for name in {**WEATHER, **ROOMS, **REFERENCES, **EFFECTS}:
         sys.modules.pop(module_of(name), None)
     installed.cache_clear()
 
@@ -77,4 +77,14 @@ def test_the_kit_finds_each(entry: Entry, offer: Offer, name: str) -> None:
     offer(name, kind, {**WEATHER, **ROOMS, **REFERENCES}[name])
     done = entry("plugins", "check", name)
     assert (done.code, done.stderr) == (CHECK_FAILED, "")
+    assert "the check failed with" not in done.stdout
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_the_kit_says_of_each_effect_what_is_wrong(entry: Entry, offer: Offer, name: str) -> None:
+    body, says = EFFECTS[name]
+    offer(name, "Effect", body)
+    done = entry("plugins", "check", name)
+    assert (done.code, done.stderr) == (CHECK_FAILED, "")
+    assert says in done.stdout
     assert "the check failed with" not in done.stdout

@@ -13,7 +13,7 @@ from waxstudy.cli.errors import FAILED, USAGE, CommandError
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.plugins.lookup import as_json, print_json
 
-KINDS_HELP = "sensor, controller, modulator, actuator, valve, room, weather or reference."
+KINDS_HELP = "sensor, controller, modulator, actuator, valve, room, weather, effect or reference."
 
 
 @click.command("new", cls=Command)

@@ -36,7 +36,7 @@ def command(name: str, as_json: bool) -> None:
 
 def _described(entry: Registered) -> dict[str, Any]:
     """What a component says of itself; `problems` tells what of it cannot be shown."""
-    from waxstudy.plugin import Block
+    from waxstudy.plugin import Block, Effect
     from waxstudy.plugin.registry import PluginError, told
 
     component: Any = entry.component
@@ -47,6 +47,8 @@ def _described(entry: Registered) -> dict[str, Any]:
     if issubclass(component, Block):
         parts |= {"input": lambda: _port(component.input), "output": lambda: _port(component.output)}
         parts["state"] = lambda: _state(component)
+    if issubclass(component, Effect):
+        parts |= {"stage": lambda: str(component.stage), "priors": lambda: _priors(component.priors)}
     described = _declared(entry)
     for name, part in parts.items():
         try:
@@ -131,6 +133,16 @@ def _range(field: FieldInfo) -> str:
     return ", ".join(dict.fromkeys(choices))
 
 
+def _priors(priors: Any) -> dict[str, dict[str, Any]]:
+    """Where an effect's parameters are looked for."""
+    from waxstudy.plugin import Prior
+    from waxstudy.plugin.registry import PluginError
+
+    if not isinstance(priors, Mapping) or not all(isinstance(prior, Prior) for prior in priors.values()):
+        raise PluginError("they must be a table of Prior(low, high, noticeable=...)")
+    return {str(name): dict(vars(prior)) for name, prior in priors.items()}
+
+
 def _port(port: Any) -> dict[str, Any]:
     from waxstudy.plugin import Port
     from waxstudy.plugin.registry import PluginError
@@ -176,8 +188,11 @@ def _parts(shown: Mapping[str, Any]) -> list[object]:
     ports = [(side, shown[side]) for side in ("input", "output") if side in shown]
     parts += [""] if ports else []
     parts += [f"{side + ':':8} {p['quantity']} [{p['unit']}], {p['low']:g} to {p['high']:g}" for side, p in ports]
+    parts += ["", f"stage:   {shown['stage']}"] if "stage" in shown else []
     if "parameters" in shown:
         parts += ["", _parameter_table(shown["parameters"]) if shown["parameters"] else "no parameters"]
+    if shown.get("priors"):
+        parts += ["", _prior_table(shown["priors"])]
     if shown.get("state"):
         state = table(("state", "type", "at the start"))
         for field in shown["state"]:
@@ -193,6 +208,18 @@ def _parameter_table(parameters: list[dict[str, Any]]) -> object:
     for p in parameters:
         default = "required" if p["required"] else "" if p["default"] is None else _short(p["default"])
         rows.add_row(p["name"], p["unit"], p["range"], default, p["description"], p["source"])
+    return rows
+
+
+def _prior_table(priors: Mapping[str, Mapping[str, Any]]) -> object:
+    """Where each parameter is looked for; on a log scale the departures are factors."""
+    rows = table(("looked for", "from", "to", "scale", "noticeable", "covered by what is published"))
+    for name, prior in priors.items():
+        scale, times = ("log", "x ") if prior["is_log"] else ("linear", "")
+        tolerance = f"{times}{prior['tolerance']:g}" if prior["tolerance"] else ""
+        rows.add_row(
+            name, f"{prior['low']:g}", f"{prior['high']:g}", scale, f"{times}{prior['noticeable']:g}", tolerance
+        )
     return rows
 
 

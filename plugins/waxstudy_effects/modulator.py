@@ -1,0 +1,138 @@
+"""What stands between a controller's output and the heating signal, and is not believed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from waxstudy.plugin import Belief, Choice, Effect, Parameters, Prior, parameter
+from waxstudy_paper.modulators import Pwm
+
+USUAL_S = (600.0, 900.0, 1200.0, 1800.0, 3600.0)  # periods of manifold controllers
+
+
+class PeriodParameters(Parameters):
+    period_s: float = parameter(
+        3600.0,
+        unit="s",
+        gt=0.0,
+        le=86400.0,
+        description="Period; a decision is taken at the start of each.",
+        source="section 3.3: once per hour",
+    )
+
+
+class MinPulseParameters(Parameters):
+    min_pulse_s: float = parameter(
+        300.0,
+        unit="s",
+        ge=0.0,
+        le=43200.0,
+        description="Shortest pulse and shortest pause; a shorter one is left out.",
+        source="section 3.1.2 asks for 3 to 5 min of heating and cooling",
+    )
+
+
+class ModulationParameters(PeriodParameters, MinPulseParameters):
+    """Of the whole modulator."""
+
+
+PERIOD = Prior(300.0, 14400.0, noticeable=1.05, is_log=True)
+MIN_PULSE = Prior(0.0, 1800.0, noticeable=30.0)
+
+
+def is_continuous(belief: Belief) -> bool:
+    """Whether the controller's output takes values between 0 and 1: all do but those with a dead band."""
+    return belief.has("controller") and not belief.has("controller", "dead_band_K")
+
+
+class Modulation(Effect):
+    """A pulse-width modulation turns the controller's continuous output into pulses, where none is believed."""
+
+    name = "modulation"
+    api_version = "1.0"
+    stage = "modulator"
+    Parameters = ModulationParameters
+    priors = {"period_s": PERIOD, "min_pulse_s": MIN_PULSE}
+
+    @classmethod
+    def hindrance(cls, belief: Belief) -> str:
+        if belief.has("modulator"):
+            return "a modulator is believed already"
+        return "" if is_continuous(belief) else "the believed controller switches on and off itself"
+
+    @classmethod
+    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
+        return None
+
+    @classmethod
+    def apply(cls, belief: Belief, p: Any) -> Belief:
+        return belief.with_block("modulator", Choice.of(Pwm, dict(p)))
+
+    @classmethod
+    def sentence(cls, p: Any) -> str:
+        return f"The controller's output is turned into pulses, one every {p.period_s / 60.0:.0f} min."
+
+    @classmethod
+    def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
+        return [{"period_s": period_s, "min_pulse_s": 0.0} for period_s in USUAL_S]
+
+
+class PwmPeriod(Effect):
+    """The pulse-width modulation has another period."""
+
+    name = "pwm-period"
+    api_version = "1.0"
+    stage = "modulator"
+    Parameters = PeriodParameters
+    priors = {"period_s": PERIOD}
+
+    @classmethod
+    def hindrance(cls, belief: Belief) -> str:
+        return "" if belief.has("modulator", "period_s") else "no modulator with a period is believed"
+
+    @classmethod
+    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
+        return {"period_s": belief.value("modulator", "period_s")}
+
+    @classmethod
+    def apply(cls, belief: Belief, p: Any) -> Belief:
+        return belief.changed("modulator", period_s=p.period_s)
+
+    @classmethod
+    def sentence(cls, p: Any) -> str:
+        return f"The modulation decides once every {p.period_s / 60.0:.1f} min."
+
+    @classmethod
+    def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
+        return [{"period_s": period_s} for period_s in USUAL_S]
+
+
+class MinPulse(Effect):
+    """The pulse-width modulation leaves out pulses and pauses shorter than `min_pulse_s`."""
+
+    name = "min-pulse"
+    api_version = "1.0"
+    stage = "modulator"
+    Parameters = MinPulseParameters
+    priors = {"min_pulse_s": MIN_PULSE}
+
+    @classmethod
+    def hindrance(cls, belief: Belief) -> str:
+        return "" if belief.has("modulator", "min_pulse_s") else "no modulator with a shortest pulse is believed"
+
+    @classmethod
+    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
+        return {"min_pulse_s": belief.value("modulator", "min_pulse_s")}
+
+    @classmethod
+    def apply(cls, belief: Belief, p: Any) -> Belief:
+        return belief.changed("modulator", min_pulse_s=p.min_pulse_s)
+
+    @classmethod
+    def sentence(cls, p: Any) -> str:
+        return f"Pulses and pauses shorter than {p.min_pulse_s:.0f} s are left out."
+
+    @classmethod
+    def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
+        return [{"min_pulse_s": pulse_s} for pulse_s in (0.0, 180.0, 600.0)]

@@ -1,0 +1,85 @@
+"""The room that a dataset tells of: in a study's words, or built as [building] says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from waxstudy.dataset.notes import Notes
+from waxstudy.plugin import OutsideRoom, Parameters, Room
+from waxstudy.plugin.registry import PluginError, Registry, nearest, told
+from waxstudy.study.check import Check
+from waxstudy.study.model import Choice
+from waxstudy.study.spots import RawTable, Spot, Written
+
+ROOM, BUILDING = Spot.table("room"), Spot.table("building")
+
+
+def read_room(check: Check, notes: Notes) -> Choice | None:
+    """Return the room of [room] or of [building]; None if there is neither."""
+    room, building = check.table(ROOM), check.table(BUILDING)
+    if room and building:
+        check.problem(BUILDING, "there is [room] already: tell the room in one of them")
+        return None
+    if room:
+        return check.choice("room", RawTable.of(room, ROOM))
+    return _built(check, building, notes) if building else None
+
+
+def _built(check: Check, values: dict[str, Any], notes: Notes) -> Choice | None:
+    """Return the room that can be told in words and numbers, with the numbers given."""
+    rooms = list(_describable(check.registry))
+    if not rooms:
+        check.problem(BUILDING, "no room is installed that can be told in words and numbers", allowed="give [room]")
+        return None
+    room = rooms[0]
+    try:
+        with told(f"room '{room.name}'", ValueError):
+            parameters = _parameters(check, room, values, notes)
+    except ValueError as error:
+        check.problem(BUILDING, str(error))
+    except PluginError as error:
+        check.problem(BUILDING, str(error), of_plugin=True)
+    else:
+        return Choice(room, parameters) if parameters else None
+    return None
+
+
+def _parameters(check: Check, room: type[Room], values: dict[str, Any], notes: Notes) -> Parameters | None:
+    """Return the room's parameters; what is wrong with them is noted where [building] has the key, or has itself."""
+    model: type[Parameters] = room.Building  # type: ignore[assignment]
+    known, words = _sorted(model, values, notes)
+    building = check.parameters(model, RawTable.of(known, BUILDING))
+    if building is None:
+        return None
+    parameters, assumptions = room.of_building(building)
+    notes.assume(f"The room is '{room.name}' with the numbers of [building].")
+    for sentence in assumptions:
+        notes.assume(sentence)
+    if words:
+        notes.assume(f"Words in [building] are for people and are not read: {', '.join(words)}.")
+    written = {key: Written(value, BUILDING.at(key)) for key, value in parameters.items()}
+    return check.parameters(room.Parameters, RawTable(written, BUILDING, BUILDING))
+
+
+def _describable(registry: Registry) -> Iterator[type[Room]]:
+    """Yield the rooms that take [building], ours first; the fast ones only, as a diagnosis asks for many runs."""
+    for entry in registry.components.values():
+        room = entry.component
+        if issubclass(room, Room) and room.Building is not None and not issubclass(room, OutsideRoom):
+            yield room
+
+
+def _sorted(model: type[Parameters], values: dict[str, Any], notes: Notes) -> tuple[dict[str, Any], list[str]]:
+    """Return what the room knows, and the keys that only hold words; warn of numbers that it does not know."""
+    known, words = {}, []
+    for key, value in values.items():
+        if key in model.model_fields:
+            known[key] = value
+        elif isinstance(value, str):
+            words.append(key)
+        else:
+            near = nearest(key, model.model_fields)
+            hint = f"; did you mean '{near}'?" if near else ""
+            notes.warn(f"[building] {key} is not known and not read{hint}")
+    return known, words

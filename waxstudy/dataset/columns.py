@@ -1,0 +1,121 @@
+"""From a file's columns to our channels: names, factors, means and sums of [columns], and numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.tables import Column
+from waxstudy.plugin.registry import nearest
+from waxstudy.study.problems import listed, shown
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+TIME = "time"
+UNREADABLE_SHARE = 0.5  # of the cells of a column that are no numbers: beyond, it is another column
+WORDS = {"on": 1.0, "true": 1.0, "open": 1.0, "off": 0.0, "false": 0.0, "closed": 0.0}
+NAMED = 20  # columns that a message lists
+
+
+def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, notes: Notes) -> pd.DataFrame | None:
+    """Return the channels that the file has, in our units; a channel is found by its own name or by [columns]."""
+    import pandas as pd
+
+    wanted = {name: columns.get(name, Column(column=name)) for name in CHANNELS}
+    found = {
+        name: column for name, column in wanted.items() if name in columns or (name in table.columns and name != time)
+    }
+    _tell_others(table, found, time, bool(columns), notes)
+    if not found:
+        allowed = f"columns: {_some(table)}; channels: {listed(CHANNELS)}"
+        notes.refuse("", "has no channel: name its columns as the channels, or map them in [columns]", allowed=allowed)
+        return None
+    values = {name: _value(name, column, table, notes) for name, column in found.items()}
+    if any(value is None for value in values.values()):
+        return None
+    return pd.DataFrame(values, index=table.index)
+
+
+def without_empty(channels: pd.DataFrame, notes: Notes) -> pd.DataFrame:
+    """Return the channels that hold a value; note it if none does."""
+    empty = [name for name in channels.columns if channels[name].isna().all()]
+    if len(empty) == len(channels.columns):
+        notes.refuse(", ".join(empty), "holds no value at all")
+    for name in empty:
+        notes.warn(f"{name} holds no value: taken as not measured")
+    return channels.drop(columns=empty)
+
+
+def _value(channel: str, column: Column, table: pd.DataFrame, notes: Notes) -> pd.Series | None:
+    """Return one channel; missing wherever one of its columns is."""
+    parts = []
+    for part in column.parts:
+        if part.column not in table.columns:
+            near = nearest(part.column, table.columns)
+            allowed = f"columns: {_some(table)}"
+            notes.refuse(channel, f"there is no column '{part.column}'", near=near, allowed=allowed)
+            continue
+        numbers = _numbers(channel, table[part.column], notes)
+        if numbers is not None:
+            parts.append(part.scale * numbers)
+    if len(parts) < len(column.parts):
+        return None
+    total = sum(parts[1:], parts[0])
+    if column.mean is not None:
+        total = total / len(parts)
+    return total if (column.scale, column.offset) == (1.0, 0.0) else column.scale * total + column.offset
+
+
+def _numbers(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None:
+    """Return a column's numbers; a cell that is none, or infinite, is missing, and the user is told."""
+    import pandas as pd
+
+    if pd.api.types.is_datetime64_any_dtype(written):
+        notes.refuse(channel, "holds times, not numbers; are columns swapped?")
+        return None
+    if CHANNELS[channel].quantity == "level" and pd.api.types.is_string_dtype(written):
+        written = _in_words(channel, written, notes)
+    numbers = pd.to_numeric(written, errors="coerce").astype(float)
+    numbers = numbers.where(np.isfinite(numbers))
+    bad = written.notna() & numbers.isna()
+    if not bad.any():
+        return numbers
+    row = int(np.argmax(bad.to_numpy()))
+    example, line = shown(str(written.iloc[row])), row + 2
+    if bad.sum() > UNREADABLE_SHARE * written.notna().sum():
+        wrong = f"{bad.sum()} of {len(written)} cells are no numbers"
+        hint = '[dataset] decimal = "," if it is a decimal comma' if "," in example else ""
+        notes.refuse(channel, wrong, line=line, value=example, allowed=hint)
+        return None
+    notes.warn(f"{channel}: {bad.sum()} cells are no numbers (the first is {example} in line {line}): missing")
+    return numbers
+
+
+def _in_words(channel: str, written: pd.Series, notes: Notes) -> pd.Series:
+    """Return a signal that is told in words as numbers; other cells as they are."""
+    words = written.str.strip().str.lower().map(WORDS)
+    if words.notna().any():
+        notes.assume(f"{channel} is told in words: on, true and open are 1, off, false and closed are 0.")
+    return words.astype(object).where(words.notna(), written)
+
+
+def _tell_others(table: pd.DataFrame, found: Mapping[str, Column], time: str, is_mapped: bool, notes: Notes) -> None:
+    """Say which columns are not read: in a file of our own each may be a misspelled channel."""
+    used = {part.column for column in found.values() for part in column.parts} | {time}
+    others = [name for name in table.columns if name not in used]
+    if is_mapped and others:
+        notes.assume(f"{len(others)} columns of the data file that [columns] does not name are not read.")
+    for name in () if is_mapped else others:
+        near = nearest(name, CHANNELS)
+        hint = f"; did you mean '{near}'?" if near else ""
+        notes.warn(f"column '{name}' is no channel and is not read{hint}")
+
+
+def _some(table: pd.DataFrame) -> str:
+    names = [str(name) for name in table.columns]
+    return listed(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")

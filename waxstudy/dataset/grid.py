@@ -1,0 +1,104 @@
+"""From rows as they were logged to a regular grid."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.columns import TIME
+from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.tables import DatasetTable
+from waxstudy.plugin import FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+FINER = 0.67  # of the interval: stamps nearer to each other are several to an interval
+COARSER = 1.5  # of the interval: without any stamps nearer than that, the interval is not the file's
+FEW = 10  # rows from which the distance of stamps says nothing
+LONGEST = 20_000_000  # intervals
+NS = 1_000_000_000
+
+
+def on_grid(
+    values: pd.DataFrame, times: pd.DatetimeIndex, about: DatasetTable, notes: Notes
+) -> tuple[pd.DataFrame, float] | None:
+    """Return the channels at the ends of equal intervals, missing where no row is near, and the interval [s]."""
+    import pandas as pd
+
+    seconds = times.as_unit("ns").asi8
+    steps_s = np.diff(seconds) / NS
+    usual_s = float(np.median(steps_s))
+    interval_s = about.interval_s or _usual(steps_s, notes)
+    if about.stamps == "start":
+        seconds = seconds + round(min(usual_s, interval_s) * NS)
+        notes.assume("Rows are stamped at the start of their intervals; the stamps are moved to the end.")
+    if not _fits(steps_s, interval_s, notes):
+        return None
+    finer = usual_s < FINER * interval_s
+    step, phase = round(interval_s * NS), 0
+    if not finer:
+        phase = _phase(seconds, step)
+    ceil = -((phase - seconds) // step)
+    place = ceil if finer else (seconds - phase + step // 2) // step
+    off = np.abs(place * step + phase - seconds) / NS
+    count = int(place[-1] - place[0]) + 1
+    if count > LONGEST:
+        notes.refuse(TIME, f"from {times[0]} to {times[-1]} there are {count} intervals of {interval_s:g} s")
+        return None
+    stamps = pd.DatetimeIndex((np.arange(count) + place[0]) * step + phase, name=TIME)
+    rows = values.set_axis(place - place[0], axis="index")
+    gridded = _means(rows, interval_s, usual_s, notes) if finer else _nearest(rows, off, notes)
+    return gridded.reindex(np.arange(count)).set_axis(stamps, axis="index"), interval_s
+
+
+def _usual(steps_s: FloatArray, notes: Notes) -> float:
+    distances, counts = np.unique(np.round(steps_s, 3), return_counts=True)
+    interval_s = float(distances[np.argmax(counts)])
+    notes.assume(f"The interval is {interval_s:g} s, the most frequent distance of stamps, as interval_s is not given.")
+    return interval_s
+
+
+def _fits(steps_s: FloatArray, interval_s: float, notes: Notes) -> bool:
+    if len(steps_s) >= FEW and steps_s.min() > COARSER * interval_s:
+        wrong = f"the stamps are {steps_s.min():g} s and more from each other, but interval_s = {interval_s:g}"
+        notes.refuse(TIME, wrong)
+        return False
+    return True
+
+
+def _phase(seconds: np.ndarray, step: int) -> int:
+    """Return where the grid lies: where most stamps do, or at whole intervals of the day."""
+    phases, counts = np.unique(seconds % step, return_counts=True)
+    return int(phases[np.argmax(counts)]) if counts.max() * 2 > len(seconds) else 0
+
+
+def _nearest(rows: pd.DataFrame, off_s: FloatArray, notes: Notes) -> pd.DataFrame:
+    """Return the rows at the nearest places of the grid; of two, the nearer."""
+    moved = int((off_s > 0.0).sum())
+    if moved:
+        sentence = (
+            f"{moved} of {len(off_s)} stamps are off the grid, by up to {off_s.max():.3g} s: moved to the nearest"
+        )
+        notes.warn(sentence)
+    if rows.index.is_unique:
+        return rows
+    order = np.argsort(off_s, kind="stable")
+    kept = rows.iloc[order]
+    kept = kept[~kept.index.duplicated()]
+    notes.warn(f"{len(rows) - len(kept)} rows fall on a place of the grid that a nearer row has taken: left out")
+    return kept
+
+
+def _means(rows: pd.DataFrame, interval_s: float, usual_s: float, notes: Notes) -> pd.DataFrame:
+    """Return means over the interval for channels that are means, and the last value for all others."""
+    places = rows.groupby(level=0, sort=True)
+    sentence = f"The file's rows are {usual_s:g} s apart: over {interval_s:g} s, flow and gains are averaged"
+    notes.assume(f"{sentence}; of all else the last value of the interval is taken.")
+    gridded = places.last()
+    for name in rows.columns:
+        if CHANNELS[name].is_mean:
+            gridded[name] = places[name].mean()
+    return gridded

@@ -1,0 +1,29 @@
+"""What reading a dataset has to say: what makes it unusable, what the user must know, and what was assumed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from waxstudy.study.problems import Problem
+
+
+@dataclass
+class Notes:
+    """Notes on one data file, collected so that all are told at once."""
+
+    file: str
+    problems: list[Problem] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    assumptions: list[str] = field(default_factory=list)
+
+    def refuse(
+        self, key: str, wrong: str, *, line: int = 0, value: str = "", near: str = "", allowed: str = ""
+    ) -> None:
+        """Note what makes the data file unusable."""
+        self.problems.append(Problem(self.file, line, "", key, value, wrong, near, allowed))
+
+    def warn(self, sentence: str) -> None:
+        self.warnings.append(sentence)
+
+    def assume(self, sentence: str) -> None:
+        self.assumptions.append(sentence)

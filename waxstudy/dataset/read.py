@@ -1,0 +1,149 @@
+"""Reading a dataset: description, data, grid, checks; all problems at once (format: docs/datasets.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from waxstudy.dataset.clocks import look_at_clocks
+from waxstudy.dataset.columns import channels_of, without_empty
+from waxstudy.dataset.defects import look_at_samples, without_faults
+from waxstudy.dataset.description import FILES, Description, read_description
+from waxstudy.dataset.grid import on_grid
+from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.plausible import look_at_units
+from waxstudy.dataset.stamps import stamps_of
+from waxstudy.dataset.swapped import look_at_pairs
+from waxstudy.dataset.text import read_table
+from waxstudy.plugin import Room
+from waxstudy.plugin.registry import PluginError, Registry, installed, told
+from waxstudy.study.check import Check
+from waxstudy.study.model import Choice
+from waxstudy.study.problems import StudyError
+from waxstudy.study.source import read_source
+from waxstudy.study.spots import Spot
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """A record on a regular grid, and what the modeller believes."""
+
+    name: str
+    folder: Path
+    interval_s: float
+    time: pd.DatetimeIndex  # naive local standard time, end of each interval
+    values: pd.DataFrame  # index = time; a column per channel that is there; NaN = missing or discarded
+    assumed: tuple[str, ...]  # channels that are assumed rather than measured
+    nominal: Mapping[str, Choice]  # chain blocks by kind, as Case.blocks
+    setpoint_C: float | None  # believed; the channel setpoint_C, if there, wins
+    room: Choice | None
+    noise: Mapping[str, float]  # standard deviation by channel
+    warnings: tuple[str, ...]  # what the user must know
+    assumptions: tuple[str, ...]  # what was assumed, one sentence each
+
+
+def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
+    """Return the checked dataset of a folder; raise `StudyError` with every problem of its files.
+
+    The components that [nominal], [room] and [building] may name are those of `registry`, by default all installed.
+    """
+    check = Check(read_source(folder / "dataset.toml"), registry or installed())
+    path = _data_path(check, folder)
+    notes = Notes(str(path))
+    described = read_description(check, notes)
+    full_L_h = _full_flow_L_h(check, described.room)
+    is_clear = not any(problem.where in ("[dataset]", "[columns]") for problem in check.problems)
+    record = _record(path, described, full_L_h, notes) if path and is_clear else None
+    problems = [*check.problems, *notes.problems]
+    if problems or record is None:
+        raise StudyError(problems)
+    values, interval_s = record
+    return Dataset(
+        name=described.about.name or folder.resolve().name,
+        folder=folder,
+        interval_s=interval_s,
+        time=_stamps(values),
+        values=values,
+        assumed=tuple(name for name in described.about.inputs if name in values),
+        nominal=described.nominal,
+        setpoint_C=described.setpoint_C,
+        room=described.room,
+        noise=described.noise,
+        warnings=tuple(dict.fromkeys(notes.warnings)),
+        assumptions=tuple(dict.fromkeys(notes.assumptions)),
+    )
+
+
+def _data_path(check: Check, folder: Path) -> Path | None:
+    spot = Spot.table("dataset").at("file")
+    table = check.source.values.get("dataset")
+    name = table.get("file") if isinstance(table, dict) else None
+    if isinstance(name, str):
+        path = folder / name
+        if _is_file(path):
+            return path
+        check.problem(spot, "no such file", value=name, allowed=f"looked for {path}")
+        return None
+    found = [folder / name for name in FILES if _is_file(folder / name)]
+    if not found:
+        check.problem(Spot.table(), f"there is no {' or '.join(FILES)} beside it, and [dataset] names no file")
+    return found[0] if found else None
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long, or with characters that no file name has
+        return False
+
+
+def _full_flow_L_h(check: Check, room: Choice | None) -> float | None:
+    """Return the flow of the believed room with its valve open; note it if the room cannot be built."""
+    if room is None:
+        return None
+    component: type[Room] = room.component  # type: ignore[assignment]
+    spot = Spot.table("room" if check.source.values.get("room") else "building")
+    try:
+        with told(f"room '{component.name}'", ValueError):
+            return float(component.build(room.parameters).full_flow_L_h)
+    except ValueError as error:
+        check.problem(spot, str(error))
+    except PluginError as error:
+        check.problem(spot, str(error), of_plugin=True)
+    return None
+
+
+def _record(
+    path: Path, described: Description, full_L_h: float | None, notes: Notes
+) -> tuple[pd.DataFrame, float] | None:
+    """Return the channels on the grid, looked at, and its interval [s]; note what is wrong with them."""
+    table = read_table(path, described.about, notes)
+    if table is None:
+        return None
+    times = stamps_of(table, described.time, described.about, notes)
+    channels = channels_of(table, described.columns, described.time, notes)
+    if times is None or channels is None:
+        return None
+    rows = without_empty(without_faults(channels, times, notes), notes)
+    look_at_units(rows, full_L_h, notes)
+    record = None if notes.problems else on_grid(rows, times, described.about, notes)
+    if record is not None:
+        _look(*record, "modulator" in described.nominal, notes)
+    return record
+
+
+def _look(values: pd.DataFrame, interval_s: float, has_modulator: bool, notes: Notes) -> None:
+    look_at_samples(values, interval_s, notes)
+    look_at_pairs(values, has_modulator, notes)
+    look_at_clocks(values, interval_s, has_modulator, notes)
+
+
+def _stamps(values: pd.DataFrame) -> pd.DatetimeIndex:
+    import pandas as pd
+
+    return pd.DatetimeIndex(values.index)

@@ -1,0 +1,124 @@
+"""The time column: stamps that can be read, in order, once each, at the end of their intervals."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from waxstudy.dataset.columns import TIME
+from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.tables import DatasetTable
+from waxstudy.plugin.registry import nearest
+from waxstudy.study.problems import listed, shown
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+YEARS = (1900, 2200)
+DAY_FIRST = r"\s*\d{1,2}\.\d{1,2}\.\d{4}"
+
+
+def stamps_of(table: pd.DataFrame, column: str, about: DatasetTable, notes: Notes) -> pd.DatetimeIndex | None:
+    """Return the stamps as naive local standard time; note why they cannot be used."""
+    if column not in table.columns:
+        near = nearest(column, table.columns)
+        state = f'if the time has another name, say [columns] {TIME} = "..."'
+        names = listed(map(str, table.columns[:20]))
+        notes.refuse(column, "there is no such column", near=near, allowed=f"{state}; columns: {names}")
+        return None
+    if len(table) < 2:
+        notes.refuse(column, "a record needs at least two rows")
+        return None
+    times = _parsed(table[column], about.time_format, notes)
+    if times is None:
+        return None
+    strange = np.flatnonzero((times.year < YEARS[0]) | (times.year > YEARS[1]))
+    if len(strange):
+        row = int(strange[0])
+        notes.refuse(TIME, f"{times[row]} is not within the years {YEARS[0]} to {YEARS[1]}", line=row + 2)
+        return None
+    times = _local(times, notes)
+    return times if _in_order(times, notes) else None
+
+
+def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
+    """Return the stamps with their offsets from UTC, if they have any; note the first that cannot be read."""
+    import pandas as pd
+
+    if pd.api.types.is_datetime64_any_dtype(written):
+        times: pd.Series = written
+    elif pd.api.types.is_numeric_dtype(written):
+        notes.refuse(TIME, "is a number, not a date and time", line=2, value=shown(written.iloc[0]))
+        return None
+    else:
+        zoned = written.str.contains(r"(?:Z|[+-]\d\d:?\d\d)\s*$", na=False)
+        if 0 < zoned.sum() < written.notna().sum():
+            row = int(np.argmin(zoned.to_numpy()))
+            notes.refuse(TIME, "some stamps have an offset from UTC and some have none", line=row + 2)
+            return None
+        if zoned.any():
+            return _standard(written, time_format, notes)
+        times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce")
+    return _all_read(written, times, time_format, notes)
+
+
+def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
+    """Return stamps with offsets from UTC in the smallest of their offsets: standard time, not summer time."""
+    import pandas as pd
+
+    times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce", utc=True)
+    read = _all_read(written, times, time_format, notes)
+    if read is None:
+        return None
+    offsets = written.str.extract(r"([+-])(\d\d):?(\d\d)\s*$")
+    signs = np.where(offsets[0] == "-", -1.0, 1.0)
+    minutes = (offsets[1].astype(float) * 60.0 + offsets[2].astype(float)).fillna(0.0).to_numpy() * signs
+    least = float(minutes.min())
+    notes.assume(f"Stamps are taken as local standard time at UTC{least / 60:+g} h, the smallest offset in the file.")
+    return read.tz_convert(None) + pd.Timedelta(minutes=least)
+
+
+def _all_read(written: pd.Series, times: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
+    import pandas as pd
+
+    bad = times.isna().to_numpy()
+    if not bad.any():
+        return pd.DatetimeIndex(times)
+    row = int(np.argmax(bad))
+    text = str(written.iloc[row])
+    if time_format is None and bad.all() and written.astype(str).str.match(DAY_FIRST).iloc[row]:
+        hint = 'say [dataset] time_format = "%d.%m.%Y %H:%M" or as it is'
+    else:
+        hint = f"expected {time_format or 'ISO 8601, as 2020-01-31T12:00:00'}"
+    is_missing = bool(written.isna().iloc[row])
+    wrong = "missing" if is_missing else "cannot be read as date and time"
+    others = f" ({bad.sum()} such rows)" if bad.sum() > 1 else ""
+    notes.refuse(TIME, wrong + others, line=row + 2, value="" if is_missing else shown(text), allowed=hint)
+    return None
+
+
+def _local(times: pd.DatetimeIndex, notes: Notes) -> pd.DatetimeIndex:
+    """Return stamps of a parquet file without their zone, in its standard time."""
+    if times.tz is None:
+        return times.as_unit("ns")
+    import pandas as pd
+
+    summer = [stamp.dst() or pd.Timedelta(0) for stamp in times]
+    notes.assume(f"Stamps in {times.tz} are taken as its standard time.")
+    return (times.tz_localize(None) - pd.TimedeltaIndex(summer)).as_unit("ns")
+
+
+def _in_order(times: pd.DatetimeIndex, notes: Notes) -> bool:
+    steps = np.diff(times.to_numpy())
+    back, same = np.flatnonzero(steps < np.timedelta64(0)), np.flatnonzero(steps == np.timedelta64(0))
+    if len(back):
+        row = int(back[0]) + 1
+        wrong = f"time goes back, from {times[row - 1]} to {times[row]}"
+        wrong += f", and at {len(back) - 1} more places" if len(back) > 1 else ""
+        notes.refuse(TIME, wrong, line=row + 2, allowed="rows in order of time, in standard time all year")
+    if len(same):
+        row = int(same[0]) + 1
+        wrong = f"the stamp {times[row]} is there twice" + (f" ({len(same)} such stamps)" if len(same) > 1 else "")
+        notes.refuse(TIME, wrong, line=row + 2, allowed="one row per stamp, in standard time all year")
+    return not (len(back) or len(same))

@@ -1,0 +1,276 @@
+"""Fitting effects and, where a room takes part, what nobody knows of it, to one link of a record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from waxstudy.gap.judge import FIT, SELECT, Errors, Judge
+from waxstudy.gap.links import Link, Reading
+from waxstudy.gap.record import Record
+from waxstudy.gap.unknowns import unknowns
+from waxstudy.plugin import Belief, Effect, FloatArray, Prior
+from waxstudy.simulation.interpreted import SimulationError
+
+IMPOSSIBLE = 1e12  # loss of a belief that cannot be
+SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
+SCAN_MORE = 64
+REFINE = {1: 30, 2: 60, 3: 110}
+REFINE_MORE = 160
+
+Values = Mapping[str, float]
+EffectType = type[Effect]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A belief with effects and departures fitted to a link: what it says, and what it misses."""
+
+    effects: tuple[tuple[EffectType, Values], ...]
+    reading: Reading
+    departures: FloatArray
+    errors: Sequence[Errors] = field(repr=False)
+
+    def loss(self, part: int) -> float:
+        return sum(each.loss(part) for each in self.errors)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(effect.name for effect, _ in self.effects)
+
+
+class Fitter:
+    """Fits hypotheses to one link, always from the same belief."""
+
+    def __init__(self, link: Link, record: Record, belief: Belief, thorough: float = 1.0) -> None:
+        self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
+        self.judge = Judge(link, record, belief)
+        self.unknowns = unknowns(belief, record) if link.with_room else []
+        self.sd = np.array([unknown.sd for unknown in self.unknowns])
+
+    # --- one hypothesis at given values ---
+
+    def edited(self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray) -> Belief:
+        """Return the belief with departures of the room and with effects; raise `ValueError` where it cannot be."""
+        belief = self.belief
+        absorbed = {name for effect, _ in effects for name in effect.absorbs}
+        for unknown, value in zip(self.unknowns, departures, strict=True):
+            if unknown.name not in absorbed:
+                belief = unknown.apply(belief, float(value))
+        for effect, values in effects:
+            belief = effect.apply(belief, effect.Parameters(**values))
+        return belief
+
+    def at(
+        self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray, reading: Reading
+    ) -> Fitted | None:
+        """Return what a hypothesis misses at given values, or None where it cannot be simulated."""
+        try:
+            predicted = self.link.predict(self.record, self.edited(effects, departures), reading)
+        except (SimulationError, ValueError):
+            return None
+        return Fitted(tuple(effects), reading, departures, self.judge.errors(predicted))
+
+    # --- fitting ---
+
+    @cached_property
+    def base(self) -> Fitted:
+        """The belief itself, its room fitted to the first part, read in the way that fits best."""
+        start = np.zeros(len(self.sd))
+        return self._best([self._room_fit((), start, reading, (FIT,)) for reading in self.link.readings])
+
+    def _best(self, tried: Sequence[Fitted | None]) -> Fitted:
+        done = [each for each in tried if each is not None]
+        if not done:
+            raise ValueError(f"what is believed of {self.link.name} cannot be simulated")
+        return min(done, key=lambda each: self._score(each, (FIT, SELECT)))
+
+    def _score(self, fitted: Fitted | None, parts: Sequence[int]) -> float:
+        if fitted is None:
+            return IMPOSSIBLE
+        prior = float(np.sum((fitted.departures / self.sd) ** 2)) if len(self.sd) else 0.0
+        return sum(fitted.loss(part) for part in parts) + prior
+
+    def fit(self, effect: EffectType, given: Fitted, parts: Sequence[int] = (FIT,)) -> Fitted | None:
+        """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""
+        if effect.hindrance(self.edited(given.effects, given.departures)):
+            return None
+        space = Space(effect)
+        found = [self._scanned(effect, space, given, reading, parts) for reading in self.link.readings]
+        best = min(found, key=lambda each: each[0])
+        if best[0] >= IMPOSSIBLE:
+            return None
+        _, values, reading = best
+        return self.refined((*given.effects, (effect, values)), given.departures, reading, parts)
+
+    def _scanned(
+        self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
+    ) -> tuple[float, Values, Reading]:
+        tried = [*space.points(self.thorough), *effect.starts(self.belief)]
+        scores = [self._score(self._at((*given.effects, (effect, v)), given, reading, parts), parts) for v in tried]
+        best = int(np.argmin(scores))
+        return scores[best], tried[best], reading
+
+    def _at(
+        self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading, parts: Sequence[int]
+    ) -> Fitted | None:
+        """Return a hypothesis with the room's departures where they would go, were everything straight from here."""
+        fitted = self.at(effects, given.departures, reading)
+        if fitted is None or not self.unknowns:
+            return fitted
+        return replace(fitted, errors=self._followed(fitted, parts))
+
+    def _followed(self, fitted: Fitted, parts: Sequence[int]) -> list[Errors]:
+        """Return the errors after the room's departures follow, by the slopes at the base."""
+        sizes = [len(each.whitened) for each in fitted.errors]
+        whole = np.concatenate([each.whitened for each in fitted.errors])
+        fit = np.concatenate([np.isin(each.part, parts) for each in fitted.errors])
+        slopes = self._slopes
+        lhs = np.vstack((slopes[fit], np.diag(1.0 / self.sd)))
+        rhs = np.concatenate((whole[fit], fitted.departures / self.sd))
+        step = np.linalg.lstsq(lhs, -rhs, rcond=None)[0]
+        moved = np.split(whole + slopes @ step, np.cumsum(sizes)[:-1])
+        return [replace(each, whitened=vector) for each, vector in zip(fitted.errors, moved, strict=True)]
+
+    @cached_property
+    def _slopes(self) -> FloatArray:
+        """Change of the whitened errors with each departure of the room (m, unknowns), at the base."""
+        base = self.base
+        whole = np.concatenate([each.whitened for each in base.errors])
+        columns = []
+        for place, sd in enumerate(self.sd):
+            step = 0.1 * sd * (1.0 if base.departures[place] <= 0.0 else -1.0)
+            moved = base.departures.copy()
+            moved[place] += step
+            other = self.at(base.effects, moved, base.reading)
+            assert other
+            columns.append((np.concatenate([each.whitened for each in other.errors]) - whole) / step)
+        return np.column_stack(columns)
+
+    def refined(
+        self,
+        effects: Sequence[tuple[EffectType, Values]],
+        departures: FloatArray,
+        reading: Reading,
+        parts: Sequence[int] = (FIT,),
+    ) -> Fitted | None:
+        """Return a hypothesis with all its parameters fitted together from given ones."""
+        if self.unknowns:
+            return self._room_fit(effects, departures, reading, parts)
+        if not effects:
+            return self.at(effects, departures, reading)
+        spaces = [Space(effect) for effect, _ in effects]
+        start = np.concatenate([space.inside(values) for space, (_, values) in zip(spaces, effects, strict=True)])
+
+        def loss(x: FloatArray) -> float:
+            return self._score(self.at(_valued(effects, spaces, x), departures, reading), parts)
+
+        most = REFINE.get(len(start), REFINE_MORE)
+        found = _descend(loss, start, round(most * self.thorough))
+        return self.at(_valued(effects, spaces, found), departures, reading)
+
+    def _room_fit(
+        self,
+        effects: Sequence[tuple[EffectType, Values]],
+        departures: FloatArray,
+        reading: Reading,
+        parts: Sequence[int],
+    ) -> Fitted | None:
+        """Fit departures and effects together by least squares, the departures held by their priors."""
+        if not self.unknowns:
+            return self.at(effects, departures, reading)
+        from scipy.optimize import least_squares
+
+        spaces = [Space(effect) for effect, _ in effects]
+        inside = [space.inside(values) for space, (_, values) in zip(spaces, effects, strict=True)]
+        first = np.concatenate((departures / self.sd, *inside))
+        count = len(self.sd)
+        size = 0
+
+        def missed(x: FloatArray) -> FloatArray:
+            nonlocal size
+            fitted = self.at(_valued(effects, spaces, x[count:]), x[:count] * self.sd, reading)
+            if fitted is None:
+                return np.full(size, 1e3)
+            chosen = [each.whitened * np.isin(each.part, parts) for each in fitted.errors]
+            found: FloatArray = np.concatenate((*chosen, x[:count]))
+            size = len(found)
+            return found
+
+        low = np.concatenate((np.full(count, -6.0), np.zeros(len(first) - count)))
+        high = np.concatenate((np.full(count, 6.0), np.ones(len(first) - count)))
+        scale = np.concatenate((np.ones(count), np.full(len(first) - count, 0.1)))
+        start = np.clip(first, low + 1e-6, high - 1e-6)
+        if self.at(_valued(effects, spaces, start[count:]), start[:count] * self.sd, reading) is None:
+            return None
+        found = least_squares(
+            missed, start, bounds=(low, high), x_scale=scale, diff_step=2e-3, max_nfev=max(4, round(10 * self.thorough))
+        )
+        return self.at(_valued(effects, spaces, found.x[count:]), found.x[:count] * self.sd, reading)
+
+
+class Space:
+    """The parameters of an effect as a unit cube."""
+
+    def __init__(self, effect: EffectType) -> None:
+        self.names, self.priors = list(effect.priors), list(effect.priors.values())
+
+    def values(self, x: FloatArray) -> Values:
+        return {name: _value(prior, float(at)) for name, prior, at in zip(self.names, self.priors, x, strict=True)}
+
+    def inside(self, values: Values) -> FloatArray:
+        return np.array([_place(prior, values[name]) for name, prior in zip(self.names, self.priors, strict=True)])
+
+    def points(self, thorough: float) -> list[Values]:
+        """Return points spread over the cube: evenly for one parameter, else a Sobol sequence."""
+        count = len(self.names)
+        wanted = max(5, round(SCAN.get(count, SCAN_MORE) * thorough))
+        if count == 1:
+            return [self.values(np.array([at])) for at in np.linspace(0.0, 1.0, wanted)]
+        from scipy.stats import qmc
+
+        spread = qmc.Sobol(count, scramble=False).random_base2(int(np.ceil(np.log2(wanted + 1))))
+        return [self.values(point) for point in spread[1 : wanted + 1]]
+
+
+def _value(prior: Prior, at: float) -> float:
+    at = min(1.0, max(0.0, at))
+    return prior.low * (prior.high / prior.low) ** at if prior.is_log else prior.low + (prior.high - prior.low) * at
+
+
+def _place(prior: Prior, value: float) -> float:
+    if prior.is_log:
+        return float(np.log(max(value, prior.low) / prior.low) / np.log(prior.high / prior.low))
+    return (value - prior.low) / (prior.high - prior.low)
+
+
+def _valued(
+    effects: Sequence[tuple[EffectType, Values]], spaces: Sequence[Space], x: FloatArray
+) -> list[tuple[EffectType, Values]]:
+    found, at = [], 0
+    for (effect, _), space in zip(effects, spaces, strict=True):
+        count = len(space.names)
+        found.append((effect, space.values(np.asarray(x[at : at + count]))))
+        at += count
+    return found
+
+
+def _descend(loss: Callable[[FloatArray], float], start: FloatArray, most: int) -> FloatArray:
+    """Return the best point found downhill from a start in the unit cube (Nelder and Mead)."""
+    from scipy.optimize import minimize
+
+    size = 0.06
+    corners = np.tile(start, (len(start) + 1, 1))
+    for place in range(len(start)):
+        corners[place + 1, place] += size if start[place] < 0.5 else -size
+    found = minimize(
+        loss,
+        start,
+        method="Nelder-Mead",
+        bounds=[(0.0, 1.0)] * len(start),
+        options={"maxfev": most, "initial_simplex": corners, "xatol": 1e-4, "fatol": 1e-3},
+    )
+    return np.asarray(found.x)

@@ -1,0 +1,66 @@
+"""The noise floor of a link: what would be missed by a model that is right, driven and judged by noisy channels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.links import Drift, Predicted
+from waxstudy.simulation.interpreted import SimulationError
+
+SHAKES = 3
+
+
+@dataclass(frozen=True)
+class Floor:
+    """Root mean square of what noise alone makes of each channel's errors, in its unit and whitened."""
+
+    plain: Mapping[str, float]
+    white: Mapping[str, float]
+
+    def whitened(self, channel: str) -> float:
+        return self.white[channel]
+
+    @classmethod
+    def of(cls, fitter: Fitter, fitted: Fitted) -> Floor:
+        """Return the floor of a fitted model: its own predictions, shaken and seen by the instruments, judged by it."""
+        link, record = fitter.link, fitter.record
+        belief = fitter.edited(fitted.effects, fitted.departures)
+        still = link.predict(record, belief, fitted.reading)
+        plain: dict[str, list[float]] = {channel: [] for channel in link.judged}
+        white: dict[str, list[float]] = {channel: [] for channel in link.judged}
+        for seed in range(SHAKES):
+            drift = Drift(np.random.default_rng([7, seed]))
+            try:
+                shaken = link.predict(record, belief, fitted.reading, drift)
+            except (SimulationError, ValueError):
+                continue
+            for each in fitter.judge.errors(_seen(fitter, still, shaken, drift)):
+                plain[each.channel].append(each.gap())
+                count = max(1, int(each.judged.sum()))
+                white[each.channel].append(float(np.sqrt(each.loss() / count)))
+        switched = {channel: fitter.judge.timing_s(channel) for channel in link.judged if channel in record.binary}
+        return cls(_typical(plain) | switched, _typical(white) | dict.fromkeys(switched, 1.0))
+
+
+def _seen(fitter: Fitter, still: Predicted, shaken: Predicted, drift: Drift) -> Predicted:
+    """Return a prediction that misses the record by what noise makes of a right one: the record plus the difference."""
+    record, seen = fitter.record, {}
+    assert drift.random
+    for channel, value in still.items():
+        difference = shaken[channel] - value
+        measured = fitter.judge.measured(channel)
+        if channel in record.binary:
+            seen[channel] = record.filled(channel)
+            continue
+        noise = np.nan_to_num(fitter.judge.noise(channel)) * drift.random.normal(size=len(value))
+        count = min(len(measured), len(difference))
+        seen[channel] = measured[:count] + difference[:count] + noise[:count]
+    return seen
+
+
+def _typical(values: Mapping[str, list[float]]) -> dict[str, float]:
+    return {name: float(np.mean(many)) if many else 0.0 for name, many in values.items()}

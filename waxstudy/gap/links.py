@@ -1,0 +1,257 @@
+"""Links: stretches of the loop between recorded channels, each driven by the one and judged on the next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from waxstudy.gap.record import ROOM_CHANNELS, Record
+from waxstudy.plugin import CHAIN, ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, Room
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.recorded import driven_by, respond
+from waxstudy.simulation.replay import replay
+from waxstudy.study.model import Choice
+
+# what a block of each kind shows to a logger
+SHOWN = {
+    "sensor": "sensor_temperature_C",
+    "controller": "control_output",
+    "modulator": "heating_signal",
+    "actuator": "displacement",
+    "valve": "flow_L_h",
+}
+ROOM_STAGES = ("emitter", "room")
+OF_ROOM = {
+    "air_temperature_C": "air_C",
+    "operative_temperature_C": "operative_C",
+    "floor_surface_temperature_C": "floor_surface_C",
+    "return_temperature_C": "return_C",
+}
+STEP_S = 5.0
+ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
+JUDGED_S = 900.0
+Predicted = dict[str, FloatArray]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A way to read a record where its words leave a choice."""
+
+    words: str = ""  # a sentence for the report
+    is_before: bool = False  # the sensor's temperature was logged before what the sensor does to it
+    solar_factor: float = 1.0  # the sun's heat over what was recorded of it
+
+
+AFTER = Reading("The sensor temperature was logged as the controller reads it.")
+BEFORE = Reading("The sensor temperature was logged before the sensor's delay or lag.", is_before=True)
+PLAIN = Reading()
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How the drive of a link is shaken to see what its noise does: random numbers, or none."""
+
+    random: np.random.Generator | None = None
+
+    def temperature(self, record: Record, channel: str) -> FloatArray:
+        """Return the smoothed channel, with as much noise as smoothing leaves."""
+        values = record.drive(channel)
+        if self.random is None:
+            return values
+        return values + record.smooth(self.random.normal(0.0, record.noise[channel], len(values)))
+
+    def opening(self, record: Record) -> FloatArray:
+        values = record.drive("displacement")
+        if self.random is None:
+            return values
+        noise = self.random.normal(0.0, record.noise["displacement"], len(values))
+        return np.where((values > 0.0) & (values < 1.0), np.clip(values + noise, 0.0, 1.0), values)
+
+    def jump(self, record: Record) -> FloatArray:
+        """Return after which part of each interval a switch jumps: halfway, or anywhere."""
+        return np.full(len(record), 0.5) if self.random is None else self.random.random(len(record))
+
+
+STILL = Drift()
+
+
+@dataclass(frozen=True)
+class Link:
+    """A stretch of stages. `driven_by` is a channel, `judged` are channels; `readings` are ways to read the record."""
+
+    stages: tuple[str, ...]
+    driven_by: str
+    judged: tuple[str, ...]
+    readings: tuple[Reading, ...] = (PLAIN,)
+
+    @property
+    def name(self) -> str:
+        return "+".join(self.stages)
+
+    @property
+    def with_room(self) -> bool:
+        return "room" in self.stages
+
+    def predict(self, record: Record, belief: Belief, reading: Reading = PLAIN, drift: Drift = STILL) -> Predicted:
+        """Return what the belief makes of the measured drive, each judged channel (n,) or (quarters,) for a room's.
+
+        Raises `SimulationError`, and `ValueError` from an impossible room.
+        """
+        chain = [stage for stage in self.stages if stage in CHAIN]
+        shown: Predicted = {}
+        flow = record.filled("flow_L_h") if record.has("flow_L_h") else np.zeros(len(record))
+        if chain:
+            shown = self._chain(record, belief, reading, drift, chain)
+            flow = shown.get("flow_L_h", flow)
+        if self.with_room:
+            shown |= room_response(record, belief, flow, reading.solar_factor)
+        return {channel: shown[channel] for channel in self.judged}
+
+    def _chain(self, record: Record, belief: Belief, reading: Reading, drift: Drift, chain: list[str]) -> Predicted:
+        blocks, first = {kind: belief.blocks[kind] for kind in chain if kind in belief.blocks}, chain[0]
+        shown: Predicted = {}
+        signal, jump = self._drive(record, drift), None
+        if first == "sensor":
+            if SHOWN["sensor"] in self.judged:
+                shown[SHOWN["sensor"]] = self._sensor(record, belief, reading, drift)
+            if not reading.is_before and self.driven_by == SHOWN["sensor"]:
+                first = "controller"
+                blocks.pop("sensor", None)
+        elif self.driven_by in record.binary:
+            jump = drift.jump(record)
+        setpoint_C = record.filled("setpoint_C")
+        timing: dict[str, Any] = {"interval_s": record.interval_s, "start_s": record.start_s, "jump": jump}
+        ends, means = replay(_chain_of(blocks, record.interval_s), first, signal, setpoint_C, **timing)
+        for kind in chain:
+            if kind == "valve":
+                shown["flow_L_h"] = means["valve"] * full_flow_L_h(record, belief)
+            elif kind != "sensor":
+                shown[SHOWN[kind]] = ends[kind]
+        return shown
+
+    def _drive(self, record: Record, drift: Drift) -> FloatArray:
+        if self.driven_by in ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C"):
+            return drift.temperature(record, self.driven_by)
+        return drift.opening(record) if self.driven_by == "displacement" else record.drive(self.driven_by)
+
+    @staticmethod
+    def _sensor(record: Record, belief: Belief, reading: Reading, drift: Drift) -> FloatArray:
+        """Return the reading that the sensor makes of the air, or the air where it was logged before the sensor."""
+        air = drift.temperature(record, record.air_channel)
+        if reading.is_before or "sensor" not in belief.blocks:
+            return air
+        chain = _chain_of({"sensor": belief.blocks["sensor"]}, record.interval_s)
+        ends, _ = replay(chain, "sensor", air, air, interval_s=record.interval_s, start_s=record.start_s)
+        return ends["sensor"]
+
+
+def links(record: Record, belief: Belief) -> list[Link]:
+    """Return the links that a record can be cut into; a missing channel merges its neighbours into one."""
+    found, since = [], "sensor"
+    driven_by = "sensor_temperature_C" if record.has("sensor_temperature_C") else record.air_channel
+    for kind in CHAIN[1:]:
+        if _tapped(record, belief, kind):
+            stages = CHAIN[CHAIN.index(since) : CHAIN.index(kind) + 1]
+            found.append(_link(record, stages, driven_by, SHOWN[kind]))
+            since, driven_by = _next(kind), SHOWN[kind]
+    room = tuple(channel for channel in ROOM_CHANNELS if record.has(channel))
+    if room and belief.room and all(record.has(c) for c in ("outdoor_temperature_C", "supply_temperature_C")):
+        rest = CHAIN[CHAIN.index(since) :] if since in CHAIN else ()
+        link = _link(record, (*rest, *ROOM_STAGES), driven_by, *room)
+        found.append(replace(link, readings=tuple(_with_sun(link.readings, belief.room, record))))
+    return found
+
+
+def _link(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str) -> Link:
+    if stages[0] != "sensor" or driven_by != "sensor_temperature_C":
+        return Link(stages, driven_by, judged)
+    seen = ("sensor_temperature_C",) if record.has("air_temperature_C") else ()
+    return Link(stages, driven_by, (*seen, *judged), readings=(AFTER, BEFORE))
+
+
+def _with_sun(readings: tuple[Reading, ...], room: Choice, record: Record) -> Iterator[Reading]:
+    """Yield each reading with each way to mean the sun's heat, where there is any."""
+    assert issubclass(room.component, Room)
+    factors = room.component.solar_readings(room.parameters) if record.has("solar_gain_W") else {"": 1.0}
+    for reading in readings:
+        for words, factor in (factors or {"": 1.0}).items():
+            yield replace(reading, words=" ".join(filter(None, (reading.words, words))), solar_factor=factor)
+
+
+def _next(kind: str) -> str:
+    place = CHAIN.index(kind) + 1
+    return CHAIN[place] if place < len(CHAIN) else "emitter"
+
+
+def _tapped(record: Record, belief: Belief, kind: str) -> bool:
+    """Whether the record shows what comes out of the blocks up to a kind."""
+    if kind == "controller" and not record.has("control_output"):
+        return False
+    return record.has(SHOWN[kind])
+
+
+def _chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
+    """Return the blocks at a step that divides the interval, five seconds or somewhat less."""
+    return Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / STEP_S))))
+
+
+def full_flow_L_h(record: Record, belief: Belief) -> float:
+    """Return the flow with the valve open: the room's, or the largest that was recorded."""
+    if belief.room is not None:
+        return built(belief.room).full_flow_L_h
+    return float(np.nanquantile(record.values["flow_L_h"], 0.99))
+
+
+@lru_cache(maxsize=256)
+def built(room: Choice) -> LinearRoom:
+    """Return the linear room of a choice."""
+    assert issubclass(room.component, Room)
+    return room.component.build(room.parameters)
+
+
+def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, solar_factor: float = 1.0) -> Predicted:
+    """Return what the room makes of a flow: its channels, means over quarters of an hour."""
+    assert belief.room
+    assert belief.inputs
+    coarse, parts = coarsened(belief.inputs, record.interval_s)
+    coarse = replace(coarse, solar_W=solar_factor * coarse.solar_W)
+    driven = driven_by(built(belief.room), coarse)
+    flow = means(flow_L_h, parts)
+    found = respond(driven, flow, float(np.mean(coarse.air_C)))
+    merged = max(1, round(JUDGED_S / coarse.interval_s))
+    shown = {}
+    for channel, output in OF_ROOM.items():
+        values = found[output]
+        if output in ROOM_OUTPUTS:
+            values = 0.5 * (values + np.concatenate((values[:1], values[:-1])))
+            shown[channel] = means(values, merged)
+        else:
+            shown[channel] = weighted(values, flow, merged)
+    return shown
+
+
+def coarsened(inputs: Inputs, interval_s: float) -> tuple[Inputs, int]:
+    """Return the inputs as means over steps of at most five minutes, and how many intervals make one."""
+    parts = max(1, round(min(ROOM_STEP_S, JUDGED_S) / interval_s))
+    arrays = {name: value for name, value in vars(inputs).items() if isinstance(value, np.ndarray)}
+    coarse = {name: means(value, parts) for name, value in arrays.items()}
+    changes: dict[str, Any] = {"interval_s": interval_s * parts, **coarse}
+    return replace(inputs, **changes), parts
+
+
+def means(values: FloatArray, parts: int) -> FloatArray:
+    """Return the means over each `parts` values; a rest at the end is left out."""
+    count = len(values) // parts
+    return np.asarray(values[: count * parts].reshape(count, parts).mean(axis=1))
+
+
+def weighted(values: FloatArray, weight: FloatArray, parts: int) -> FloatArray:
+    """Return the means over each `parts` values by weight, NaN where there is none."""
+    whole = np.where(np.isfinite(values), weight, 0.0)
+    sums = means(whole, parts)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(sums > 0.0, means(whole * np.nan_to_num(values), parts) / sums, np.nan)

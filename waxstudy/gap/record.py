@@ -1,0 +1,212 @@
+"""A record made ready: noise of each channel, smoothed drives, what may be judged, and its parts and blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from waxstudy.plugin import FloatArray, Inputs
+
+SMOOTH_S = 1500.0  # window of the local parabola through a noisy temperature
+SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blocks
+AFTER_GAP_S = 1800.0  # a switch that was missed in a gap is not judged for so long
+DAY_S = 86_400.0
+ON = 0.5
+RESOLUTION_SHARE = 12.0**-0.5  # standard deviation of rounding, in steps
+CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
+ROOM_CHANNELS = (
+    "air_temperature_C",
+    "operative_temperature_C",
+    "floor_surface_temperature_C",
+    "return_temperature_C",
+)
+
+
+@dataclass(frozen=True)
+class Record:
+    """Channels of a dataset on a regular grid; all arrays are (n,), NaN where a sample is missing."""
+
+    interval_s: float
+    start_s: float  # start of the first interval, seconds after midnight
+    values: Mapping[str, FloatArray]
+    stated_noise: Mapping[str, float] = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(next(iter(self.values.values())))
+
+    def has(self, channel: str) -> bool:
+        """Whether a channel is there and holds at least a few samples."""
+        return channel in self.values and bool(np.isfinite(self.values[channel]).sum() > 10)
+
+    @cached_property
+    def binary(self) -> frozenset[str]:
+        """Channels that are only ever 0 or 1."""
+        return frozenset(
+            name
+            for name in ("control_output", "heating_signal")
+            if self.has(name) and np.isin(_known(self.values[name]), (0.0, 1.0)).all()
+        )
+
+    @cached_property
+    def noise(self) -> Mapping[str, float]:
+        """Standard deviation of each channel's noise, rounding included: as stated, else from second differences."""
+        return {name: self.stated_noise.get(name) or _noise(name, self.values[name]) for name in self.values}
+
+    def filled(self, channel: str) -> FloatArray:
+        """Return a channel with its gaps filled: straight for what runs on, held for what switches."""
+        values = self.values[channel]
+        known = np.flatnonzero(np.isfinite(values))
+        if channel in self.binary:
+            last = np.searchsorted(known, np.arange(len(values)), side="right") - 1
+            held: FloatArray = np.take(values, known[np.clip(last, 0, None)])
+            return held
+        return np.interp(np.arange(len(values)), known, values[known])
+
+    def smooth(self, values: FloatArray) -> FloatArray:
+        """Return a local parabola through a signal; as long as the samples are dense enough to help."""
+        from scipy.signal import savgol_filter
+
+        width = round(SMOOTH_S / self.interval_s) // 2 * 2 + 1
+        if width < 5 or len(values) <= width:
+            return values
+        return np.asarray(savgol_filter(values, width, 2))
+
+    def drive(self, channel: str) -> FloatArray:
+        """Return what drives the next link: smoothed where it is noisy, snapped where it rests at an end."""
+        values = self.filled(channel)
+        if channel in CONTINUOUS:
+            return self.smooth(values)
+        if channel == "displacement":
+            return snapped(values, self.noise[channel])
+        return values
+
+    def is_gap(self, channel: str) -> np.ndarray:
+        """Return where a channel that switches was lost long enough to hide a switch, and for a while after."""
+        missing = ~np.isfinite(self.values[channel])
+        changed = np.zeros(len(self), dtype=bool)
+        filled, after = self.filled(channel), max(1, round(AFTER_GAP_S / self.interval_s))
+        ends = np.flatnonzero(missing[:-1] & ~missing[1:])
+        for end in ends:
+            start = end
+            while start >= 0 and missing[start]:
+                start -= 1
+            if filled[max(start, 0)] != filled[end + 1]:
+                changed[max(start, 0) : end + 1 + after] = True
+        return missing | changed
+
+    @cached_property
+    def settled(self) -> np.ndarray:
+        """Return which samples lie after the start, where nobody knows the blocks' state."""
+        skip = min(SETTLING_S, 0.1 * len(self) * self.interval_s)
+        return np.arange(len(self)) >= round(skip / self.interval_s)
+
+    @cached_property
+    def day(self) -> np.ndarray:
+        """Number of the day of each sample, from 0."""
+        return ((self.start_s + (np.arange(len(self)) + 0.5) * self.interval_s) // DAY_S).astype(int)
+
+    @cached_property
+    def cycle(self) -> np.ndarray:
+        """Number of the heating cycle of each sample, from the middle of a pause; the day where nothing switches."""
+        for channel in ("heating_signal", "control_output", "flow_L_h", "displacement"):
+            if self.has(channel):
+                values = self.filled(channel)
+                on = values > ON * np.nanmax(values) if np.nanmax(values) > 0 else values > 0
+                starts = np.flatnonzero(on[1:] & ~on[:-1]) + 1
+                if len(starts) >= 6:
+                    return np.searchsorted(_before(on, starts), np.arange(len(self)), side="right")
+        return self.day
+
+    @property
+    def inputs(self) -> Inputs:
+        """What drove the room; raise `KeyError` naming the channel that is missing."""
+        air = self.drive(self.air_channel)
+        zero = np.zeros(len(self))
+        return Inputs(
+            interval_s=self.interval_s,
+            start_s=self.start_s,
+            outdoor_C=self.smooth(self.filled("outdoor_temperature_C")),
+            supply_C=self.smooth(self.filled("supply_temperature_C")),
+            solar_W=self.filled("solar_gain_W") if self.has("solar_gain_W") else zero,
+            gains_W=self.filled("internal_gain_W") if self.has("internal_gain_W") else zero,
+            ventilation_C=self._optional("ventilation_supply_temperature_C"),
+            air_C=air,
+            flow_L_h=self._optional("flow_L_h"),
+            neighbour_C=self._optional("neighbour_temperature_C"),
+        )
+
+    def _optional(self, channel: str) -> FloatArray | None:
+        return self.filled(channel) if self.has(channel) else None
+
+    @property
+    def air_channel(self) -> str:
+        """The channel that tells the room's air best."""
+        for name in ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C"):
+            if self.has(name):
+                return name
+        raise KeyError("air_temperature_C")
+
+
+def _known(values: FloatArray) -> FloatArray:
+    return values[np.isfinite(values)]
+
+
+def _before(on: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Return the sample halfway through the pause before each start."""
+    stops = np.flatnonzero(~on[1:] & on[:-1]) + 1
+    places = np.searchsorted(stops, starts) - 1
+    last = np.where(places >= 0, stops[np.clip(places, 0, None)], 0) if len(stops) else np.zeros_like(starts)
+    return np.asarray((last + starts) // 2)
+
+
+def _noise(name: str, values: FloatArray) -> float:
+    """Return a robust standard deviation of white noise, of samples that do not rest at the end of a scale."""
+    known = _known(values)
+    if name in ("control_output", "heating_signal", "setpoint_C", "solar_gain_W", "internal_gain_W") or len(known) < 10:
+        return 0.0
+    step = _resolution(known)
+    if name == "displacement":
+        return max(_resting_noise(known), RESOLUTION_SHARE * step)
+    if name == "flow_L_h":
+        known = known[known > ON * known.max()] if known.max() > 0 else known
+    second = np.diff(known, 2) / np.sqrt(6.0)
+    if len(second) < 10:
+        return RESOLUTION_SHARE * step
+    spread = 1.4826 * float(np.median(np.abs(second)))
+    return max(spread, RESOLUTION_SHARE * step)
+
+
+def _resting_noise(known: FloatArray) -> float:
+    """Return the noise of a displacement, from how far it strays from its ends while it rests there."""
+    low = known[(known > 0.0) & (known < 0.08)]
+    high = 1.0 - known[(known < 1.0) & (known > 0.92)]
+    rest = low if len(low) >= len(high) else high
+    return float(np.sqrt(np.median(rest**2)) / 0.6745) if len(rest) > 20 else 0.01
+
+
+def _resolution(known: FloatArray) -> float:
+    """Return the step of a channel that is rounded, 0 where none shows."""
+    steps = np.abs(np.diff(np.unique(np.round(known, 9))))
+    steps = steps[steps > 1e-9]
+    return float(np.min(steps)) if len(steps) else 0.0
+
+
+def snapped(opening: FloatArray, noise: float) -> FloatArray:
+    """Return a displacement that rests at its ends where noise alone keeps it from them.
+
+    A probe that shows 0 at least once in a few samples, and never far from it, rests there: the noise is cut off at 0.
+    """
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
+
+    out = np.array(opening, dtype=float)
+    for end in (0.0, 1.0):
+        away = np.abs(out - end)
+        at = uniform_filter1d((away <= 1e-9).astype(float), 9)
+        near = maximum_filter1d((away < 5.0 * noise).astype(float), 1) > 0
+        rests = near & (minimum_filter1d((away < 5.0 * noise).astype(float), 5) > 0) & (at >= 0.2)
+        out[rests] = end
+    return out

@@ -1,0 +1,133 @@
+"""The contract of an effect: a named edit of what the modeller believes, with free parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from waxstudy.plugin.contracts import CHAIN, Choice, Component, FloatArray
+
+# the links of the loop where a gap can lie
+STAGES = (*CHAIN, "emitter", "room")
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What drove the room, as recorded or assumed; each array is (n,), NaN-free, one value per interval.
+
+    Temperatures are values at the end of an interval, the rest means over it.
+    """
+
+    interval_s: float
+    start_s: float  # start of the first interval after midnight
+    outdoor_C: FloatArray
+    supply_C: FloatArray
+    solar_W: FloatArray
+    gains_W: FloatArray
+    air_C: FloatArray  # the room's own air, smoothed, for what exchanges heat with it
+    ventilation_C: FloatArray | None = None  # supply air; None leaves what the room says
+    flow_L_h: FloatArray | None = None  # through the circuit, where it was recorded
+    neighbour_C: FloatArray | None = None
+    extra_W: FloatArray | None = None  # heat that an effect gives to the air
+
+    @property
+    def hour(self) -> FloatArray:
+        """Hour of the day at the middle of each interval (n,)."""
+        middle_s = self.start_s + (_count(self.outdoor_C) + 0.5) * self.interval_s
+        hours: FloatArray = middle_s % 86_400 / 3600
+        return hours
+
+
+def _count(values: FloatArray) -> FloatArray:
+    import numpy as np
+
+    return np.arange(len(values), dtype=float)
+
+
+@dataclass(frozen=True)
+class Belief:
+    """What the modeller believes, and what an effect edits: the chain's blocks by kind, the room, its inputs."""
+
+    blocks: Mapping[str, Choice]
+    room: Choice | None = None
+    inputs: Inputs | None = None
+
+    def has(self, kind: str, *parameters: str) -> bool:
+        """Whether there is a block of this kind and it has all these parameters."""
+        block = self.blocks.get(kind)
+        return block is not None and all(name in type(block.parameters).model_fields for name in parameters)
+
+    def value(self, kind: str, parameter: str) -> float:
+        """Return the believed value of a block's parameter."""
+        return float(getattr(self.blocks[kind].parameters, parameter))
+
+    def with_block(self, kind: str, choice: Choice) -> Belief:
+        """Return the belief with another block of this kind, or with one where there was none."""
+        blocks = {**self.blocks, kind: choice}
+        return replace(self, blocks={kind: blocks[kind] for kind in CHAIN if kind in blocks})
+
+    def changed(self, kind: str, **values: float) -> Belief:
+        """Return the belief with parameters of a block changed; raise `ValueError` with a one-line reason."""
+        return self.with_block(kind, self.blocks[kind].changed(**values))
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Where a parameter of an effect is looked for. `noticeable` is the least departure from neutral worth naming."""
+
+    low: float
+    high: float
+    noticeable: float  # a factor above 1 where `is_log`, else in the parameter's unit
+    is_log: bool = False
+    # departure that the believed model's published uncertainty covers; as `noticeable`, 0 where there is none
+    tolerance: float = 0.0
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Something that nobody knows of a room exactly: `apply(room, departure)` edits a room; 0 is what is believed.
+
+    The departure has a normal prior of standard deviation `sd`. The edited room may be another component, and takes
+    the other edits too.
+    """
+
+    name: str
+    description: str
+    sd: float
+    apply: Callable[[Choice, float], Choice]
+
+
+class Effect(Component):
+    """An edit of a belief; it changes nothing at `neutral`. `priors` says where its parameters are looked for."""
+
+    kind = "effect"
+    stage: ClassVar[str]  # one of STAGES
+    priors: ClassVar[Mapping[str, Prior]] = {}
+    # names of uncertainties whose place it takes: with them both, neither could be told
+    absorbs: ClassVar[Sequence[str]] = ()
+
+    @classmethod
+    def hindrance(cls, belief: Belief) -> str:
+        """Return why the effect cannot apply to this belief, or an empty text."""
+        return ""
+
+    @classmethod
+    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
+        """Return the parameters at which it does nothing, or None where there are none (a block is replaced)."""
+        return {name: float(field.default) for name, field in cls.Parameters.model_fields.items()}
+
+    @classmethod
+    def apply(cls, belief: Belief, p: Any) -> Belief:
+        """Return the belief with the effect; raise `ValueError` with a one-line reason where p is impossible."""
+        raise NotImplementedError
+
+    @classmethod
+    def sentence(cls, p: Any) -> str:
+        """Return what a plant engineer should read, one sentence."""
+        raise NotImplementedError
+
+    @classmethod
+    def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
+        """Return parameters to start a fit from, where the corners of `priors` would miss the best."""
+        return ()

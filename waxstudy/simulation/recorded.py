@@ -1,0 +1,189 @@
+"""A linear room driven by recorded inputs instead of by weather, and by a recorded flow instead of by a chain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba import njit, types
+
+from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, Inputs, LinearRoom, WeatherRecord
+from waxstudy.simulation.cache import cached
+from waxstudy.simulation.modes import DrivenRoom, drive
+
+SUN, EXTRA = "solar_W", "extra_W"
+IRRADIANCE = "irradiance"  # what a room's inputs from the sun are called by, and a facade
+DAY_S = 86400.0
+LONGEST_STEP_S = 120.0  # of the explicit exchange between water and floor
+
+
+def recorded_room(room: LinearRoom, inputs: Inputs) -> LinearRoom:
+    """Return the room with its inputs as recorded: the sun as one heat, shared out as the room shares the sun's.
+
+    Extra heat goes to where an ensemble member's air is, by capacity. What the room asks for and no record has stays
+    as its own `drive` gives it.
+    """
+    names = list(room.inputs)
+    sun = [name.startswith(IRRADIANCE) for name in names]
+    kept = [place for place, is_sun in enumerate(sun) if not is_sun]
+    heat, direct = room.input_matrix[:, sun].sum(axis=1), room.feedthrough[:, sun].sum(axis=1)
+    whole = heat.sum() or 1.0
+    air = _air_share(room)
+    still = np.zeros(len(ROOM_OUTPUTS))
+    return replace(
+        room,
+        inputs=[*(names[place] for place in kept), SUN, EXTRA],
+        input_matrix=np.column_stack((room.input_matrix[:, kept], heat / whole, air)),
+        feedthrough=np.column_stack((room.feedthrough[:, kept], direct / whole, still)),
+        facades={},
+        drive=lambda weather: _driven(room, kept, inputs, weather),
+    )
+
+
+def _air_share(room: LinearRoom) -> FloatArray:
+    """Return the share of each node in heat given to the air: where the row of the air temperature looks."""
+    row = np.clip(room.output_matrix[ROOM_OUTPUTS.index("air_C")], 0.0, None)
+    return np.asarray(row / row.sum())
+
+
+def _driven(room: LinearRoom, kept: list[int], inputs: Inputs, weather: WeatherRecord) -> tuple[FloatArray, FloatArray]:
+    dark = {name: np.zeros(len(inputs.outdoor_C)) for name in room.facades}
+    own, _ = room.drive(replace(weather, irradiance_W_m2=dark))
+    columns = own[:, kept].copy()
+    recorded = {
+        "outdoor_C": inputs.outdoor_C,
+        "gains_W": inputs.gains_W,
+        "ventilation_supply_C": inputs.ventilation_C,
+        "neighbour_C": inputs.neighbour_C,
+    }
+    for column, place in enumerate(kept):
+        values = recorded.get(room.inputs[place])
+        if values is not None:
+            columns[:, column] = values
+    extra = np.zeros(len(columns)) if inputs.extra_W is None else inputs.extra_W
+    return np.column_stack((columns, inputs.solar_W, extra)), inputs.supply_C
+
+
+def weather_of(inputs: Inputs) -> WeatherRecord:
+    """Return the weather record that stands for recorded inputs."""
+    return WeatherRecord(inputs.interval_s, "2000-01-01", inputs.outdoor_C, {}, sky_C=inputs.outdoor_C)
+
+
+def driven_by(room: LinearRoom, inputs: Inputs, step_s: float | None = None) -> DrivenRoom:
+    """Return a room in modal form under recorded inputs; the step is the interval, cut to at most two minutes."""
+    parts = max(1, int(np.ceil(inputs.interval_s / (step_s or LONGEST_STEP_S))))
+    return drive(recorded_room(room, inputs), weather_of(inputs), inputs.interval_s / parts, tolerance_K=0.0)
+
+
+def respond(driven: DrivenRoom, flow_L_h: FloatArray, start_C: float) -> dict[str, FloatArray]:
+    """Return what a room does with a recorded flow (n,): `ROOM_OUTPUTS` at the end of each interval, and the heat.
+
+    `water_heat_W` is the mean over the interval, `return_C` its mean, NaN without flow. The first day is repeated for a
+    week before, from `start_C` everywhere.
+    """
+    room, n = driven.room, len(driven.supply_C)
+    fraction = np.clip(np.asarray(flow_L_h, dtype=float) / room.full_flow_L_h, 0.0, None)
+    exchange = np.array(room.floor_conductance_W_K(fraction), dtype=float)
+    modes = driven.to_modes @ np.full(len(room.nodes), start_C)
+    out = np.zeros((n, len(ROOM_OUTPUTS) + 1))
+    first = min(n, round(DAY_S / driven.weather.interval_s))
+    parts = driven.steps_per_interval
+    run = compiled()
+    for _ in range(7):
+        _run(run, driven, exchange, modes, parts, out, first)
+    _run(run, driven, exchange, modes, parts, out, n)
+    found = {name: out[:, place] for place, name in enumerate(ROOM_OUTPUTS)} | {"water_heat_W": out[:, -1]}
+    stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found["return_C"] = np.where(stream_W_K > 0.0, driven.supply_C - out[:, -1] / stream_W_K, np.nan)
+    return found
+
+
+def _run(
+    run: Callable[..., None],
+    driven: DrivenRoom,
+    exchange: FloatArray,
+    modes: FloatArray,
+    parts: int,
+    out: FloatArray,
+    n: int,
+) -> None:
+    run(
+        driven.decay,
+        driven.heat_gain,
+        driven.forcing[:n],
+        driven.outputs,
+        driven.offsets[:n],
+        driven.heat_offset,
+        np.array(driven.supply_C[:n]),
+        exchange[:n],
+        modes,
+        parts,
+        out[:n],
+    )
+
+
+def _response(
+    decay: Any,
+    heat_gain: Any,
+    forcing: Any,
+    outputs: Any,
+    offsets: Any,
+    heat_offset: Any,
+    supply: Any,
+    exchange: Any,  # (n,) W/K between supply and layer
+    modes: Any,
+    parts: int,
+    out: Any,  # (n, 7)
+) -> None:
+    """Run a room in modal form with an exchange that is given for each interval."""
+    layer = offsets[0, 1]
+    for i in range(len(decay)):
+        layer += outputs[1, i] * modes[i]
+    heat = 0.0
+    for n in range(len(supply)):
+        total = 0.0
+        for _ in range(parts):
+            heat = exchange[n] * (supply[n] - layer)
+            total += heat
+            layer = offsets[n, 1] + heat_offset[1] * heat
+            for i in range(len(decay)):
+                modes[i] = decay[i] * modes[i] + heat_gain[i] * heat + forcing[n, i]
+                layer += outputs[1, i] * modes[i]
+        for row in range(6):
+            value = offsets[n, row] + heat_offset[row] * heat
+            for i in range(len(decay)):
+                value += outputs[row, i] * modes[i]
+            out[n, row] = value
+        out[n, 6] = total / parts
+
+
+_NUMBERS, _TABLE = types.float64[::1], types.float64[:, ::1]
+_SIGNATURE = types.void(
+    _NUMBERS,
+    _NUMBERS,
+    _TABLE,
+    _TABLE,
+    _TABLE,
+    _NUMBERS,
+    _NUMBERS,
+    _NUMBERS,
+    _NUMBERS,
+    types.int64,
+    _TABLE,
+)
+
+
+@cache
+def compiled() -> Callable[..., None]:
+    """Return the compiled response; it releases the interpreter lock."""
+
+    def build(folder: Path | None) -> Any:
+        return njit(_SIGNATURE, nogil=True, cache=folder is not None)(_response)
+
+    function: Callable[..., None] = cached(build)
+    return function
