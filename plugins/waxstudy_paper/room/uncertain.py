@@ -150,7 +150,7 @@ def _exchange(room: RoomDescription, departure: float) -> RoomDescription:
 def _above_pipes(room: RoomDescription, departure: float) -> RoomDescription:
     """Move resistance from between water and the plane of the pipes to above that plane; the sum stays."""
     stronger = exp(max(0.0, departure))
-    moved_m2K_W = _water_m2K_W(room) * (1.0 - 1.0 / stronger)
+    moved_m2K_W = water_m2K_W(room) * (1.0 - 1.0 / stronger)
     if moved_m2K_W < LEAST_M2K_W:
         return room
     floor, after = room.floor, room.heated_floor.pipes_after_layer
@@ -172,7 +172,7 @@ def _above_pipes(room: RoomDescription, departure: float) -> RoomDescription:
     )
 
 
-def _water_m2K_W(room: RoomDescription) -> float:
+def water_m2K_W(room: RoomDescription) -> float:
     """Return the resistance between water and the plane of the pipes at full flow."""
     flow_L_s = np.array([full_flow_L_h(room.circuit, room.floor.area_m2) / 3600.0])
     exchange = exchange_W_m2K(room.circuit, room.cover_m2K_W, room.screed_W_mK, flow_L_s)
