@@ -14,26 +14,27 @@ from waxstudy.plugin.registry import installed
 from waxstudy.simulation.recorded import driven_by, respond
 from waxstudy.simulation.records import plain_parameters
 
-IDEAL: Mapping[str, Mapping[str, Any]] = {
+Words = Mapping[str, Mapping[str, Any]]
+IDEAL: Words = {
     "sensor": {"use": "ideal"},
     "controller": {"use": "on-off", "dead_band_K": 0.5},
     "actuator": {"use": "ideal"},
     "valve": {"use": "linear"},
 }
-REAL: Mapping[str, Mapping[str, Any]] = {
+REAL: Words = {
     "sensor": {"use": "delay", "delay_s": 120.0},
     "controller": {"use": "on-off", "dead_band_K": 0.5},
     "actuator": {"use": "variable-times", "product": "B"},
     "valve": {"use": "quick-opening", "authority": 0.097},
 }
-MODULATED: Mapping[str, Mapping[str, Any]] = {
+MODULATED: Words = {
     "sensor": {"use": "lag"},
     "controller": {"use": "pi", "gain": 18.0, "integration_time_s": 2300.0},
     "modulator": {"use": "pwm"},
     "actuator": {"use": "constant-times"},
     "valve": {"use": "quick-opening"},
 }
-CONTINUOUS: Mapping[str, Mapping[str, Any]] = {"controller": {"use": "pi"}, "valve": {"use": "linear"}}
+CONTINUOUS: Words = {"controller": {"use": "pi"}, "valve": {"use": "linear"}}
 CHAINS = {"ideal": IDEAL, "real": REAL, "modulated": MODULATED, "continuous": CONTINUOUS}
 
 EFFECTS: dict[str, type[Effect]] = {
@@ -57,7 +58,7 @@ def day(interval_s: float = 60.0, **changes: FloatArray | float) -> Inputs:
     return Inputs(interval_s, 0.0, **{name: values.copy() for name, values in channels.items()})
 
 
-def belief(words: Mapping[str, Mapping[str, Any]] = IDEAL, inputs: Inputs | None = None) -> Belief:
+def belief(words: Words = IDEAL, inputs: Inputs | None = None) -> Belief:
     blocks = {kind: choice(kind, block) for kind, block in words.items()}
     return Belief(blocks, choice("room", {"use": "nzeb"}), inputs or day())
 
@@ -68,7 +69,7 @@ def with_effect(name: str, to: Belief, **values: float) -> Belief:
     return effect.apply(to, effect.Parameters(**values))
 
 
-def output(of: Belief, kind: str, signal: Sequence[float] | FloatArray, dt: float = 5.0) -> FloatArray:
+def output(of: Belief, kind: str, signal: Sequence[float] | np.ndarray, dt: float = 5.0) -> FloatArray:
     """What one block of a belief makes of a signal."""
     block: Any = of.blocks[kind].component
     assert issubclass(block, Block)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.effects.believed import CONTINUOUS, IDEAL, MODULATED, REAL, belief, output, with_effect
+from tests.effects.believed import CONTINUOUS, IDEAL, MODULATED, REAL, Words, belief, output, with_effect
 from waxstudy.plugin import FloatArray
 
 STEP_S = 5.0
@@ -32,7 +32,7 @@ RISING_C = 20.0 + 0.01 * np.arange(200)
 
 
 @pytest.mark.parametrize("chain", [IDEAL, REAL, MODULATED])
-def test_a_sensor_delay_is_the_whole_delay_whatever_sensor_was_believed(chain: dict[str, dict[str, float]]) -> None:
+def test_a_sensor_delay_is_the_whole_delay_whatever_sensor_was_believed(chain: Words) -> None:
     late = output(with_effect("sensor-delay", belief(chain), delay_s=300.0), "sensor", RISING_C)
     assert late[100:] == pytest.approx(RISING_C[40:-60])
 
@@ -110,7 +110,7 @@ def test_a_wax_motor_waits_and_then_opens_in_its_times() -> None:
     assert first_s(1.0 - opening, 1.0 - 1e-9, 1800.0) == 130.0
 
 
-def dead_times_s(name: str, chain: dict[str, dict[str, float]], **values: float) -> tuple[float, float]:
+def dead_times_s(name: str, chain: Words, **values: float) -> tuple[float, float]:
     """Dead time after a short pause, and after a long one."""
     signal = pulses(60.0, 1800.0, 900.0, 1800.0, 7200.0, 1800.0)
     opening = output(with_effect(name, belief(chain), **values), "actuator", signal)
@@ -125,7 +125,7 @@ def test_constant_times_do_not_depend_on_the_pause_and_variable_times_do() -> No
 
 
 @pytest.mark.parametrize("chain", [REAL, MODULATED, {**IDEAL, "actuator": {"use": "linear-ramp"}}])
-def test_a_slow_actuator_takes_all_times_as_often_as_its_factor(chain: dict[str, dict[str, float]]) -> None:
+def test_a_slow_actuator_takes_all_times_as_often_as_its_factor(chain: Words) -> None:
     usual, slow = belief(chain), with_effect("slow-actuator", belief(chain), factor=2.0)
     signal = pulses(60.0, 900.0, 500.0, 700.0)
     assert output(slow, "actuator", np.repeat(signal, 2), 10.0 / 2)[1::2] == pytest.approx(

@@ -147,7 +147,8 @@ class Strange(Actuator):
     @staticmethod
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
         x.opening += (delayed(x.signals, u) - x.opening) * dt / (dt + 60.0)
-        return x.opening
+        opening: float = x.opening
+        return opening
 
 
 STRANGE = Choice(Strange, Offset())

@@ -76,7 +76,7 @@ def test_a_floor_cover_keeps_heat_in_the_floor_and_leaves_the_pipes_as_they_are(
     assert after["floor_surface_C"][-1] < before["floor_surface_C"][-1] - 0.3
     assert after["layer_C"][-1] > before["layer_C"][-1] + 0.1
     flow = np.linspace(0.0, 1.0, 5)
-    k = [r.component.build(r.parameters).floor_conductance_W_K(flow) for r in (bare.room, covered.room)]  # type: ignore[union-attr,attr-defined]
+    k = [r.component.build(r.parameters).floor_conductance_W_K(flow) for r in (bare.room, covered.room)]  # type: ignore[union-attr]
     assert k[0] == pytest.approx(k[1])
 
 
