@@ -161,6 +161,7 @@ class SolarFactor(Effect):
     name = "solar-factor"
     api_version = "1.0"
     stage = "room"
+    absorbs = ("solar gain",)
     Parameters = SolarFactorParameters
     priors = {"factor": Prior(0.1, 5.0, noticeable=1.1, is_log=True)}
 
@@ -202,6 +203,7 @@ class GainShift(Effect):
     name = "gain-shift"
     api_version = "1.0"
     stage = "room"
+    absorbs = ("internal gains",)
     Parameters = GainShiftParameters
     priors = {
         "shift_h": Prior(-12.0, 12.0, noticeable=0.5),

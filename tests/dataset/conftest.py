@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests.conftest import SMALL
+from waxstudy.dataset.measure import Instruments
 from waxstudy.dataset.reality import Reality, reality_loop, simulate
+from waxstudy.dataset.write import Telling, write
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.read import read_study
@@ -43,3 +47,13 @@ def simulated(study: Study) -> Simulated:
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     return tmp_path / "room-7"
+
+
+def written(folder: Path, study: Study, simulated: Simulated, case: str, believed: str, **measured: Any) -> Path:
+    telling = Telling(study, study.cases[case], study.cases[believed], ["january"], SETPOINT_C)
+    write(folder, telling, simulated(case), Instruments(**measured))
+    return folder
+
+
+def described(folder: Path) -> dict[str, Any]:
+    return tomllib.loads((folder / "dataset.toml").read_text(encoding="utf-8"))

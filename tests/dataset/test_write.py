@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -13,25 +12,14 @@ import pytest
 import tomli_w
 
 from tests.conftest import ROOT
-from tests.dataset.conftest import SETPOINT_C, Simulated
+from tests.dataset.conftest import Simulated, described, written
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.dataset.measure import Instruments
-from waxstudy.dataset.write import Telling, truth_beside, write
+from waxstudy.dataset.write import truth_beside
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.read import read_study
 
 EXAMPLE = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data")) / "realities" / "r01"
-
-
-def written(folder: Path, study: Study, simulated: Simulated, case: str, believed: str, **measured: Any) -> Path:
-    telling = Telling(study, study.cases[case], study.cases[believed], ["january"], SETPOINT_C)
-    write(folder, telling, simulated(case), Instruments(**measured))
-    return folder
-
-
-def described(folder: Path) -> dict[str, Any]:
-    return tomllib.loads((folder / "dataset.toml").read_text(encoding="utf-8"))
 
 
 def truth(folder: Path) -> dict[str, Any]:

@@ -113,6 +113,7 @@ EXAMPLES = {
         for page in PAGES
         if page.name not in OF_PLUGINS
         for i, block in enumerate(blocks(page, "toml"))
+        if "[dataset]" not in block  # no study
     },
 }
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from waxstudy.dataset.notes import Notes
 from waxstudy.plugin import OutsideRoom, Parameters, Room
-from waxstudy.plugin.registry import Registry, nearest, told
+from waxstudy.plugin.registry import PluginError, Registry, nearest, told
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.spots import RawTable, Spot, Written
@@ -27,33 +27,39 @@ def read_room(check: Check, notes: Notes) -> Choice | None:
 
 
 def _built(check: Check, values: dict[str, Any], notes: Notes) -> Choice | None:
-    """Return the room that can be described in words and numbers, with the numbers given."""
+    """Return the room that can be told in words and numbers, with the numbers given."""
     rooms = list(_describable(check.registry))
     if not rooms:
         check.problem(BUILDING, "no room is installed that can be told in words and numbers", allowed="give [room]")
         return None
     room = rooms[0]
-    model: type[Parameters] = room.Building  # type: ignore[assignment]
-    known, words = _sorted(model, values, notes)
-    told_of = check.parameters(model, RawTable.of(known, BUILDING))
-    if told_of is None:
-        return None
     try:
         with told(f"room '{room.name}'", ValueError):
-            parameters, assumptions = room.of_building(told_of)
+            parameters = _parameters(check, room, values, notes)
     except ValueError as error:
         check.problem(BUILDING, str(error))
+    except PluginError as error:
+        check.problem(BUILDING, str(error), of_plugin=True)
+    else:
+        return Choice(room, parameters) if parameters else None
+    return None
+
+
+def _parameters(check: Check, room: type[Room], values: dict[str, Any], notes: Notes) -> Parameters | None:
+    """Return the room's parameters; what is wrong with them is noted where [building] has the key, or has itself."""
+    model: type[Parameters] = room.Building  # type: ignore[assignment]
+    known, words = _sorted(model, values, notes)
+    building = check.parameters(model, RawTable.of(known, BUILDING))
+    if building is None:
         return None
+    parameters, assumptions = room.of_building(building)
     notes.assume(f"The room is '{room.name}' with the numbers of [building].")
     for sentence in assumptions:
         notes.assume(sentence)
     if words:
         notes.assume(f"Words in [building] are for people and are not read: {', '.join(words)}.")
-    written = {
-        key: Written(value, BUILDING.at(key) if key in values else BUILDING) for key, value in parameters.items()
-    }
-    checked = check.parameters(room.Parameters, RawTable(written, BUILDING, BUILDING))
-    return Choice(room, checked) if checked else None
+    written = {key: Written(value, BUILDING.at(key)) for key, value in parameters.items()}
+    return check.parameters(room.Parameters, RawTable(written, BUILDING, BUILDING))
 
 
 def _describable(registry: Registry) -> Iterator[type[Room]]:

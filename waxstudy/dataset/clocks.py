@@ -36,6 +36,8 @@ def look_at_clocks(values: pd.DataFrame, interval_s: float, has_modulator: bool,
     for cause, effect, cause_level, effect_level in PAIRS:
         if not {cause, effect} <= set(values.columns):
             continue
+        if cause == "control_output" and not (_is_binary(values[cause]) and _is_binary(values[effect])):
+            continue  # a continuous output and a signal that switches have no edges in common
         late = _lateness(_switched(values[cause], cause_level), _switched(values[effect], effect_level), interval_s)
         if late is None or late == 0 or (late == -1 and effect == "flow_L_h"):
             continue  # a mean over an interval tells of an edge within it
@@ -86,9 +88,11 @@ def _lags(cause: FloatArray, effect: FloatArray, direction: float, interval_s: f
     longest = LONGEST_S / interval_s
     if not len(starts) or not len(ends):
         return np.array([])
-    nearest = ends[np.argmin(np.abs(ends[None, :] - starts[:, None]), axis=1)]
+    after = np.clip(np.searchsorted(ends, starts), 1, len(ends) - 1) if len(ends) > 1 else np.zeros(len(starts), int)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(starts - ends[before] < ends[after] - starts, ends[before], ends[after])
     lags = (nearest - starts).astype(float)
-    return lags[np.abs(lags) <= longest]
+    return np.asarray(lags[np.abs(lags) <= longest])
 
 
 def _tell_early_sensor(values: pd.DataFrame, interval_s: float, notes: Notes) -> None:
@@ -112,9 +116,7 @@ def _tell_early_sensor(values: pd.DataFrame, interval_s: float, notes: Notes) ->
 
 def _square(sensor: FloatArray, air: FloatArray, late: int) -> float:
     """Return the variance of the difference of a sensor and the air so many samples before."""
-    if late >= 0:
-        difference = sensor[late:] - air[: len(air) - late]
-    else:
-        difference = sensor[:late] - air[-late:]
+    moved, still = (sensor[late:], air[: len(air) - late]) if late >= 0 else (sensor[:late], air[-late:])
+    difference = moved - still
     seen = difference[np.isfinite(difference)]
     return float(seen.var()) if len(seen) > SMOOTH else float("nan")

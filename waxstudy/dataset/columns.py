@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 TIME = "time"
 UNREADABLE_SHARE = 0.5  # of the cells of a column that are no numbers: beyond, it is another column
+WORDS = {"on": 1.0, "true": 1.0, "open": 1.0, "off": 0.0, "false": 0.0, "closed": 0.0}
 NAMED = 20  # columns that a message lists
 
 
@@ -37,11 +38,14 @@ def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, n
     values = {name: _value(name, column, table, notes) for name, column in found.items()}
     if any(value is None for value in values.values()):
         return None
-    channels = pd.DataFrame(values, index=table.index)
-    empty = [name for name in channels if channels[name].isna().all()]
+    return pd.DataFrame(values, index=table.index)
+
+
+def without_empty(channels: pd.DataFrame, notes: Notes) -> pd.DataFrame:
+    """Return the channels that hold a value; note it if none does."""
+    empty = [name for name in channels.columns if channels[name].isna().all()]
     if len(empty) == len(channels.columns):
         notes.refuse(", ".join(empty), "holds no value at all")
-        return None
     for name in empty:
         notes.warn(f"{name} holds no value: taken as not measured")
     return channels.drop(columns=empty)
@@ -74,6 +78,8 @@ def _numbers(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None
     if pd.api.types.is_datetime64_any_dtype(written):
         notes.refuse(channel, "holds times, not numbers; are columns swapped?")
         return None
+    if CHANNELS[channel].quantity == "level" and pd.api.types.is_string_dtype(written):
+        written = _in_words(channel, written, notes)
     numbers = pd.to_numeric(written, errors="coerce").astype(float)
     numbers = numbers.where(np.isfinite(numbers))
     bad = written.notna() & numbers.isna()
@@ -82,11 +88,20 @@ def _numbers(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None
     row = int(np.argmax(bad.to_numpy()))
     example, line = shown(str(written.iloc[row])), row + 2
     if bad.sum() > UNREADABLE_SHARE * written.notna().sum():
-        wrong = f'{bad.sum()} of {len(written)} cells are no numbers; decimal commas need [dataset] decimal = ","'
-        notes.refuse(channel, wrong, line=line, value=example)
+        wrong = f"{bad.sum()} of {len(written)} cells are no numbers"
+        hint = '[dataset] decimal = "," if it is a decimal comma' if "," in example else ""
+        notes.refuse(channel, wrong, line=line, value=example, allowed=hint)
         return None
     notes.warn(f"{channel}: {bad.sum()} cells are no numbers (the first is {example} in line {line}): missing")
     return numbers
+
+
+def _in_words(channel: str, written: pd.Series, notes: Notes) -> pd.Series:
+    """Return a signal that is told in words as numbers; other cells as they are."""
+    words = written.str.strip().str.lower().map(WORDS)
+    if words.notna().any():
+        notes.assume(f"{channel} is told in words: on, true and open are 1, off, false and closed are 0.")
+    return words.astype(object).where(words.notna(), written)
 
 
 def _tell_others(table: pd.DataFrame, found: Mapping[str, Column], time: str, is_mapped: bool, notes: Notes) -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 # what loggers write where they have no value
 CODES = (-99999.0, -9999.0, -999.0, -99.0, -127.0, -32768.0)
 CODES_ABOVE = (9999.0, 99999.0, 32767.0, 65535.0)  # a flow or gain may be as large
+# what no such temperature is [C]
 BOUNDS: dict[Quantity, tuple[float, float]] = {
     "indoor": (-30.0, 60.0),
     "water": (-20.0, 110.0),
@@ -30,6 +31,7 @@ HOUR_S = 3600.0
 STUCK_H, STUCK_COARSE_H = 6.0, 24.0
 COARSE_K = 0.2  # a resolution with which a temperature may stand still for hours
 CLIPPED_SHARE, CLIPPED_COUNT, CLIPPED_FACTOR = 0.01, 20, 5.0
+NAMED = 3  # channels that a sentence lists
 DISTINCT = 20  # values from which a channel counts as continuous
 
 
@@ -99,7 +101,7 @@ def _tell_gaps(values: Values, interval_s: float, notes: Notes) -> None:
             first, length = _longest(lost)
             said.setdefault((int(lost.sum()), first, length), []).append(name)
     for (count, first, length), names in said.items():
-        who = ", ".join(names) if len(names) < len(values.columns) else "all channels"
+        who = ", ".join(names) if len(names) <= NAMED else f"{len(names)} of {len(values.columns)} channels"
         share = 100.0 * count / len(values)
         notes.warn(
             f"{who}: {share:.2g} % of the samples are missing, at most {_duration(length * interval_s)} at once "
@@ -116,7 +118,7 @@ def _tell_stuck(name: str, values: Values, interval_s: float, notes: Notes) -> N
     if length * interval_s <= limit_h * HOUR_S:
         return
     during = values.iloc[first : first + length + 1]
-    others = [other for other in values if other != name and CHANNELS[other].quantity in BOUNDS]
+    others = [other for other in values.columns if other != name and CHANNELS[other].quantity in BOUNDS]
     if any(during[other].nunique() > DISTINCT // 4 for other in others):
         place = f"from {during.index[0]} for {_duration(length * interval_s)}"
         notes.warn(f"{name} is stuck at {x[first]:g} {place} while other temperatures move")

@@ -18,6 +18,7 @@ from waxstudy.study.ladder import merge_block
 from waxstudy.study.lines import KeyPath
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import listed
+from waxstudy.study.sentences import value_at
 from waxstudy.study.spots import RawTable, Spot
 
 TABLES = ("dataset", "nominal", "building", "room", "noise", "columns")
@@ -64,8 +65,8 @@ def _about(check: Check, notes: Notes) -> DatasetTable:
 
 def _tell_unknown(check: Check, path: KeyPath, allowed: Iterable[str], notes: Notes) -> None:
     """Whoever records data may add remarks; a misspelled key should not go unnoticed."""
-    table = check.table(Spot("", path, 0)) or {}
-    for key in table:
+    table = value_at(check.source.values, path)
+    for key in table if isinstance(table, dict) else ():
         if key not in allowed:
             near = nearest(key, allowed)
             hint = f"; did you mean '{near}'?" if near else ""

@@ -144,11 +144,11 @@ def _flow(values: pd.DataFrame, full_L_h: float | None, notes: Notes) -> None:
 
 def _open(values: pd.DataFrame) -> pd.Series:
     """Return the flow where a valve is seen open; all that is above 0 where no channel tells of it."""
-    flow = values["flow_L_h"].dropna()
+    flow = values["flow_L_h"]
     told = [name for name in ("displacement", "heating_signal", "control_output") if name in values]
     if told and values[told[0]].max() <= 1.5:
-        return flow[values.loc[flow.index, told[0]] > OPEN]
-    return flow[flow > 0.0]
+        return flow.where(values[told[0]] > OPEN).dropna()
+    return flow.where(flow > 0.0).dropna()
 
 
 def _unit(high: float, full_L_h: float | None) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from waxstudy.dataset.clocks import look_at_clocks
-from waxstudy.dataset.columns import channels_of
+from waxstudy.dataset.columns import channels_of, without_empty
 from waxstudy.dataset.defects import look_at_samples, without_faults
 from waxstudy.dataset.description import FILES, Description, read_description
 from waxstudy.dataset.grid import on_grid
@@ -57,7 +57,8 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     notes = Notes(str(path))
     described = read_description(check, notes)
     full_L_h = _full_flow_L_h(check, described.room)
-    record = _record(path, described, full_L_h, notes) if path and not check.problems else None
+    is_clear = not any(problem.where in ("[dataset]", "[columns]") for problem in check.problems)
+    record = _record(path, described, full_L_h, notes) if path and is_clear else None
     problems = [*check.problems, *notes.problems]
     if problems or record is None:
         raise StudyError(problems)
@@ -128,7 +129,7 @@ def _record(
     channels = channels_of(table, described.columns, described.time, notes)
     if times is None or channels is None:
         return None
-    rows = without_faults(channels, times, notes)
+    rows = without_empty(without_faults(channels, times, notes), notes)
     look_at_units(rows, full_L_h, notes)
     record = None if notes.problems else on_grid(rows, times, described.about, notes)
     if record is not None:

@@ -15,6 +15,7 @@ from waxstudy.study.problems import listed, shown
 if TYPE_CHECKING:
     import pandas as pd
 
+YEARS = (1900, 2200)
 DAY_FIRST = r"\s*\d{1,2}\.\d{1,2}\.\d{4}"
 
 
@@ -31,6 +32,11 @@ def stamps_of(table: pd.DataFrame, column: str, about: DatasetTable, notes: Note
         return None
     times = _parsed(table[column], about.time_format, notes)
     if times is None:
+        return None
+    strange = np.flatnonzero((times.year < YEARS[0]) | (times.year > YEARS[1]))
+    if len(strange):
+        row = int(strange[0])
+        notes.refuse(TIME, f"{times[row]} is not within the years {YEARS[0]} to {YEARS[1]}", line=row + 2)
         return None
     times = _local(times, notes)
     return times if _in_order(times, notes) else None
@@ -85,9 +91,10 @@ def _all_read(written: pd.Series, times: pd.Series, time_format: str | None, not
         hint = 'say [dataset] time_format = "%d.%m.%Y %H:%M" or as it is'
     else:
         hint = f"expected {time_format or 'ISO 8601, as 2020-01-31T12:00:00'}"
-    wrong = "missing" if written.isna().iloc[row] else "cannot be read as date and time"
+    is_missing = bool(written.isna().iloc[row])
+    wrong = "missing" if is_missing else "cannot be read as date and time"
     others = f" ({bad.sum()} such rows)" if bad.sum() > 1 else ""
-    notes.refuse(TIME, wrong + others, line=row + 2, value=shown(text), allowed=hint)
+    notes.refuse(TIME, wrong + others, line=row + 2, value="" if is_missing else shown(text), allowed=hint)
     return None
 
 

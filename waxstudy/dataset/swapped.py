@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 ENOUGH = 10
 ROOM = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 COLD_C = 15.0  # outdoors: a floor heats, it does not cool
-NIGHT_H = (22, 23, 0, 1, 2)
+NOT_SENSED = ("floor_surface_temperature_C", "supply_temperature_C", "return_temperature_C")
+NO_FLOW_L_H = 5.0  # the noise of a meter is taken for no flow
+NIGHT_H = (23, 0, 1, 2)
 
 
 def look_at_pairs(values: pd.DataFrame, has_modulator: bool, notes: Notes) -> None:
@@ -24,8 +26,9 @@ def look_at_pairs(values: pd.DataFrame, has_modulator: bool, notes: Notes) -> No
             _room_and_supply(name, values, notes)
     _supply_and_return(values, notes)
     _output_and_signal(values, has_modulator, notes)
+    _signal_and_opening(values, has_modulator, notes)
     _sensor_and_air(values, notes)
-    _gains(values, notes)
+    _sun_at_night(values, notes)
 
 
 def _swap(first: str, second: str, why: str, notes: Notes) -> None:
@@ -81,8 +84,8 @@ def _supply_and_return(values: pd.DataFrame, notes: Notes) -> None:
     pairs = _both(values, "supply_temperature_C", "return_temperature_C", "flow_L_h")
     if pairs is None:
         return
-    flowing = pairs[pairs["flow_L_h"] > 0.5 * pairs["flow_L_h"].max()]
-    if len(flowing) < ENOUGH or not pairs["flow_L_h"].max() > 0.0:
+    flowing = pairs[pairs["flow_L_h"] > max(0.5 * pairs["flow_L_h"].max(), NO_FLOW_L_H)]
+    if len(flowing) < ENOUGH:
         return
     supply, back = flowing["supply_temperature_C"], flowing["return_temperature_C"]
     room = next((float(values[name].median()) for name in ROOM if name in values), 22.0)
@@ -99,16 +102,35 @@ def _output_and_signal(values: pd.DataFrame, has_modulator: bool, notes: Notes) 
         _swap("control_output", "heating_signal", why, notes)
 
 
+def _signal_and_opening(values: pd.DataFrame, has_modulator: bool, notes: Notes) -> None:
+    names = ("control_output", "heating_signal", "displacement")
+    found = _both(values, *names)
+    if found is None or has_modulator:
+        return
+    output, signal, opening = (found[name] for name in names)
+    if output.nunique() > 1 and (output == opening).mean() > 0.999 and (output == signal).mean() < 0.99:
+        why = "the opening is the control output to the digit, and the signal is not"
+        _swap("heating_signal", "displacement", why, notes)
+
+
 def _sensor_and_air(values: pd.DataFrame, notes: Notes) -> None:
     pairs = _both(values, "sensor_temperature_C", "air_temperature_C")
-    if pairs is not None:
-        off_K = float((pairs["sensor_temperature_C"] - pairs["air_temperature_C"]).median())
-        if abs(off_K) > 3.0:
-            notes.warn(f"sensor_temperature_C is {off_K:+.2g} K off air_temperature_C: are they of the same room?")
+    if pairs is None:
+        return
+    difference_K = pairs["sensor_temperature_C"] - pairs["air_temperature_C"]
+    if abs(difference_K.median()) > 3.0:
+        off = f"{difference_K.median():+.2g} K off air_temperature_C"
+        notes.warn(f"sensor_temperature_C is {off}: are they of the same room?")
+    for name in NOT_SENSED:
+        others = _both(values, "sensor_temperature_C", name)
+        if others is not None and difference_K.std() > 0.2:
+            other_K = others["sensor_temperature_C"] - others[name]
+            if other_K.std() < 0.3 * difference_K.std() and abs(other_K.median()) < 3.0:
+                _swap("air_temperature_C", name, f"the sensor follows {name} and not the air", notes)
 
 
-def _gains(values: pd.DataFrame, notes: Notes) -> None:
-    """The sun does not shine at night."""
+def _sun_at_night(values: pd.DataFrame, notes: Notes) -> None:
+    """The sun does not shine at night: two channels are swapped, or the clock is wrong."""
     if "solar_gain_W" not in values:
         return
     at_night = values.index.hour.isin(NIGHT_H)  # type: ignore[attr-defined]
@@ -116,8 +138,8 @@ def _gains(values: pd.DataFrame, notes: Notes) -> None:
     night_W, day_W = float(solar[at_night].mean()), float(solar[~at_night].mean())
     if not (night_W > 2.0 and night_W > 0.1 * day_W):
         return
-    other = values.get("internal_gain_W")
-    if other is not None and other[at_night].max() <= 0.0 < other.max():
-        _swap("solar_gain_W", "internal_gain_W", "the first is there at night, the second never", notes)
-    else:
-        notes.warn(f"solar_gain_W is {night_W:.3g} W on average at night: are its clock and column right?")
+    for name in ("internal_gain_W", "flow_L_h"):
+        if name in values and values[name][at_night].max() <= 0.0 < values[name].max():
+            _swap("solar_gain_W", name, "the first is there at night, the second never", notes)
+            return
+    notes.warn(f"solar_gain_W is {night_W:.3g} W on average at night: are its clock and column right?")

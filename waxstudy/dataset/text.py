@@ -79,13 +79,12 @@ def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
                 skipinitialspace=True,
                 index_col=False,
                 na_values=MISSING,
-                float_precision=None if layout.decimal == "," else "round_trip",
                 low_memory=False,
             )
         except pd.errors.ParserWarning:
             notes.refuse("", "rows have more cells than the header has names; is the separator or decimal mark right?")
             return None
-    return data.rename(columns=str.strip)
+    return pd.DataFrame(data).rename(columns=str.strip)
 
 
 def _head(path: Path) -> tuple[list[str], str]:

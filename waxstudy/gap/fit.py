@@ -11,7 +11,8 @@ import numpy as np
 from waxstudy.gap.judge import FIT, SELECT, Errors, Judge
 from waxstudy.gap.links import Link, Reading
 from waxstudy.gap.record import Record
-from waxstudy.plugin import Belief, Effect, FloatArray, Prior, Uncertainty
+from waxstudy.gap.unknowns import unknowns
+from waxstudy.plugin import Belief, Effect, FloatArray, Prior
 from waxstudy.simulation.interpreted import SimulationError
 
 IMPOSSIBLE = 1e12  # loss of a belief that cannot be
@@ -47,24 +48,18 @@ class Fitter:
     def __init__(self, link: Link, record: Record, belief: Belief, thorough: float = 1.0) -> None:
         self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
         self.judge = Judge(link, record, belief)
-        self.unknowns = self._unknowns() if link.with_room else []
+        self.unknowns = unknowns(belief, record) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
-
-    def _unknowns(self) -> list[Uncertainty]:
-        assert self.belief.room
-        room = self.belief.room
-        return list(room.component.uncertainties(room.parameters))  # type: ignore[attr-defined]
 
     # --- one hypothesis at given values ---
 
     def edited(self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray) -> Belief:
         """Return the belief with departures of the room and with effects; raise `ValueError` where it cannot be."""
         belief = self.belief
-        if belief.room and len(departures):
-            room = belief.room
-            for unknown, value in zip(self.unknowns, departures, strict=True):
-                room = unknown.apply(room, float(value))
-            belief = replace(belief, room=room)
+        absorbed = {name for effect, _ in effects for name in effect.absorbs}
+        for unknown, value in zip(self.unknowns, departures, strict=True):
+            if unknown.name not in absorbed:
+                belief = unknown.apply(belief, float(value))
         for effect, values in effects:
             belief = effect.apply(belief, effect.Parameters(**values))
         return belief
@@ -83,8 +78,9 @@ class Fitter:
 
     @cached_property
     def base(self) -> Fitted:
-        """The belief itself, with its room fitted, read in the way that fits best."""
-        return self._best([self._room_fit((), np.zeros(len(self.sd)), reading) for reading in self.link.readings])
+        """The belief itself, its room fitted to the first part, read in the way that fits best."""
+        start = np.zeros(len(self.sd))
+        return self._best([self._room_fit((), start, reading, (FIT,)) for reading in self.link.readings])
 
     def _best(self, tried: Sequence[Fitted | None]) -> Fitted:
         done = [each for each in tried if each is not None]
@@ -114,22 +110,24 @@ class Fitter:
         self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
     ) -> tuple[float, Values, Reading]:
         tried = [*space.points(self.thorough), *effect.starts(self.belief)]
-        scores = [self._score(self._at((*given.effects, (effect, v)), given, reading), parts) for v in tried]
+        scores = [self._score(self._at((*given.effects, (effect, v)), given, reading, parts), parts) for v in tried]
         best = int(np.argmin(scores))
         return scores[best], tried[best], reading
 
-    def _at(self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading) -> Fitted | None:
+    def _at(
+        self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading, parts: Sequence[int]
+    ) -> Fitted | None:
         """Return a hypothesis with the room's departures where they would go, were everything straight from here."""
         fitted = self.at(effects, given.departures, reading)
         if fitted is None or not self.unknowns:
             return fitted
-        return replace(fitted, errors=self._followed(fitted))
+        return replace(fitted, errors=self._followed(fitted, parts))
 
-    def _followed(self, fitted: Fitted) -> list[Errors]:
+    def _followed(self, fitted: Fitted, parts: Sequence[int]) -> list[Errors]:
         """Return the errors after the room's departures follow, by the slopes at the base."""
         sizes = [len(each.whitened) for each in fitted.errors]
         whole = np.concatenate([each.whitened for each in fitted.errors])
-        fit = np.concatenate([(each.part == FIT) | (each.part == SELECT) for each in fitted.errors])
+        fit = np.concatenate([np.isin(each.part, parts) for each in fitted.errors])
         slopes = self._slopes
         lhs = np.vstack((slopes[fit], np.diag(1.0 / self.sd)))
         rhs = np.concatenate((whole[fit], fitted.departures / self.sd))
@@ -179,7 +177,7 @@ class Fitter:
         effects: Sequence[tuple[EffectType, Values]],
         departures: FloatArray,
         reading: Reading,
-        parts: Sequence[int] = (FIT, SELECT),
+        parts: Sequence[int],
     ) -> Fitted | None:
         """Fit departures and effects together by least squares, the departures held by their priors."""
         if not self.unknowns:

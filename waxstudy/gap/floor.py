@@ -42,7 +42,8 @@ class Floor:
                 plain[each.channel].append(each.gap())
                 count = max(1, int(each.judged.sum()))
                 white[each.channel].append(float(np.sqrt(each.loss() / count)))
-        return cls(_typical(plain), _typical(white))
+        switched = {channel: fitter.judge.timing_s(channel) for channel in link.judged if channel in record.binary}
+        return cls(_typical(plain) | switched, _typical(white) | dict.fromkeys(switched, 1.0))
 
 
 def _seen(fitter: Fitter, still: Predicted, shaken: Predicted, drift: Drift) -> Predicted:
@@ -53,7 +54,7 @@ def _seen(fitter: Fitter, still: Predicted, shaken: Predicted, drift: Drift) -> 
         difference = shaken[channel] - value
         measured = fitter.judge.measured(channel)
         if channel in record.binary:
-            seen[channel] = np.clip(record.filled(channel) + difference, 0.0, 1.0)
+            seen[channel] = record.filled(channel)
             continue
         noise = np.nan_to_num(fitter.judge.noise(channel)) * drift.random.normal(size=len(value))
         count = min(len(measured), len(difference))

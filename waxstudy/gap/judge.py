@@ -25,6 +25,7 @@ FORM_K = {
 }
 CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 PIECE = 8  # quarters of an hour over which such errors hang together
+JUMP = 0.4
 RIDGE = 0.15  # share of full scale by which a moving valve may be missed, beside the noise
 
 
@@ -56,7 +57,7 @@ class Judge:
 
     def __init__(self, link: Link, record: Record, belief: Belief) -> None:
         self.link, self.record = link, record
-        self.parts = parts_of(record)
+        self.parts = parts_of(record, days_in_turn=link.with_room)
         self._timing = {
             channel: self._switching(channel, belief) for channel in link.judged if self._is_switch(channel)
         }
@@ -98,6 +99,10 @@ class Judge:
         if channel == "flow_L_h":
             return np.where(values > 0.02 * np.nanmax(values), noise, 0.0)
         return np.full(len(values), noise * (CLIPPED if channel == "displacement" else 1.0))
+
+    def timing_s(self, channel: str) -> float:
+        """Return how far noise alone moves the switches of a channel, typically."""
+        return self._timing[channel].scale_s
 
     # --- what switches ---
 
@@ -146,6 +151,9 @@ class Judge:
         known = np.isfinite(measured) & record.settled
         for drive in {self.link.driven_by} & set(record.values):
             known &= ~record.is_gap(drive)
+        if self.link.driven_by == "displacement":
+            # it jumped within a sample: nobody knows when, nor what flowed meanwhile
+            known &= np.abs(np.diff(record.filled("displacement"), prepend=0.0)) < JUMP
         error = np.where(known, predicted - np.nan_to_num(measured), 0.0)
         scale = self._scale(channel)
         if self.link.driven_by in record.binary:
@@ -224,17 +232,20 @@ def _windows(record: Record, channel: str) -> np.ndarray:
     return np.searchsorted(middles, np.arange(len(record)), side="right")
 
 
-def parts_of(record: Record) -> np.ndarray:
+def parts_of(record: Record, days_in_turn: bool = False) -> np.ndarray:
     """Return the part of each sample: fit, then select, then shrinkage of at least three days.
 
-    A short record has cycles in turn for fit and for the rest, which then serves twice.
+    A room is fitted and judged on days in turn: what a few days tell of it would not hold in other weather. A short
+    record has cycles, or days, in turn for fit and for the rest, which then serves twice.
     """
     days = len(record) * record.interval_s / DAY_S
     at = (np.arange(len(record)) + 0.5) * record.interval_s / DAY_S
+    in_turn = np.where((record.day if days_in_turn else record.cycle) % 2 == 0, FIT, SELECT)
     if days < SHORT_DAYS:
-        return np.where(record.cycle % 2 == 0, FIT, SELECT)
+        return in_turn
     kept = max(LEAST_SHRINK_DAYS, 0.3 * days)
-    return np.where(at >= days - kept, SHRINK, np.where(at < 0.57 * (days - kept), FIT, SELECT))
+    first = in_turn if days_in_turn else np.where(at < 0.57 * (days - kept), FIT, SELECT)
+    return np.where(at >= days - kept, SHRINK, first)
 
 
 def losses(errors: Sequence[Errors], part: int) -> Mapping[int, float]:

@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.gap.fit import EffectType, Fitted, Fitter, Values
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import Belief, FloatArray
 
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
@@ -96,16 +96,17 @@ def _tried(
     best = min((fitted for _, fitted in found), key=lambda f: f.loss(SELECT))
     highest = _null(current, best, [fitted for _, fitted in found], random)
     floor = Floor.of(fitter, best)
-    return [_candidate(fitter, effect, fitted, current, floor, highest) for effect, fitted in found]
+    believed = fitter.edited(current.effects, current.departures)
+    return [_candidate(believed, effect, fitted, current, floor, highest) for effect, fitted in found]
 
 
 def _candidate(
-    fitter: Fitter, effect: EffectType, fitted: Fitted, current: Fitted, floor: Floor, highest: FloatArray
+    believed: Belief, effect: EffectType, fitted: Fitted, current: Fitted, floor: Floor, highest: FloatArray
 ) -> Candidate:
     gain = current.loss(SELECT) - fitted.loss(SELECT)
     share, left = _share(current, fitted, floor)
     p = float((1 + np.sum(highest >= gain)) / (1 + len(highest)))
-    return Candidate(effect, fitted, gain, p, share, left, _is_covered(fitter, effect, dict(fitted.effects)[effect]))
+    return Candidate(effect, fitted, gain, p, share, left, _is_covered(believed, effect, dict(fitted.effects)[effect]))
 
 
 def _share(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[float, float]:
@@ -120,9 +121,9 @@ def _share(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[float, float]
     return min(share, 1.5), float(np.sqrt(after / least)) if least > 0 else np.inf
 
 
-def _is_covered(fitter: Fitter, effect: EffectType, values: Values) -> bool:
+def _is_covered(believed: Belief, effect: EffectType, values: Values) -> bool:
     """Whether every parameter lies as near to neutral as the believed model's published uncertainty reaches."""
-    neutral = effect.neutral(fitter.belief)
+    neutral = effect.neutral(believed)
     if neutral is None:
         return any(prior.tolerance for prior in effect.priors.values())
     for name, prior in effect.priors.items():

@@ -119,7 +119,10 @@ class Modulator(Block):
 
 
 class Actuator(Block):
+    """An actuator, and how far real ones are known to stray from it: |displacement error| over time, per switch [s]."""
+
     kind = "actuator"
+    stray_s: ClassVar[float] = 0.0
 
 
 class Valve(Block):

@@ -104,6 +104,8 @@ class Effect(Component):
     kind = "effect"
     stage: ClassVar[str]  # one of STAGES
     priors: ClassVar[Mapping[str, Prior]] = {}
+    # names of uncertainties whose place it takes: with them both, neither could be told
+    absorbs: ClassVar[Sequence[str]] = ()
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

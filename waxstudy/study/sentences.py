@@ -15,7 +15,7 @@ from waxstudy.study.problems import listed
 
 DATE = "must be a date such as 2020-01-31"
 LIST = "must be a list in [ ]"
-TABLE = "must be a table in { }"
+TABLE = "must be a table in {{ }}"
 TEXT = "must be a text in quotes"
 
 # type of the error -> sentence; the names in braces are what pydantic knows about the limit

@@ -1,0 +1,382 @@
+"""Claims about reading datasets: what was written is read back, foreign files are mapped, faults are told."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.conftest import ROOT
+from tests.dataset.conftest import SETPOINT_C, Simulated, described, written
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.measure import Instruments, measure
+from waxstudy.dataset.read import Dataset, read_dataset
+from waxstudy.study.model import Study
+
+DATA = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data"))
+REALITIES, HOUSE = DATA / "realities", DATA / "measured_house"
+NO_DATA = "is not there; WAXSTUDY_DATA names the folder of the data"
+
+Change = Callable[[pd.DataFrame], pd.DataFrame]
+
+
+@pytest.fixture
+def good(folder: Path, study: Study, simulated: Simulated) -> Path:
+    return written(folder, study, simulated, "O_WM", "O_CP")
+
+
+def data_of(folder: Path) -> pd.DataFrame:
+    return pd.read_csv(folder / "data.csv")
+
+
+def reread(folder: Path, change: Change, extra: str = "") -> Dataset:
+    """Read the dataset again after a change of its data and an addition to its description."""
+    change(data_of(folder)).to_csv(folder / "data.csv", index=False)
+    path = folder / "dataset.toml"
+    path.write_text(path.read_text(encoding="utf-8") + extra, encoding="utf-8")
+    return read_dataset(folder)
+
+
+def told(dataset: Dataset, *words: str) -> bool:
+    return any(all(word in warning for word in words) for warning in dataset.warnings)
+
+
+# --- what waxstudy writes ---------------------------------------------------------------------------
+
+
+@settings(max_examples=15)
+@given(
+    interval_s=st.sampled_from([5.0, 60.0, 300.0, 900.0, 3600.0]),
+    without=st.sets(st.sampled_from(sorted(set(CHANNELS) - {"air_temperature_C"})), max_size=12),
+    missing=st.sampled_from([0.0, 0.003, 0.5]),
+    seed=st.integers(0, 99),
+)
+def test_what_a_reality_wrote_is_read_back_to_the_digit(
+    study: Study, simulated: Simulated, interval_s: float, without: set[str], missing: float, seed: int
+) -> None:
+    measured = {"interval_s": interval_s, "without": sorted(without), "missing": missing, "seed": seed}
+    with TemporaryDirectory() as place:
+        read = read_dataset(written(Path(place) / "room", study, simulated, "O_WM", "O_CP", **measured))
+    expected = measure(simulated("O_WM"), Instruments(**measured)).set_index("time")  # type: ignore[arg-type]
+    assert read.interval_s == interval_s
+    assert list(read.values.columns) == list(expected.columns)
+    seen = expected.notna().any(axis=1).to_numpy()
+    first, last = int(np.argmax(seen)), len(seen) - int(np.argmax(seen[::-1]))
+    assert first == 0 or "setpoint_C" in without
+    assert [stamp.isoformat() for stamp in read.time[:last]] == list(expected.index[:last])
+    np.testing.assert_array_equal(read.values.to_numpy(), expected.to_numpy())
+
+
+def test_the_belief_is_that_of_the_study(good: Path, study: Study) -> None:
+    read = read_dataset(good)
+    assert {kind: choice.described() for kind, choice in read.nominal.items()} == {
+        kind: choice.described() for kind, choice in study.cases["O_CP"].blocks.items()
+    }
+    assert read.room is not None
+    assert read.room.described() == study.room.described()
+    assert (read.setpoint_C, read.assumed) == (SETPOINT_C, ("solar_gain_W", "internal_gain_W"))
+    assert read.noise == described(good)["noise"]
+
+
+# --- foreign files ----------------------------------------------------------------------------------
+
+FOREIGN = """
+[columns]
+time = "Zeit"
+flow_L_h = { column = "Durchfluss", scale = 1000.0 }
+air_temperature_C = { mean = ["oben", { column = "unten", scale = 1.0 }], offset = -273.15 }
+internal_gain_W = { sum = ["Licht", "Herd"] }
+"""
+
+
+def foreign(data: pd.DataFrame) -> pd.DataFrame:
+    """The same record as another logger would export it."""
+    kelvin = data["air_temperature_C"] + 273.15
+    return pd.DataFrame(
+        {
+            "Zeit": pd.to_datetime(data["time"]).dt.strftime("%d.%m.%Y %H:%M"),
+            "Durchfluss": data["flow_L_h"] / 1000.0,
+            "oben": kelvin + 0.5,
+            "unten": kelvin - 0.5,
+            "Licht": 0.25 * data["internal_gain_W"],
+            "Herd": 0.75 * data["internal_gain_W"],
+            "Wind": 3.0,
+        }
+    )
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ","), ("\t", ","), (";", ".")])
+def test_a_foreign_file_is_the_same_record(good: Path, separator: str, decimal: str, encoding: str) -> None:
+    ours = read_dataset(good)
+    table = foreign(data_of(good)).rename(columns={"Wind": "Wind in °"})
+    table.to_csv(good / "data.csv", index=False, sep=separator, decimal=decimal, encoding=encoding)
+    path = good / "dataset.toml"
+    text = path.read_text(encoding="utf-8").replace("[dataset]", '[dataset]\ntime_format = "%d.%m.%Y %H:%M"')
+    path.write_text(text + FOREIGN, encoding="utf-8")
+    theirs = read_dataset(good)
+    assert sorted(theirs.values) == ["air_temperature_C", "flow_L_h", "internal_gain_W"]
+    for name in theirs.values:
+        np.testing.assert_allclose(theirs.values[name], ours.values[name], atol=1e-9)
+    assert theirs.time.equals(ours.time)
+    assert any("1 columns of the data file" in sentence for sentence in theirs.assumptions)
+
+
+def test_a_parquet_file_is_read_as_well(good: Path) -> None:
+    ours, data = read_dataset(good), data_of(good)
+    data.assign(time=pd.to_datetime(data["time"])).set_index("time").to_parquet(good / "data.parquet")
+    (good / "data.csv").unlink()
+    pd.testing.assert_frame_equal(read_dataset(good).values, ours.values)
+
+
+def test_the_data_file_may_lie_elsewhere(good: Path, tmp_path: Path) -> None:
+    ours = read_dataset(good)
+    shutil.move(good / "data.csv", tmp_path / "record.txt")
+    path = good / "dataset.toml"
+    text = path.read_text(encoding="utf-8").replace("[dataset]", '[dataset]\nfile = "../record.txt"')
+    path.write_text(text, encoding="utf-8")
+    pd.testing.assert_frame_equal(read_dataset(good).values, ours.values)
+
+
+@pytest.mark.parametrize("words", [("on", "off"), ("True", "False"), ("OPEN", "closed")])
+def test_signals_may_be_told_in_words(good: Path, words: tuple[str, str]) -> None:
+    ours = read_dataset(good)
+    read = reread(good, lambda data: data.assign(heating_signal=np.where(data["heating_signal"] > 0.5, *words)))
+    np.testing.assert_array_equal(read.values["heating_signal"], ours.values["heating_signal"])
+
+
+def test_the_example_of_the_page_is_understood(good: Path) -> None:
+    page = (ROOT / "docs" / "datasets.md").read_text(encoding="utf-8")
+    example = next(block for block in re.findall(r"```toml\n(.*?)```", page, re.DOTALL) if "[columns]" in block)
+    ours, data = read_dataset(good), data_of(good)
+    names = ["T_Raum", "T_10", "T_110", "T_170"]
+    table = pd.DataFrame({"Zeit": pd.to_datetime(data["time"]).dt.strftime("%d.%m.%Y %H:%M")})
+    table = table.assign(V=data["flow_L_h"] / 1000.0, Ta=data["outdoor_temperature_C"] * 1.8 + 32.0)
+    table = table.assign(P_light=data["internal_gain_W"] - 10.0, P_stove=20.0)
+    table = table.assign(**{name: data["air_temperature_C"] for name in names})
+    table.to_csv(good / "export.csv", index=False, sep=";", decimal=",")
+    (good / "dataset.toml").write_text(example + "\n[nominal]\n", encoding="utf-8")
+    read = read_dataset(good)
+    assert list(read.values)[:2] == ["sensor_temperature_C", "air_temperature_C"]
+    for name in set(read.values) - {"sensor_temperature_C"}:
+        np.testing.assert_allclose(read.values[name], ours.values[name], atol=0.01)
+
+
+def test_offsets_from_utc_become_standard_time(good: Path) -> None:
+    ours = read_dataset(good)
+
+    def zoned(data: pd.DataFrame) -> pd.DataFrame:
+        half = len(data) // 2
+        summer = (pd.to_datetime(data["time"]) + pd.Timedelta(hours=1)).dt.strftime("%Y-%m-%dT%H:%M:%S+02:00")
+        return data.assign(time=[*(data["time"][:half] + "+01:00"), *summer[half:]])
+
+    read = reread(good, zoned)
+    assert read.time.equals(ours.time)
+    assert any("UTC+1 h" in sentence for sentence in read.assumptions)
+
+
+# --- stamps and grid --------------------------------------------------------------------------------
+
+
+def test_stamps_off_the_grid_go_to_the_nearest_place(good: Path) -> None:
+    ours = read_dataset(good)
+
+    def shaken(data: pd.DataFrame) -> pd.DataFrame:
+        late = pd.to_timedelta(np.random.default_rng(1).choice([0, 0, 20, -20], len(data)), unit="s")
+        return data.assign(time=(pd.to_datetime(data["time"]) + late).dt.strftime("%Y-%m-%dT%H:%M:%S"))
+
+    read = reread(good, shaken)
+    pd.testing.assert_frame_equal(read.values, ours.values)
+    assert told(read, "stamps are off the grid, by up to 20 s")
+
+
+def test_rows_that_are_not_there_are_missing_samples(good: Path) -> None:
+    read = reread(good, lambda data: data.drop(index=range(100, 220)))
+    assert read.values.iloc[100:220].isna().all(axis=None)
+    assert read.values.notna().all(axis=1).sum() == 2880 - 120
+    assert told(read, "4.2 % of the samples are missing, at most 2 h at once")
+
+
+def test_a_finer_file_gives_means_of_flows_and_last_values_of_the_rest(good: Path) -> None:
+    fine = read_dataset(good)
+    path = good / "dataset.toml"
+    path.write_text(path.read_text(encoding="utf-8").replace("interval_s = 60", "interval_s = 600"), encoding="utf-8")
+    read = read_dataset(good)
+    assert len(read.values) == 288
+    flow = fine.values["flow_L_h"].to_numpy().reshape(-1, 10).mean(axis=1)
+    np.testing.assert_allclose(read.values["flow_L_h"], flow)
+    np.testing.assert_array_equal(read.values["air_temperature_C"], fine.values["air_temperature_C"][9::10])
+
+
+def test_stamps_at_the_start_are_moved_to_the_end(good: Path) -> None:
+    ours = read_dataset(good)
+    path = good / "dataset.toml"
+    text = path.read_text(encoding="utf-8").replace("[dataset]", '[dataset]\nstamps = "start"')
+    path.write_text(text, encoding="utf-8")
+    assert (read_dataset(good).time - ours.time == pd.Timedelta(seconds=60)).all()
+
+
+def test_the_interval_is_found_where_it_is_not_given(good: Path) -> None:
+    path = good / "dataset.toml"
+    path.write_text(path.read_text(encoding="utf-8").replace("interval_s = 60\n", ""), encoding="utf-8")
+    read = read_dataset(good)
+    assert read.interval_s == 60.0
+    assert any("interval_s is not given" in sentence for sentence in read.assumptions)
+
+
+# --- faults are told, and only impossible samples are taken out ------------------------------------
+
+
+def test_spikes_and_codes_become_missing_and_are_counted(good: Path) -> None:
+    def spoilt(data: pd.DataFrame) -> pd.DataFrame:
+        data.loc[[100, 900], "air_temperature_C"] += 12.0
+        data.loc[200:209, "outdoor_temperature_C"] = -999.0
+        data.loc[300, "supply_temperature_C"] = 3000.0
+        return data
+
+    read = reread(good, spoilt)
+    for name, rows in (
+        ("air_temperature_C", [100, 900]),
+        ("outdoor_temperature_C", list(range(200, 210))),
+        ("supply_temperature_C", [300]),
+    ):
+        assert list(np.flatnonzero(read.values[name].isna())) == rows
+        assert told(read, name, f"{len(rows)} sample")
+
+
+def test_a_stuck_sensor_is_told_and_left_as_it_is(good: Path) -> None:
+    def stuck(data: pd.DataFrame) -> pd.DataFrame:
+        data.loc[600:1200, "air_temperature_C"] = 21.3
+        return data
+
+    read = reread(good, stuck)
+    assert (read.values["air_temperature_C"].iloc[600:1201] == 21.3).all()
+    assert told(read, "air_temperature_C is stuck at 21.3", "for 10 h")
+
+
+def test_a_clipped_sensor_is_told(good: Path) -> None:
+    top = float(data_of(good)["air_temperature_C"].quantile(0.8))
+    read = reread(good, lambda data: data.assign(air_temperature_C=data["air_temperature_C"].clip(upper=top)))
+    assert told(read, "air_temperature_C is clipped", f"exactly {top:g}")
+
+
+def test_a_controller_that_asks_for_nothing_is_not_stuck(good: Path) -> None:
+    off = {"control_output": 0.0, "heating_signal": 0.0, "displacement": 0.0, "flow_L_h": 0.0}
+    read = reread(good, lambda data: data.assign(**off))
+    assert not told(read, "stuck")
+    assert told(read, "control_output is 0 throughout")
+
+
+@pytest.mark.parametrize(
+    ("channel", "samples", "sentence"),
+    [
+        ("control_output", 5, "heating_signal changes 5 samples (300 s) before control_output"),
+        ("heating_signal", 5, "heating_signal changes 5 samples (300 s) after control_output"),
+        ("flow_L_h", -30, "flow_L_h changes"),
+        ("sensor_temperature_C", -20, "ahead of air_temperature_C; a sensor cannot be early"),
+    ],
+)
+def test_an_effect_before_its_cause_is_a_clock_offset(good: Path, channel: str, samples: int, sentence: str) -> None:
+    def shifted(data: pd.DataFrame) -> pd.DataFrame:
+        data = pd.concat([data] * 3, ignore_index=True)  # more edges
+        start = pd.Timestamp(data["time"].iloc[0])
+        times = (start + pd.to_timedelta(60 * np.arange(len(data)), unit="s")).strftime("%Y-%m-%dT%H:%M:%S")
+        return data.assign(time=times, **{channel: data[channel].shift(samples)})
+
+    assert told(reread(good, shifted), "clock offset", sentence)
+
+
+@pytest.mark.parametrize("case", ["O_0", "O_CP", "O_D", "O_WM"])
+def test_dead_times_of_the_chain_are_no_clock_offsets(
+    folder: Path, study: Study, simulated: Simulated, case: str
+) -> None:
+    assert read_dataset(written(folder, study, simulated, case, "O_CP")).warnings == ()
+
+
+def test_doubtful_units_are_told_and_not_refused(good: Path) -> None:
+    kilowatts = reread(good, lambda data: data.assign(solar_gain_W=data["solar_gain_W"] / 1000.0))
+    assert told(kilowatts, "solar_gain_W", "is it in kW?")
+
+
+# --- valid but poor ---------------------------------------------------------------------------------
+
+POOR: dict[str, Change] = {
+    "one channel": lambda data: data[["time", "air_temperature_C"]],
+    "a few hours": lambda data: data.head(200),
+    "two rows": lambda data: data.head(2),
+    "constant signals": lambda data: data.assign(**{name: 0.5 for name in data.columns if name != "time"}).assign(
+        **{name: 21.0 for name in data.columns if name.endswith("_C")}, flow_L_h=60.0
+    ),
+    "mostly missing": lambda data: data.where(np.random.default_rng(2).random(data.shape) < 0.02).assign(
+        time=data["time"]
+    ),
+    "rows mostly missing": lambda data: data.sample(frac=0.02, random_state=3).sort_index(),
+    "one value": lambda data: data[["time"]].assign(flow_L_h=[3.0, *[np.nan] * (len(data) - 1)]),
+    "nothing flows": lambda data: data.assign(flow_L_h=0.0),
+}
+
+
+@pytest.mark.parametrize("what", POOR)
+def test_a_poor_record_is_read(good: Path, what: str) -> None:
+    read = reread(good, POOR[what])
+    assert len(read.values) >= 2
+    assert set(read.values) <= set(CHANNELS)
+
+
+def test_a_channel_without_a_value_is_not_there(good: Path) -> None:
+    read = reread(good, lambda data: data.assign(displacement=np.nan))
+    assert "displacement" not in read.values
+    assert told(read, "displacement holds no value")
+
+
+def test_remarks_in_the_description_are_told_and_not_read(good: Path) -> None:
+    read = reread(good, lambda data: data, '\n[weather]\nplace = "Tallinn"\n')
+    assert told(read, "weather is not known and not read")
+
+
+def test_an_empty_nominal_says_that_nothing_is_believed(good: Path) -> None:
+    path = good / "dataset.toml"
+    text = path.read_text(encoding="utf-8")
+    start, end = text.index("[nominal]"), text.index("[room]")
+    path.write_text(f"{text[:start]}[nominal]\n{text[end:]}", encoding="utf-8")
+    read = read_dataset(good)
+    assert (dict(read.nominal), read.setpoint_C) == ({}, None)
+    assert told(read, "nothing is believed of the control chain")
+
+
+# --- the data at hand -------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not REALITIES.exists(), reason=f"{REALITIES} {NO_DATA}")
+@pytest.mark.parametrize("name", [f"r{number:02}" for number in range(1, 9)])
+def test_the_records_of_another_engine_are_read_without_a_false_warning(name: str) -> None:
+    read = read_dataset(REALITIES / name)
+    expected = data_of(REALITIES / name).set_index("time")
+    np.testing.assert_array_equal(read.values.to_numpy(), expected.to_numpy())
+    assert [warning for warning in read.warnings if "of the samples are missing" not in warning] == []
+    assert read.room is not None
+    room = read.room.component.build(read.room.parameters)  # type: ignore[attr-defined]
+    assert (room.floor_area_m2, room.full_flow_L_h) == (pytest.approx(10.4), 122.0)
+    assert not any("Not told in [building]" in sentence for sentence in read.assumptions)
+
+
+@pytest.mark.skipif(not HOUSE.exists(), reason=f"{HOUSE} {NO_DATA}")
+def test_the_measured_house_is_read_through_its_mapping(tmp_path: Path) -> None:
+    shutil.copy(ROOT / "studies" / "measured_house" / "dataset.toml", tmp_path)
+    (table_path,) = HOUSE.glob("*.csv")
+    shutil.copy(table_path, tmp_path)
+    read, table = read_dataset(tmp_path), pd.read_csv(table_path)
+    assert (read.interval_s, len(read.values), len(read.warnings)) == (600.0, 1376, 1)
+    np.testing.assert_allclose(read.values["flow_L_h"], table["o5_UFH_all_afterELheat_VFR"])
+    heights = table.filter(regex="_AT$")
+    np.testing.assert_allclose(read.values["air_temperature_C"], heights.mean(axis=1))
+    np.testing.assert_allclose(read.values["internal_gain_W"], table.filter(regex="_IHS_elP$").sum(axis=1))

@@ -1,0 +1,165 @@
+"""A diagnosis: what is found, in numbers, as its JSON says it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+import pandas as pd
+
+Verdict = Literal["effect", "group", "unknown", "untestable", "none"]
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A figure with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Regime:
+    """A part of a stage's gap: its root mean square there, and its share of the whole gap's square."""
+
+    name: str
+    gap: float
+    share: float
+
+
+@dataclass(frozen=True)
+class StageGap:
+    """The gap of one judged channel; `stage` names the merged stages that lie behind it, joined by '+'."""
+
+    stage: str
+    channel: str
+    unit: str
+    gap: float  # with what is believed
+    gap_after: float  # with the effects found
+    noise_floor: float
+    impact: Mapping[str, float]  # heat_percent, air_K: the modelled output in place of the measured one
+    regimes: Sequence[Regime]
+    autocorrelation: float  # of the error, from one sample to the next
+    separate_by: str = ""  # the channel that would tell merged stages apart
+
+
+@dataclass(frozen=True)
+class FoundEffect:
+    """An effect that the record shows, or the best of a group that it cannot tell apart."""
+
+    name: str
+    stage: str
+    sentence: str
+    group: Sequence[str]
+    parameters: Mapping[str, Interval]
+    inclusion: float
+    p: float
+    channel: str
+    gap_before: float
+    gap_after: float
+    noise_floor: float
+    shrink: Interval  # on days that took no part in finding it
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """A gap that no effect of the library explains."""
+
+    stage: str
+    gap: float
+    noise_floor: float
+    p: float
+    is_room_form: bool = False  # the form of the room's model, which alone is no finding
+    is_covered: bool = False  # within what the believed model's published uncertainty covers
+
+
+@dataclass(frozen=True)
+class Untestable:
+    """An effect that this record could not show."""
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Tried:
+    """An effect that was fitted: what it gains on days that took no part in the fit."""
+
+    name: str
+    stage: str
+    gain: float
+    p: float
+    share: float  # of the gap above the noise floor
+
+
+@dataclass(frozen=True)
+class BeforeAfter:
+    """A figure of the closed loop: as measured, as believed, and with the effects found."""
+
+    measured: float
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What to measure next, and which effects it would tell apart or make testable."""
+
+    what: str
+    splits: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Step:
+    """The gap of a channel with one more effect, for the waterfall."""
+
+    channel: str
+    unit: str
+    effect: str  # empty for what is believed alone
+    gap: float
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Where the gap lies, which effect causes it, how far it shrinks."""
+
+    dataset: str
+    verdict: Verdict
+    summary: str  # one sentence
+    stages: Sequence[StageGap]
+    effects: Sequence[FoundEffect]
+    unexplained: Sequence[Unexplained]
+    untestable: Sequence[Untestable]
+    tried: Sequence[Tried]
+    closed_loop: Mapping[str, BeforeAfter]  # heat_kWh_m2, air_mae_K, cycles, open_h, setpoint_shift_K, ...
+    waterfall: Sequence[Step]
+    next_measurements: Sequence[Measurement]
+    warnings: Sequence[str]
+    assumptions: Sequence[str]
+    departures: Mapping[str, float]  # of the room, in standard deviations of their priors
+    parts: Mapping[str, Sequence[str]]  # "fit", "select", "shrinkage" -> first and last day
+    seed: int
+    is_quick: bool
+    # measured, before and after of each judged channel (columns channel + "_measured", "_before", "_after"), by time
+    traces: pd.DataFrame = field(repr=False, default_factory=pd.DataFrame)
+
+    def described(self) -> dict[str, Any]:
+        """The diagnosis as JSON has it, without its traces."""
+        return {name: value for name, value in _plain(self).items() if name != "traces"}
+
+
+def _plain(diagnosis: Diagnosis) -> dict[str, Any]:
+    values = {name: value for name, value in vars(diagnosis).items() if name != "traces"}
+    return {name: _of(value) for name, value in values.items()}
+
+
+def _of(value: Any) -> Any:
+    if hasattr(value, "__dataclass_fields__"):
+        return asdict(value)
+    if isinstance(value, Mapping):
+        return {key: _of(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_of(each) for each in value]
+    return value
