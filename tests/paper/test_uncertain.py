@@ -86,13 +86,13 @@ def test_films_fall_far_and_rise_little() -> None:
 
 
 def test_the_resistance_from_water_to_surface_stays_when_a_part_of_it_moves_above_the_pipes() -> None:
-    def resistance_m2K_W(room: RoomDescription) -> float:
-        layers = room.floor.layers[: room.heated_floor.pipes_after_layer]
-        return water_m2K_W(room) + sum(layer.resistance_m2K_W for layer in layers)
-
-    stated = [edited("above-pipes", departure, ROOMS["stated"]) for departure in (0.0, 0.5, 1.5)]
-    assert [resistance_m2K_W(room) for room in stated] == pytest.approx([0.2] * 3)
-    assert [room.circuit.exchange_factor for room in stated] == pytest.approx(np.exp([0.0, 0.5, 1.5]))
+    rooms = [edited("above-pipes", departure, ROOMS["stated"]) for departure in (-1.0, 0.0, 0.5, 1.5)]
+    assert [water_m2K_W(room) + room.above_m2K_W for room in rooms] == pytest.approx([0.2] * 4)
+    above = [room.above_m2K_W for room in rooms]
+    assert above == sorted(above)
+    assert [room.circuit.exchange_factor for room in rooms[1:]] == pytest.approx(np.exp([0.0, 0.5, 1.5]))
+    mass = [sum(layer.capacity_J_m2K for layer in room.floor.layers) for room in rooms]
+    assert mass == pytest.approx([mass[1]] * 4)
 
 
 @given(st.floats(0.0, 1.0), st.floats(-20.0, 20.0))
