@@ -45,7 +45,7 @@ def test_about_ten_things_are_uncertain_and_no_departure_is_what_is_believed(roo
         assert described(unknown.apply(room, 0.0)) == described(room)
 
 
-@settings(max_examples=30)
+@settings(max_examples=100)
 @given(st.data())
 def test_any_departures_together_give_a_room_that_is_stable_and_loses_no_heat(data: st.DataObject) -> None:
     room = data.draw(st.sampled_from(list(ROOMS.values())))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 UPWARDS = 0.2  # of what goes downwards: a film stronger than the standard's is hardly to be had
 LEAST_M2K_W = 1e-6  # of a layer; less is none
-HEAVIEST_KG_M3 = 20_000.0
+HEAVIEST_KG_M3, THICKEST_M = 20_000.0, 5.0  # of a layer
 
 Edit = Callable[["RoomDescription", float], "RoomDescription"]
 
@@ -125,7 +125,7 @@ def _leakier(room: RoomDescription, surface: Surface, factor: float) -> Surface:
     whole = films + sum(layer.resistance_m2K_W for layer in surface.layers)
     best = max(surface.layers, key=lambda layer: layer.resistance_m2K_W)
     wanted = max(0.05 * best.resistance_m2K_W, best.resistance_m2K_W + whole / factor - whole)
-    scaled = changed(best, thickness_m=min(5.0, wanted * best.conductivity_W_mK))
+    scaled = changed(best, thickness_m=min(THICKEST_M, wanted * best.conductivity_W_mK))
     return changed(surface, layers=tuple(scaled if layer is best else layer for layer in surface.layers))
 
 
@@ -158,7 +158,8 @@ def _above_pipes(room: RoomDescription, departure: float) -> RoomDescription:
         moved_m2K_W = -(1.0 - kept) * room.above_m2K_W
         surface, pipes = _thinner_above(room, kept), room.heated_floor
     else:
-        moved_m2K_W = water * (1.0 - exp(-departure))
+        thickest_m2K_W = THICKEST_M / room.beside_pipes[0].conductivity_W_mK
+        moved_m2K_W = min(thickest_m2K_W, water * (1.0 - exp(-departure)))
         if moved_m2K_W < LEAST_M2K_W:
             return room
         surface = _layer_above(room, moved_m2K_W)
