@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waxstudy.plugin import Actuator, FloatArray, Parameters
+from waxstudy.plugin import Actuator, FloatArray, Parameters, SimulationError
 from waxstudy.plugin.registry import PluginError, installed
 from waxstudy.simulation import kernel
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import START, Loop, Start
-from waxstudy.simulation.interpreted import SimulationError
 from waxstudy.simulation.modes import DrivenRoom, drive
 from waxstudy.study.model import Choice
 from waxstudy_paper import actuators, controllers, modulators, sensors, valves

@@ -12,9 +12,7 @@ from waxstudy.plugin.contracts import (
     LEVEL,
     ROOM_OUTPUTS,
     TEMPERATURE,
-    TRACE,
     Actuator,
-    Advance,
     Block,
     Component,
     Controller,
@@ -23,10 +21,10 @@ from waxstudy.plugin.contracts import (
     FloatArray,
     LinearRoom,
     Modulator,
-    OutsideRoom,
     Port,
     PublishedRow,
     Reference,
+    Refused,
     Room,
     Sensor,
     Valve,
@@ -34,8 +32,8 @@ from waxstudy.plugin.contracts import (
     WeatherRecord,
 )
 from waxstudy.plugin.hook import hookimpl
+from waxstudy.plugin.outside import TRACE, Advance, BackendMissing, OutsideRoom, SimulationError, Stopped
 from waxstudy.plugin.parameters import Parameters, parameter
-from waxstudy.plugin.registry import BackendMissing
 from waxstudy.plugin.ring import Ring, delayed
 
 __all__ = [
@@ -63,9 +61,12 @@ __all__ = [
     "Port",
     "PublishedRow",
     "Reference",
+    "Refused",
     "Ring",
     "Room",
     "Sensor",
+    "SimulationError",
+    "Stopped",
     "Valve",
     "Weather",
     "WeatherRecord",

@@ -30,6 +30,7 @@ class DrivenRoom:
     conductance_W_K: FloatArray
     to_modes: FloatArray  # (modes, nodes): node temperatures -> modes
     dropped_error_K: float  # bound on what the dropped modes can do to any temperature
+    engine: str = ""  # an outside room's, with its version
 
     @property
     def steps_per_interval(self) -> int:
