@@ -12,6 +12,7 @@ from waxstudy.plugin import FloatArray, SimulationError, Stopped
 from waxstudy.simulation import kernel
 from waxstudy.simulation.chain import Chain, CompiledChain
 from waxstudy.simulation.interpreted import checked, clock
+from waxstudy.simulation.lanes import LANES
 from waxstudy.simulation.modes import DrivenRoom
 
 DAY_S = 86400.0
@@ -51,6 +52,7 @@ class Loop:
     """A chain closed over a driven room."""
 
     def __init__(self, chain: Chain, driven: DrivenRoom, limit_C: float, jit: bool = True, watch: bool = False) -> None:
+        assert len(driven.decay) % LANES == 0, "compiled code reads whole lanes"
         self.chain, self.driven, self.limit_C, self.watch = chain, driven, limit_C, watch
         self.compiled = CompiledChain(chain) if jit else None
 
