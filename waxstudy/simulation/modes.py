@@ -92,8 +92,10 @@ def _few(
     """Return rates and directions (modes, few) of few modes that answer a step of every input alike, and their error.
 
     They span the main directions that the room goes through after such steps and from its starts (proper orthogonal
-    decomposition; Galerkin projection keeps them real and stable).
+    decomposition; Galerkin projection keeps them real and stable). Where the tolerance is 0, they are the room's own.
     """
+    if tolerance <= 0.0:
+        return rates, np.eye(len(rates)), 0.0
     exact = _response(rates, outputs, driving)
     fading = np.column_stack((driving / rates[:, None], starts))
     snapshots = np.exp(-np.outer(rates, SNAPSHOTS_S))[:, :, None] * fading[:, None, :]
