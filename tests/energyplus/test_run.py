@@ -190,7 +190,13 @@ def test_whoever_asked_takes_the_engine_along(tmp_path: Path, blow: signal.Signa
     number = tmp_path / "number"
     environment = {**os.environ, "TMPDIR": str(tmp_path), "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
     command = [sys.executable, "-c", ASKING, str(number)]
-    with subprocess.Popen(command, env=environment, cwd=ROOT, stderr=subprocess.DEVNULL) as asking:
+    with subprocess.Popen(
+        command,
+        env=environment,
+        cwd=ROOT,
+        stderr=subprocess.DEVNULL,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # also where the tests run in the background
+    ) as asking:
         assert eventually(lambda: number.exists() and bool(number.read_text()))
         engine = int(number.read_text())
         assert is_alive(engine)

@@ -69,7 +69,7 @@ def test_ctrl_c_leaves_nothing_of_a_dataset_and_does_not_say_that_something_is_k
         env={**os.environ, "TMPDIR": str(tmp_path / "engines")},
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as process:
         while process.poll() is None and not list((tmp_path / "engines").glob("*/year.epw")):
             time.sleep(0.02)
