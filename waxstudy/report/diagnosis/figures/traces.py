@@ -1,0 +1,76 @@
+"""Measured, before and after: the worst and the typical day of the channels that matter most."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from waxstudy.gap.result import Diagnosis, StageGap
+from waxstudy.report.diagnosis.focus import Day, main_stages, shown_days
+from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
+from waxstudy.report.figures.places import Lacking
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_below, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+TITLE = "Measured, as believed, and with the effects found"
+CAPTION = (
+    "The day on which what is believed misses the first channel most, and a typical day (the middle of all days, "
+    "ordered by that). Each channel is driven by what was measured before it in the loop."
+)
+LOOKS = {
+    "measured": ("measured", {"color": BLACK, "linewidth": 2.0}),
+    "before": ("as believed", {"color": COLOURS[5], "linewidth": 1.3, "linestyle": DASHED}),
+    "after": ("with the effects found", {"color": COLOURS[1], "linewidth": 1.3}),
+}
+LEVELS = 2  # values of a channel that only switches
+
+
+@styled
+def figure_traces(diagnosis: Diagnosis) -> Figure:
+    """Traces of up to three channels over two days; raise `Lacking` where there is nothing to compare."""
+    stages = [s for s in main_stages(diagnosis) if f"{s.channel}_before" in diagnosis.traces]
+    days = shown_days(diagnosis, stages[0].channel) if stages else []
+    if not days:
+        raise Lacking("no channel was judged on a whole day")
+    figure, axes = panels(len(stages), len(days), 1.1 + 2.3 * len(stages), sharex=True, sharey="row")
+    for row, stage in zip(axes, stages, strict=True):
+        for panel, day in zip(row, days, strict=True):
+            _draw(panel, day, stage.channel, bool(diagnosis.effects))
+        row[0].set_ylabel(_label(stage))
+    for panel, day in zip(axes[0], days, strict=True):
+        panel.set_title(f"{day.what}, {day.date}")
+    for panel in axes[-1]:
+        panel.set_xlabel("time of the day, h")
+        panel.set_xticks(range(0, 25, 3))
+        panel.set_xlim(0, 24)
+    legend_below(figure, axes[0, 0])
+    figure.align_ylabels()
+    return figure
+
+
+def _label(stage: StageGap) -> str:
+    unit = named(stage.channel)[1]  # that of the channel; the gap of one that switches is in seconds
+    return f"{textwrap.fill(channel_words(stage.channel), 20)}, {axis_unit(unit)}"
+
+
+def _draw(panel: Axes, day: Day, channel: str, has_after: bool) -> None:
+    for what, (label, look) in LOOKS.items():
+        if what == "after" and not has_after:
+            continue
+        known = day.traces[f"{channel}_{what}"].dropna()
+        steps = "steps-pre" if known.nunique() <= LEVELS else "default"
+        panel.plot(_hours(known.index), known.to_numpy(), label=label, drawstyle=steps, **look)
+
+
+def _hours(times: object) -> np.ndarray:
+    """Hours of the day; midnight ends it."""
+    import pandas as pd
+
+    stamps = pd.DatetimeIndex(times)  # type: ignore[call-overload]
+    hours = np.asarray((stamps - stamps.normalize()) / pd.Timedelta(1, "h"), dtype=float)
+    return np.where(hours == 0.0, 24.0, hours)
