@@ -36,9 +36,17 @@ def traces(letting_by_L_h: float = 4.0) -> pd.DataFrame:
     flow = np.where(displacement > 0.0, believed, 0.0) + by * (displacement < 0.3)
     seen = displacement + random.normal(0.0, 0.01, len(hour))
     values = {
-        "flow_L_h": (flow + random.normal(0.0, 1.0, len(hour)), believed, believed + letting_by_L_h * (displacement < 0.3)),
+        "flow_L_h": (
+            flow + random.normal(0.0, 1.0, len(hour)),
+            believed,
+            believed + letting_by_L_h * (displacement < 0.3),
+        ),
         "displacement": (seen, np.roll(displacement, 6), np.roll(displacement, 1)),
-        "heating_signal": ((displacement > 0.5) * 1.0, (np.roll(displacement, 2) > 0.5) * 1.0, (displacement > 0.5) * 1.0),
+        "heating_signal": (
+            (displacement > 0.5) * 1.0,
+            (np.roll(displacement, 2) > 0.5) * 1.0,
+            (displacement > 0.5) * 1.0,
+        ),
     }
     columns = {
         f"{channel}_{what}": column
@@ -72,7 +80,15 @@ MOTOR = StageGap(
     0.0312,
     0.0118,
     {"heat_percent": -0.43, "air_K": 0.012},
-    (Regime("opening", 0.0521, 0.61), Regime("closing", 0.0388, 0.33), Regime("at rest", 0.0121, 0.06)),
+    (
+        Regime("rise", 0.0521, 0.51),
+        Regime("fall", 0.0388, 0.33),
+        Regime("dead", 0.0221, 0.07),
+        Regime("after a long pause", 0.0431, 0.061),
+        Regime("undercool", 0.0121, 0.04),
+        Regime("hold", 0.0119, 0.03),
+        Regime("overheat", 0.0117, 0.02),
+    ),
     0.93,
 )
 VALVE = StageGap(
@@ -83,7 +99,13 @@ VALVE = StageGap(
     1.318,
     1.083,
     {"heat_percent": 6.82, "air_K": 0.231},
-    (Regime("closed", 5.91, 0.83), Regime("moving", 3.42, 0.14), Regime("open", 1.22, 0.03)),
+    (
+        Regime("undercool", 16.91, 0.83),
+        Regime("fall", 8.42, 0.14),
+        Regime("rise", 3.42, 0.02),
+        Regime("overheat", 1.22, 0.006),
+        Regime("hold", 1.19, 0.004),
+    ),
     0.97,
 )
 ROOM = StageGap(
@@ -143,11 +165,13 @@ EFFECT = Diagnosis(
     ),
     tried=tuple(Tried(*each) for each in REST),
     closed_loop={
-        "heat_kWh_m2": BeforeAfter(5.312, 4.871, 5.284),
-        "air_mae_K": BeforeAfter(0.412, 0.377, 0.409),
-        "cycles": BeforeAfter(61.0, 74.0, 63.0),
-        "open_h": BeforeAfter(141.2, 166.5, 143.9),
-        "setpoint_shift_K": BeforeAfter(math.nan, 0.113, 0.009),
+        "heat_kWh_m2": BeforeAfter(2.312, 2.071, 2.304),
+        "air_mean_C": BeforeAfter(21.113, 20.987, 21.104),
+        "air_mae_K": BeforeAfter(0.0, 0.1277, 0.0113),
+        "cycles_per_day": BeforeAfter(4.643, 5.286, 4.714),
+        "open_h_per_day": BeforeAfter(10.21, 11.84, 10.33),
+        "setpoint_shift_K": BeforeAfter(0.0, 0.1301, 0.0089),
+        "heat_percent": BeforeAfter(0.0, -10.424, -0.346),
     },
     waterfall=(Step("flow_L_h", "L/h", "", 5.187), Step("flow_L_h", "L/h", "let-by", 1.402)),
     next_measurements=(Measurement("return_temperature_C at the circuit", ("supply-offset", "floor-cover")),),
@@ -237,9 +261,7 @@ UNTESTABLE = replace(
     effects=(),
     unexplained=(),
     tried=(),
-    untestable=tuple(
-        Untestable(name, f"{stage}: the channel before it was not recorded") for name, stage, *_ in REST
-    ),
+    untestable=tuple(Untestable(name, f"{stage}: the channel before it was not recorded") for name, stage, *_ in REST),
     waterfall=(),
     closed_loop={},
     departures={},

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from waxstudy.gap.result import Diagnosis, FoundEffect, StageGap, Unexplained
+from waxstudy.gap.result import BeforeAfter, Diagnosis, FoundEffect, StageGap, Unexplained
 from waxstudy.report.diagnosis.focus import by_reason, main_stages, other_stages, unit_of
 from waxstudy.report.diagnosis.words import (
+    OF_LOOP,
     channel_words,
     interval,
     loop_words,
@@ -115,13 +116,20 @@ def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
 
 def _loop(diagnosis: Diagnosis) -> list[str]:
     """The closed loop in one line, where something was found that changes it."""
+    if not diagnosis.effects or not diagnosis.closed_loop:
+        return []
     told = []
-    for key, figure in diagnosis.closed_loop.items():
+    for key, figure in in_order(diagnosis.closed_loop)[:MOST_LINES]:
         words, unit = loop_words(key)
-        if diagnosis.effects and math.isfinite(figure.before + figure.after):
-            measured = f" (measured {number(figure.measured)})" if math.isfinite(figure.measured) else ""
-            told.append(f"{words} {number(figure.before)} → {with_unit(number(figure.after), unit)}{measured}")
-    return [f"closed loop: {', '.join(told[:MOST_LINES])}"] if told else []
+        measured = f" (measured {rough(figure.measured)})" if figure.measured else ""
+        told.append(f"{words} {rough(figure.before)} → {with_unit(rough(figure.after), unit)}{measured}")
+    return [f"closed loop: {', '.join(told)}"]
+
+
+def in_order(loop: Mapping[str, BeforeAfter]) -> list[tuple[str, BeforeAfter]]:
+    """Figures of the closed loop, those that an engineer asks for first."""
+    order = list(OF_LOOP)
+    return sorted(loop.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order))
 
 
 def _left(diagnosis: Diagnosis, left: Unexplained) -> str:
@@ -138,7 +146,7 @@ def remarks(left: Unexplained) -> list[str]:
 
 
 def _nothing_left(diagnosis: Diagnosis) -> list[str]:
-    return [] if diagnosis.verdict == "untestable" else ["nothing that stands out of the noise"]
+    return [] if not diagnosis.stages else ["nothing that stands out of the noise"]
 
 
 def _not_tested(diagnosis: Diagnosis) -> list[str]:
@@ -178,5 +186,3 @@ def as_terminal(diagnosis: Diagnosis, width: int, colour: bool) -> str:
         grid.add_row(label, text)
     console.print(grid)
     return "".join(f"{line.rstrip()}\n" for line in out.getvalue().splitlines())
-
-

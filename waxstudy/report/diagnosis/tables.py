@@ -5,7 +5,7 @@ from __future__ import annotations
 from waxstudy.gap.result import Diagnosis, FoundEffect, StageGap
 from waxstudy.report.diagnosis.figures.ranking import ranked, role
 from waxstudy.report.diagnosis.focus import by_reason, unit_of
-from waxstudy.report.diagnosis.summary import remarks
+from waxstudy.report.diagnosis.summary import in_order, remarks
 from waxstudy.report.diagnosis.words import (
     channel_words,
     decimals,
@@ -94,7 +94,7 @@ def found(diagnosis: Diagnosis) -> Table:
 def closed_loop(diagnosis: Diagnosis) -> Table:
     """Figures of the closed loop, which runs free."""
     rows = []
-    for key, figure in diagnosis.closed_loop.items():
+    for key, figure in in_order(diagnosis.closed_loop):
         words, unit = loop_words(key)
         values = (figure.measured, figure.before, figure.after)
         places = min((decimals(value) for value in values if value), default=0)
@@ -106,7 +106,14 @@ def closed_loop(diagnosis: Diagnosis) -> Table:
 def tried(diagnosis: Diagnosis) -> Table:
     """Every effect that was fitted, in the order of the figure."""
     rows = [
-        [each.name, stage_words(each.stage), percent(each.share), number(each.gain), probability(each.p), role(diagnosis, each)]
+        [
+            each.name,
+            stage_words(each.stage),
+            percent(each.share),
+            number(each.gain),
+            probability(each.p),
+            role(diagnosis, each),
+        ]
         for each in ranked(diagnosis)
     ]
     headings = ["effect", "stage", "explains", "gain", "p", "verdict"]

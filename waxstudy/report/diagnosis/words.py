@@ -22,10 +22,15 @@ UNITS = {
     "_h": "h",
 }
 DIGITS = 3  # that a figure shows, zeros before it not counted
+# figures of the closed loop: words, unit; those that an engineer asks for first come first
 OF_LOOP = {
-    "heat_percent": "heat against the measured one",
-    "air_mae_K": "air error",
-    "open_h": "valve open",
+    "heat_percent": ("heat off by", "%"),
+    "air_mae_K": ("air temperature off by", "K"),
+    "cycles_per_day": ("cycles", "a day"),
+    "heat_kWh_m2": ("heat", "kWh/m² a week"),
+    "air_mean_C": ("mean air temperature", "°C"),
+    "open_h_per_day": ("valve open", "h a day"),
+    "setpoint_shift_K": ("setpoint shift for the measured mean", "K"),
 }
 
 
@@ -142,8 +147,7 @@ def stage_words(stage: str) -> str:
 
 def loop_words(key: str) -> tuple[str, str]:
     """Return a figure of the closed loop in words, and its unit."""
-    words, unit = named(key)
-    return OF_LOOP.get(key, words), unit
+    return OF_LOOP.get(key) or named(key)
 
 
 def probability(p: float) -> str:

@@ -1,4 +1,4 @@
-"""The gap map: stages of the loop by regime, how far each stands out of its noise and what share of the gap it holds."""
+"""The gap map: stages of the loop by regime, how far each is out of its noise and what share of the gap it holds."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 TITLE = "The gap map: stages of the loop by regime"
 CAPTION = (
     "A row for each judged channel, with the stages behind it; its gap as a whole, then by regime, the largest share "
-    "first. Each field has the gap there in multiples of the noise floor, and its share of the row's squared gap. The "
-    "darker, the further out of the noise."
+    "first. Each field has the gap there in multiples of the noise floor, and its share of the row's squared gap; "
+    "regimes may overlap. The darker, the further out of the noise."
 )
 # from how many noise floors on, in which colour; one hue from light to dark, which grey print keeps
 SHADES = ((0.0, "#ffffff"), (1.5, "#d6e5f2"), (3.0, "#9cc3e0"), (6.0, "#4a90c4"), (12.0, "#14507f"))
 DARK_FROM = 6.0
-MOST_REGIMES = 6
+MOST_REGIMES = 7
 LETTERS = 16  # of a regime's name in a line
 ROW_IN = 0.92
 

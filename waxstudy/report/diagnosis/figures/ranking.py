@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from waxstudy.gap.result import Diagnosis, Tried
 from waxstudy.report.diagnosis.words import probability, stage_words
@@ -15,13 +16,13 @@ if TYPE_CHECKING:
 
 TITLE = "Every effect that was tried"
 CAPTION = (
-    "Share of the gap above the noise floor that each effect explains, alone, on days that its fit has not seen; at the "
-    "bar its p over all effects tried (family-wise). Black: found. Hatched: in the group of one that was found, and not "
-    "to be told from it with this record. White: nothing that could not be chance, or too little."
+    "Share of the gap above the noise floor that each effect explains, alone, on days that its fit has not seen; at "
+    "the bar its p over all effects tried (family-wise). Black: found. Hatched: in the group of one that was found, "
+    "and not to be told from it with this record. White: nothing that could not be chance, or too little."
 )
 MOST = 24
 BEST, ALIKE, OTHER = "found", "cannot be told from one that was found", "not found"
-LOOKS = {
+LOOKS: Mapping[str, Any] = {
     BEST: {"facecolor": BLACK, "edgecolor": BLACK},
     ALIKE: {"facecolor": "white", "edgecolor": BLACK, "hatch": "/////"},
     OTHER: {"facecolor": "white", "edgecolor": GREY},

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import textwrap
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from waxstudy.gap.result import Diagnosis, StageGap
+from waxstudy.plugin import FloatArray
 from waxstudy.report.diagnosis.focus import Day, main_stages, shown_days
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_below, panels, styled
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-TITLE = "Measured, as believed, and with the effects found"
+TITLE = "The worst and a typical day"
 CAPTION = (
-    "The day on which what is believed misses the first channel most, and a typical day (the middle of all days, "
-    "ordered by that). Each channel is driven by what was measured before it in the loop."
+    "Measured, as believed, and with the effects found, if any, on the day on which what is believed misses the first "
+    "channel most, and on a typical day (the middle of all days, ordered by that). Each channel is driven by what was "
+    "measured before it in the loop."
 )
-LOOKS = {
+LOOKS: Mapping[str, tuple[str, Any]] = {
     "measured": ("measured", {"color": BLACK, "linewidth": 2.0}),
     "before": ("as believed", {"color": COLOURS[5], "linewidth": 1.3, "linestyle": DASHED}),
     "after": ("with the effects found", {"color": COLOURS[1], "linewidth": 1.3}),
@@ -64,13 +68,13 @@ def _draw(panel: Axes, day: Day, channel: str, has_after: bool) -> None:
             continue
         known = day.traces[f"{channel}_{what}"].dropna()
         steps = "steps-pre" if known.nunique() <= LEVELS else "default"
-        panel.plot(_hours(known.index), known.to_numpy(), label=label, drawstyle=steps, **look)
+        panel.plot(_hours(known), known.to_numpy(), label=label, drawstyle=steps, **look)
 
 
-def _hours(times: object) -> np.ndarray:
+def _hours(known: pd.Series[float]) -> FloatArray:
     """Hours of the day; midnight ends it."""
     import pandas as pd
 
-    stamps = pd.DatetimeIndex(times)  # type: ignore[call-overload]
+    stamps = pd.DatetimeIndex(known.index)
     hours = np.asarray((stamps - stamps.normalize()) / pd.Timedelta(1, "h"), dtype=float)
     return np.where(hours == 0.0, 24.0, hours)
