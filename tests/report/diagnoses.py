@@ -156,7 +156,7 @@ EFFECT = Diagnosis(
     summary="The valve lets water by when it is closed; this explains 93 % of what the flow is off by.",
     stages=(SIGNAL, MOTOR, VALVE, ROOM),
     effects=(LET_BY,),
-    unexplained=(Unexplained("actuator", 0.0312, 0.0118, 0.0025, is_covered=True),),
+    unexplained=(Unexplained("actuator", 0.0312, 0.0118, 0.0025, is_covered=True, channel="displacement"),),
     untestable=(
         Untestable("pipe-delay", NO_PUMP),
         Untestable("supply-offset", "return_temperature_C was not recorded"),
@@ -234,7 +234,7 @@ UNKNOWN = replace(
     stages=(SIGNAL, MOTOR, replace(VALVE, gap=1.12, gap_after=1.12), replace(ROOM, gap=0.421, gap_after=0.421)),
     effects=(),
     unexplained=(
-        Unexplained("emitter+room", 0.421, 0.0711, 0.0025),
+        Unexplained("emitter+room", 0.421, 0.0711, 0.0025, channel="air_temperature_C"),
         Unexplained("actuator", 0.0312, 0.0118, 0.0125, is_covered=True),
     ),
     tried=tuple(Tried(name, stage, gain, 0.2, min(share, 0.2)) for name, stage, gain, _, share in REST),

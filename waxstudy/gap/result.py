@@ -90,6 +90,11 @@ class Unexplained:
     p: float
     is_room_form: bool = False  # the form of the room's model, which alone is no finding
     is_covered: bool = False  # within what the believed model's published uncertainty covers
+    channel: str = ""  # that it is judged by
+
+    @property
+    def is_finding(self) -> bool:
+        return not (self.is_room_form or self.is_covered)
 
 
 @dataclass(frozen=True)

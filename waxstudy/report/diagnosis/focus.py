@@ -16,12 +16,17 @@ LEAST_OF_A_DAY = 0.5  # samples, against the fullest day
 
 
 def main_stages(diagnosis: Diagnosis) -> list[StageGap]:
-    """The stages of what was found or stays unexplained; else the one that stands out of its noise most."""
+    """The channels of what was found or stays unexplained; else the one that stands out of its noise most.
+
+    Of a gap that is no finding, such as the form of the room's model, one channel of each stage.
+    """
     found = {effect.channel for effect in diagnosis.effects}
-    left = {each.stage for each in diagnosis.unexplained}
     ranked = sorted(diagnosis.stages, key=lambda stage: -stage.over_floor)
     shown = [stage for stage in ranked if stage.channel in found]
-    shown += [stage for stage in ranked if stage.stage in left and stage not in shown]
+    for left in sorted(diagnosis.unexplained, key=lambda each: not each.is_finding):
+        stage = stage_left(diagnosis, left)
+        told = stage in shown or (not left.is_finding and left.stage in {each.stage for each in shown})
+        shown += [stage] if stage and not told else []
     return (shown or ranked[:1])[:MOST_STAGES]
 
 
@@ -31,9 +36,22 @@ def other_stages(diagnosis: Diagnosis) -> list[StageGap]:
     return sorted((s for s in diagnosis.stages if s not in main), key=lambda stage: -stage.over_floor)
 
 
-def unit_of(diagnosis: Diagnosis, unexplained: Unexplained) -> str:
-    """The unit of an unexplained gap, that of its stage."""
-    return next((s.unit for s in diagnosis.stages if s.stage == unexplained.stage), "")
+def stage_left(diagnosis: Diagnosis, left: Unexplained) -> StageGap | None:
+    """The judged channel at which a gap stays unexplained."""
+    for stage in diagnosis.stages:
+        if left.channel == stage.channel or (not left.channel and left.stage == stage.stage):
+            return stage
+    return None
+
+
+def left_at(diagnosis: Diagnosis, stage: StageGap) -> Unexplained | None:
+    """What stays unexplained at a judged channel."""
+    return next((left for left in diagnosis.unexplained if stage_left(diagnosis, left) is stage), None)
+
+
+def unit_left(diagnosis: Diagnosis, left: Unexplained) -> str:
+    stage = stage_left(diagnosis, left)
+    return stage.unit if stage else ""
 
 
 def by_reason(untestable: Sequence[Untestable]) -> list[tuple[str, list[str]]]:

@@ -6,8 +6,8 @@ import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from waxstudy.gap.result import BeforeAfter, Diagnosis, FoundEffect, StageGap, Unexplained
-from waxstudy.report.diagnosis.focus import by_reason, main_stages, other_stages, unit_of
+from waxstudy.gap.result import BeforeAfter, Diagnosis, FoundEffect, Measurement, StageGap, Unexplained
+from waxstudy.report.diagnosis.focus import by_reason, main_stages, other_stages, unit_left
 from waxstudy.report.diagnosis.words import (
     OF_LOOP,
     channel_words,
@@ -50,9 +50,9 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "where", [*(_where(stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
-    yield "unexplained", _few([_left(diagnosis, each) for each in diagnosis.unexplained]) or _nothing_left(diagnosis)
+    yield "unexplained", _few(_left(diagnosis)) or _nothing_left(diagnosis)
     yield "not tested", _not_tested(diagnosis)
-    yield "measure next", _few([f"{each.what}: {_splits(each.splits)}" for each in diagnosis.next_measurements])
+    yield "measure next", _few([_next(each) for each in diagnosis.next_measurements])
     yield "warnings", _few(list(diagnosis.warnings))
 
 
@@ -68,14 +68,15 @@ def _where(stage: StageGap) -> str:
     if stage.noise_floor > 0.0:
         words += f", {times(stage.over_floor)} times its noise floor"
     impact = impact_words(stage)
-    return f"{words}; puts {impact}" if impact else words
+    return f"{words}; {impact}" if impact else words
 
 
 def impact_words(stage: StageGap) -> str:
     """What a stage's gap does to heat and air, as far as it was computed."""
     heat, air = stage.impact.get("heat_percent", math.nan), stage.impact.get("air_K", math.nan)
-    told = [f"heat off by {signed(heat)} %"] if math.isfinite(heat) else []
-    return " and ".join([*told, *([f"air by {rough(air)} K"] if math.isfinite(air) else [])])
+    told = [f"heat is off by {signed(heat)} %"] if math.isfinite(heat) else []
+    told += [f"air {'' if told else 'is off '}by {rough(air)} K"] if math.isfinite(air) else []
+    return f"as believed, {', '.join(told)}" if told else ""
 
 
 def _others(diagnosis: Diagnosis) -> list[str]:
@@ -109,9 +110,14 @@ def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     unit = next((s.unit for s in diagnosis.stages if s.channel == effect.channel), "")
     before, after, floor = (number(v) for v in (effect.gap_before, effect.gap_after, effect.noise_floor))
     return (
-        f"on held-out days {effect.name} takes away {percent_interval(effect.shrink)} of the gap of "
-        f"{channel_words(effect.channel)}: {before} → {with_unit(after, unit)}, floor {floor}"
+        f"{effect.name} takes away {percent_interval(effect.shrink)} of the gap of {channel_words(effect.channel)} "
+        f"{held_out(diagnosis)}; in all {before} → {with_unit(after, unit)}, floor {floor}"
     )
+
+
+def held_out(diagnosis: Diagnosis) -> str:
+    """Where shrinkage was judged."""
+    return "on held-out days" if diagnosis.parts.get("shrinkage") else "where its fit has not seen"
 
 
 def _loop(diagnosis: Diagnosis) -> list[str]:
@@ -132,10 +138,23 @@ def in_order(loop: Mapping[str, BeforeAfter]) -> list[tuple[str, BeforeAfter]]:
     return sorted(loop.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order))
 
 
-def _left(diagnosis: Diagnosis, left: Unexplained) -> str:
-    gap = with_unit(number(left.gap), unit_of(diagnosis, left))
-    words = f"{stage_words(left.stage)}: {gap}, noise floor {number(left.noise_floor)}, p = {probability(left.p)}"
-    return "; ".join([words, *remarks(left)])
+def _left(diagnosis: Diagnosis) -> list[str]:
+    """Unexplained gaps, findings first; of what is no finding, one channel of each stage."""
+    rest: dict[tuple[str, str], list[Unexplained]] = {}
+    for left in diagnosis.unexplained:
+        if not left.is_finding:
+            rest.setdefault((left.stage, "; ".join(remarks(left))), []).append(left)
+    told = [_gap_left(diagnosis, left) for left in diagnosis.unexplained if left.is_finding]
+    for (_, remark), alike in rest.items():
+        more = f" and {counted(len(alike) - 1, 'more channel')}" if len(alike) > 1 else ""
+        told.append(f"{_gap_left(diagnosis, alike[0])}{more}: {remark}")
+    return told
+
+
+def _gap_left(diagnosis: Diagnosis, left: Unexplained) -> str:
+    gap = with_unit(number(left.gap), unit_left(diagnosis, left))
+    channel = f" {channel_words(left.channel)}" if left.channel else ""
+    return f"{stage_words(left.stage)}:{channel} {gap}, floor {number(left.noise_floor)}, p = {probability(left.p)}"
 
 
 def remarks(left: Unexplained) -> list[str]:
@@ -157,11 +176,13 @@ def _not_tested(diagnosis: Diagnosis) -> list[str]:
 
 
 def _some(names: Sequence[str]) -> str:
-    return ", ".join(names[:MOST_NAMES])
+    more = [f"{len(names) - MOST_NAMES} more"] if len(names) > MOST_NAMES else []
+    return ", ".join([*names[:MOST_NAMES], *more])
 
 
-def _splits(names: Sequence[str]) -> str:
-    return f"{' and '.join(names)} could be told apart" if len(names) > 1 else f"{', '.join(names)} would show"
+def _next(measurement: Measurement) -> str:
+    names = [stage_words(name) for name in measurement.splits]
+    return f"{measurement.what}; it would settle {_some(names)}" if names else measurement.what
 
 
 def _capital(text: str) -> str:

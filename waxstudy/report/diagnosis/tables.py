@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from waxstudy.gap.result import Diagnosis, FoundEffect, StageGap
 from waxstudy.report.diagnosis.figures.ranking import ranked, role
-from waxstudy.report.diagnosis.focus import by_reason, unit_of
-from waxstudy.report.diagnosis.summary import in_order, remarks
+from waxstudy.report.diagnosis.focus import by_reason, unit_left
+from waxstudy.report.diagnosis.summary import held_out, in_order, remarks
 from waxstudy.report.diagnosis.words import (
     channel_words,
     decimals,
@@ -88,7 +88,7 @@ def found(diagnosis: Diagnosis) -> Table:
         for effect in diagnosis.effects
     ]
     headings = ["effect", "judged by", "gap before", "gap after", "noise floor", "shrinks by", "found again", "p"]
-    return "found effects, on days that took no part in finding them", headings, rows
+    return f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis)}", headings, rows
 
 
 def closed_loop(diagnosis: Diagnosis) -> Table:
@@ -97,7 +97,7 @@ def closed_loop(diagnosis: Diagnosis) -> Table:
     for key, figure in in_order(diagnosis.closed_loop):
         words, unit = loop_words(key)
         values = (figure.measured, figure.before, figure.after)
-        places = min((decimals(value) for value in values if value), default=0)
+        places = min((decimals(value) for value in values if value != round(value)), default=0)
         rows.append([words, *(number(value, places) for value in values), unit_words(unit)])
     headings = ["figure", "measured", "as believed", "with the effects", "unit"]
     return "the closed loop, running free", headings, rows
@@ -125,13 +125,14 @@ def unexplained(diagnosis: Diagnosis) -> Table:
     rows = [
         [
             stage_words(each.stage),
-            *(with_unit(number(value), unit_of(diagnosis, each)) for value in (each.gap, each.noise_floor)),
+            channel_words(each.channel),
+            *(with_unit(number(value), unit_left(diagnosis, each)) for value in (each.gap, each.noise_floor)),
             probability(each.p),
             "; ".join(remarks(each)),
         ]
         for each in diagnosis.unexplained
     ]
-    return "gaps without a known cause", ["stage", "gap", "noise floor", "p", "remark"], rows
+    return "gaps without a known cause", ["stage", "channel", "gap", "noise floor", "p", "remark"], rows
 
 
 def untestable(diagnosis: Diagnosis) -> Table:
@@ -142,8 +143,8 @@ def untestable(diagnosis: Diagnosis) -> Table:
 
 def next_measurements(diagnosis: Diagnosis) -> Table:
     """What to measure next."""
-    rows = [[each.what, ", ".join(each.splits)] for each in diagnosis.next_measurements]
-    return "measurements that would tell more", ["measurement", "effects that it would tell apart or show"], rows
+    rows = [[each.what, ", ".join(map(stage_words, each.splits))] for each in diagnosis.next_measurements]
+    return "measurements that would tell more", ["measurement", "what it would settle"], rows
 
 
 def departures(diagnosis: Diagnosis) -> Table:

@@ -41,6 +41,8 @@ def number(value: float, places: int | None = None) -> str:
     """
     if not math.isfinite(value):
         return ""
+    if value == 0.0:
+        return "0"
     return f"{value:z.{decimals(value) if places is None else places}f}"
 
 

@@ -7,6 +7,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from waxstudy.gap.result import Diagnosis, StageGap
+from waxstudy.report.diagnosis.focus import left_at
 from waxstudy.report.diagnosis.words import channel_words, number, percent, stage_words, times, with_unit
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import BLACK, panels, styled
@@ -19,14 +20,15 @@ TITLE = "The gap map: stages of the loop by regime"
 CAPTION = (
     "A row for each judged channel, with the stages behind it; its gap as a whole, then by regime, the largest share "
     "first. Each field has the gap there in multiples of the noise floor, and its share of the row's squared gap; "
-    "regimes may overlap. The darker, the further out of the noise."
+    "regimes may overlap. The darker, the further out of the noise. “No finding”: the form of the room's model, or "
+    "within the published uncertainty of what is believed."
 )
 # from how many noise floors on, in which colour; one hue from light to dark, which grey print keeps
 SHADES = ((0.0, "#ffffff"), (1.5, "#d6e5f2"), (3.0, "#9cc3e0"), (6.0, "#4a90c4"), (12.0, "#14507f"))
 DARK_FROM = 6.0
 MOST_REGIMES = 7
-LETTERS = 16  # of a regime's name in a line
-ROW_IN = 0.92
+LETTERS = 13  # of a regime's name in a line
+ROW_IN = 0.96
 
 
 @styled
@@ -41,7 +43,9 @@ def figure_gap_map(diagnosis: Diagnosis) -> Figure:
     columns = 1 + max(min(MOST_REGIMES, len(stage.regimes)) for stage in diagnosis.stages)
     panel.set_xlim(0.0, max(4, columns))
     panel.set_ylim(len(diagnosis.stages), 0.0)
-    panel.set_yticks([row + 0.5 for row in range(len(diagnosis.stages))], [_label(s) for s in diagnosis.stages])
+    panel.set_yticks(
+        [row + 0.5 for row in range(len(diagnosis.stages))], [_label(diagnosis, s) for s in diagnosis.stages]
+    )
     panel.set_xticks([])
     panel.tick_params(length=0)
     panel.grid(False)
@@ -51,8 +55,10 @@ def figure_gap_map(diagnosis: Diagnosis) -> Figure:
     return figure
 
 
-def _label(stage: StageGap) -> str:
-    return f"{textwrap.fill(stage_words(stage.stage), 24)}\n{channel_words(stage.channel)}"
+def _label(diagnosis: Diagnosis, stage: StageGap) -> str:
+    words = f"{textwrap.fill(stage_words(stage.stage), 24)}\n{channel_words(stage.channel)}"
+    left = left_at(diagnosis, stage)
+    return words if left is None or left.is_finding else f"{words}\n(no finding)"
 
 
 def _row(panel: Axes, row: int, stage: StageGap) -> None:
@@ -72,11 +78,11 @@ def _field(
     place = (column + 0.03, row + 0.05)
     panel.add_patch(Rectangle(place, 0.94, 0.9, facecolor=shade(over_floor), edgecolor=edge, linewidth=width))
     ink = "white" if over_floor >= DARK_FROM else BLACK
-    title = textwrap.shorten(name, LETTERS + 4, placeholder="…")
+    title = textwrap.fill(textwrap.shorten(name, 2 * LETTERS, placeholder="…"), LETTERS)
     for height, text, style in (
-        (0.22, title, {"fontsize": 9.0}),
-        (0.5, _times(over_floor), {"fontsize": 11.0, "fontweight": "bold"}),
-        (0.78, below, {"fontsize": 9.0}),
+        (0.22, title, {"fontsize": 8.5, "linespacing": 1.05}),
+        (0.53, _times(over_floor), {"fontsize": 11.0, "fontweight": "bold"}),
+        (0.79, below, {"fontsize": 9.0}),
     ):
         panel.text(column + 0.5, row + height, text, ha="center", va="center", color=ink, **style)
 

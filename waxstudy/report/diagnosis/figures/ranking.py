@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from waxstudy.gap.result import Diagnosis, Tried
-from waxstudy.report.diagnosis.words import probability, stage_words
+from waxstudy.report.diagnosis.words import percent, probability, stage_words
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import BLACK, GREY, panels, styled
 
@@ -67,6 +67,7 @@ def _bar(panel: Axes, place: int, tried: Tried, role: str) -> None:
     share = min(max(100.0 * tried.share, RANGE[0]), RANGE[1] - 15.0)
     panel.barh(place, share, 0.66, linewidth=0.9, **LOOKS[role])
     text = f"p {probability(tried.p)}"
+    text += "" if share == 100.0 * tried.share else f" (explains {percent(tried.share)})"
     panel.annotate(text, (max(share, 0.0), place), (5, 0), textcoords="offset points", va="center", fontsize=9.0)
 
 

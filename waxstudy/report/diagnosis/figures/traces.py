@@ -13,7 +13,7 @@ from waxstudy.plugin import FloatArray
 from waxstudy.report.diagnosis.focus import Day, main_stages, shown_days
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
 from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_below, panels, styled
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, panels, styled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,9 +27,9 @@ CAPTION = (
     "measured before it in the loop."
 )
 LOOKS: Mapping[str, tuple[str, Any]] = {
-    "measured": ("measured", {"color": BLACK, "linewidth": 2.0}),
-    "before": ("as believed", {"color": COLOURS[5], "linewidth": 1.3, "linestyle": DASHED}),
-    "after": ("with the effects found", {"color": COLOURS[1], "linewidth": 1.3}),
+    "measured": ("measured", {"color": BLACK, "linewidth": 0.9}),
+    "before": ("as believed", {"color": COLOURS[5], "linewidth": 1.7, "linestyle": DASHED}),
+    "after": ("with the effects found", {"color": COLOURS[1], "linewidth": 1.5}),
 }
 LEVELS = 2  # values of a channel that only switches
 
@@ -44,7 +44,7 @@ def figure_traces(diagnosis: Diagnosis) -> Figure:
     figure, axes = panels(len(stages), len(days), 1.1 + 2.3 * len(stages), sharex=True, sharey="row")
     for row, stage in zip(axes, stages, strict=True):
         for panel, day in zip(row, days, strict=True):
-            _draw(panel, day, stage.channel, bool(diagnosis.effects))
+            _draw(panel, day, stage.channel)
         row[0].set_ylabel(_label(stage))
     for panel, day in zip(axes[0], days, strict=True):
         panel.set_title(f"{day.what}, {day.date}")
@@ -52,9 +52,15 @@ def figure_traces(diagnosis: Diagnosis) -> Figure:
         panel.set_xlabel("time of the day, h")
         panel.set_xticks(range(0, 25, 3))
         panel.set_xlim(0, 24)
-    legend_below(figure, axes[0, 0])
+    _legend(figure, axes)
     figure.align_ylabels()
     return figure
+
+
+def _legend(figure: Figure, axes: Any) -> None:
+    """What any panel shows: not every channel is changed by the effects."""
+    handles = {str(line.get_label()): line for panel in axes.flat for line in panel.get_lines()}
+    figure.legend(handles=list(handles.values()), loc="outside lower center", ncols=len(handles), handlelength=3.0)
 
 
 def _label(stage: StageGap) -> str:
@@ -62,9 +68,10 @@ def _label(stage: StageGap) -> str:
     return f"{textwrap.fill(channel_words(stage.channel), 20)}, {axis_unit(unit)}"
 
 
-def _draw(panel: Axes, day: Day, channel: str, has_after: bool) -> None:
+def _draw(panel: Axes, day: Day, channel: str) -> None:
+    is_changed = not day.traces[f"{channel}_before"].equals(day.traces[f"{channel}_after"])
     for what, (label, look) in LOOKS.items():
-        if what == "after" and not has_after:
+        if what == "after" and not is_changed:
             continue
         known = day.traces[f"{channel}_{what}"].dropna()
         steps = "steps-pre" if known.nunique() <= LEVELS else "default"
