@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from waxstudy.gap.result import Diagnosis, Step
-from waxstudy.report.diagnosis.words import axis_unit, channel_words, number, signed
+from waxstudy.report.diagnosis.words import axis_unit, channel_words, number
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below, panels, styled
 
@@ -52,10 +52,11 @@ def _channel(panel: Axes, steps: Sequence[Step], floor: float) -> None:
     gaps, last = [step.gap for step in steps], len(steps)
     _bar(panel, 0, 0.0, gaps[0], number(gaps[0]), facecolor=GREY)
     for place, (before, after) in enumerate(pairwise(gaps), start=1):
-        change = signed(after - before)
-        _bar(panel, place, min(before, after), max(before, after), change, facecolor="white", hatch=HATCH)
+        _bar(
+            panel, place, min(before, after), max(before, after), f"to {number(after)}", facecolor="white", hatch=HATCH
+        )
     _bar(panel, last, 0.0, gaps[-1], number(gaps[-1]), facecolor=COLOURS[1])
-    for place, gap in enumerate([*gaps, gaps[-1]][:-1]):
+    for place, gap in enumerate(gaps):
         panel.plot([gap, gap], [place + HEIGHT / 2, place + 1 - HEIGHT / 2], color=BLACK, linewidth=0.8)
     panel.axvline(floor, color=COLOURS[5], linestyle=DASHED, linewidth=1.6, label="noise floor", zorder=3.0)
     panel.set_yticks(range(last + 1), ["as believed", *(step.effect for step in steps[1:]), "left"])
