@@ -14,12 +14,14 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from tests.report.diagnoses import ALL, EFFECT, GROUP, LET_BY, NONE, ROOM, UNKNOWN, UNTESTABLE, VALVE
+from tests.conftest import ROOT
+from tests.report.diagnoses import ALL, EFFECT, GROUP, LET_BY, MOTOR_FOUND, NONE, ROOM, UNKNOWN, UNTESTABLE, VALVE
 from tests.report.test_page import Page, browse, needs_browser
 from waxstudy.gap.result import Diagnosis, Untestable
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
 from waxstudy.report.diagnosis.page import as_html
+from waxstudy.report.diagnosis.summary import VERDICTS as VERDICT_WORDS
 from waxstudy.report.diagnosis.summary import as_terminal, lines
 from waxstudy.report.render import json_text
 
@@ -272,7 +274,8 @@ def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
 
 def test_merged_stages_name_the_channel_that_would_tell_them_apart() -> None:
     told = " ".join(page_text(EFFECT).split())
-    assert "Sensor and controller are judged as one: control_output was not recorded" in told
+    assert "Sensor and controller are judged as one." in told
+    assert "What would tell them apart is not in the record: control_output" in told
 
 
 def test_foreign_words_are_shown_and_never_become_markup() -> None:
@@ -318,3 +321,20 @@ def test_the_examples_of_how_figures_are_written_hold(module: ModuleType) -> Non
     tried = doctest.testmod(module)
     assert tried.attempted == 10
     assert tried.failed == 0
+
+
+def keys(value: Any) -> Iterator[str]:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from (key, *keys(item))
+    elif isinstance(value, list):
+        for item in value:
+            yield from keys(item)
+
+
+def test_the_page_on_diagnoses_names_every_key_of_the_json_and_every_verdict() -> None:
+    page = (ROOT / "docs" / "diagnose.md").read_text(encoding="utf-8")
+    free = {*EFFECT.departures, *EFFECT.closed_loop, *LET_BY.parameters, *MOTOR_FOUND.parameters}
+    data = json.loads(json_text(GROUP.described()))
+    assert [key for key in dict.fromkeys(keys(data)) if key not in free and f"`{key}`" not in page] == []
+    assert all(f"| `{verdict}` | {words} |" in page for verdict, words in VERDICT_WORDS.items())

@@ -52,9 +52,8 @@ def _channel(panel: Axes, steps: Sequence[Step], floor: float) -> None:
     gaps, last = [step.gap for step in steps], len(steps)
     _bar(panel, 0, 0.0, gaps[0], number(gaps[0]), facecolor=GREY)
     for place, (before, after) in enumerate(pairwise(gaps), start=1):
-        _bar(
-            panel, place, min(before, after), max(before, after), f"to {number(after)}", facecolor="white", hatch=HATCH
-        )
+        ends = min(before, after), max(before, after)
+        _bar(panel, place, *ends, f"to {number(after)}", facecolor="white", hatch=HATCH)
     _bar(panel, last, 0.0, gaps[-1], number(gaps[-1]), facecolor=COLOURS[1])
     for place, gap in enumerate(gaps):
         panel.plot([gap, gap], [place + HEIGHT / 2, place + 1 - HEIGHT / 2], color=BLACK, linewidth=0.8)
