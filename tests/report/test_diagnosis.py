@@ -140,7 +140,7 @@ def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> No
         "heat off by -10 → -0.35 %",
         "cycles 5.3 → 4.7 a day (measured 4.6)",
         "actuator: displacement 0.0312, floor 0.0118, p = 0.0025: within the believed model's published uncertainty",
-        "4 effects, such as supply-offset, floor-cover: return_temperature_C was not recorded",
+        "4 effects; supply-offset, floor-cover: return_temperature_C was not recorded",
         "return_temperature_C at the circuit; it would settle supply-offset, floor-cover",
         "flow_L_h: 0.3 % of the samples are missing.",
     ):

@@ -172,12 +172,12 @@ def _not_tested(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.untestable:
         return []
     reason, names = by_reason(diagnosis.untestable)[0]
-    return [f"{counted(len(diagnosis.untestable), 'effect')}, such as {_some(names)}: {reason}"]
+    return [f"{counted(len(diagnosis.untestable), 'effect')}; {_some(names)}: {reason}"]
 
 
 def _some(names: Sequence[str]) -> str:
-    more = [f"{len(names) - MOST_NAMES} more"] if len(names) > MOST_NAMES else []
-    return ", ".join([*names[:MOST_NAMES], *more])
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return ", ".join(names[:MOST_NAMES]) + more
 
 
 def _next(measurement: Measurement) -> str:

@@ -58,7 +58,8 @@ def figure_gap_map(diagnosis: Diagnosis) -> Figure:
 def _label(diagnosis: Diagnosis, stage: StageGap) -> str:
     words = f"{textwrap.fill(stage_words(stage.stage), 24)}\n{channel_words(stage.channel)}"
     left = left_at(diagnosis, stage)
-    return words if left is None or left.is_finding else f"{words}\n(no finding)"
+    is_explained = stage.gap_after < stage.gap
+    return words if left is None or left.is_finding or is_explained else f"{words}\n(no finding)"
 
 
 def _row(panel: Axes, row: int, stage: StageGap) -> None:
