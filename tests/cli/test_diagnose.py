@@ -16,6 +16,7 @@ import pytest
 
 from tests.cli.conftest import Entry, Plugin
 from tests.conftest import SMALL, WAXSTUDY, Waxstudy, call
+from tests.report.test_diagnosis import page_text, untraced
 
 USAGE, INVALID, PLUGIN, FAILED, INTERRUPTED = 2, 3, 4, 6, 130
 FILES = ["diagnosis.json", "report.html", "traces.parquet"]
@@ -49,7 +50,9 @@ def test_it_prints_the_summary_and_writes_three_files(dataset: Path, entry: Entr
     told = json.loads(Path("found/here/diagnosis.json").read_text())
     assert (told["dataset"], told["seed"], told["is_quick"]) == ("loop", 1, True)
     assert told["summary"] in " ".join(done.stdout.split())
-    assert Path("found/here/report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    page = Path("found/here/report.html").read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    assert untraced(done.stdout, told) + untraced(page_text(page), told) == []
     traces = pd.read_parquet("found/here/traces.parquet")
     assert len(traces) == len(pd.read_csv(dataset / "data.csv"))
     judged = {stage["channel"] for stage in told["stages"]}
