@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from waxstudy.gap.judge import FIT, SELECT, Errors, Judge
-from waxstudy.gap.links import Link, Reading
+from waxstudy.gap.links import Drift, Link, Reading
 from waxstudy.gap.record import Record
 from waxstudy.gap.unknowns import unknowns
 from waxstudy.plugin import Belief, Effect, FloatArray, Prior, SimulationError
@@ -78,6 +78,23 @@ class Fitter:
         except (SimulationError, ValueError):
             return None
         return Fitted(tuple(effects), reading, departures, self.judge.errors(predicted))
+
+    def drive_noise(self, fitted: Fitted) -> Mapping[int, float]:
+        """Return what noise of the link's drive adds to a model's loss, by part: a low-pass lets less of it through."""
+        if self.link.with_room or self.link.driven_by in self.record.binary:
+            return {}
+        belief = self.edited(fitted.effects, fitted.departures)
+        drift = Drift(np.random.default_rng(11), is_twice=False)
+        still = self.link.predict(self.record, belief, fitted.reading)
+        shaken = self.link.predict(self.record, belief, fitted.reading, drift)
+        found: dict[int, float] = {}
+        for now, moved in zip(self.judge.errors(still), self.judge.errors(shaken), strict=True):
+            if now.channel not in self.record.binary:
+                for part in (FIT, SELECT):
+                    chosen = now.part == part
+                    added = float(np.sum((moved.whitened[chosen] - now.whitened[chosen]) ** 2))
+                    found[part] = found.get(part, 0.0) + added
+        return found
 
     # --- fitting ---
 

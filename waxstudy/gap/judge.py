@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.links import JUDGED_S, ROOM_STEP_S, Drift, Link, Predicted, Reading, weighted
+from waxstudy.gap.links import JUDGED_S, ROOM_STEP_S, STILL, Drift, Link, Predicted, weighted
 from waxstudy.gap.record import DAY_S, Record
-from waxstudy.plugin import Belief, FloatArray
+from waxstudy.plugin import Belief, FloatArray, SimulationError
 
 FIT, SELECT, SHRINK, LEFT_OUT = 0, 1, 2, -1
+SOFT = 3.0  # standard deviations beyond which an error of a switch counts straight
 SHAKES = 4  # how often a drive is shaken to see what its noise does to the timing of switches
 SHIFTS = (-0.5, -0.25, 0.0, 0.25, 0.5)  # of an interval: nobody knows when in it a switch was thrown
 SHORT_DAYS = 6
@@ -23,9 +24,11 @@ FORM_K = {
     "floor_surface_temperature_C": 0.08,
     "return_temperature_C": 0.15,
 }
+SMOOTHING = 0.4  # of white noise is left by the smoothing, about
 CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 PIECE = 8  # quarters of an hour over which such errors hang together
 JUMP = 0.4
+SMOOTHED = ("sensor_temperature_C", "control_output")
 RIDGE = 0.15  # share of full scale by which a moving valve may be missed, beside the noise
 
 
@@ -58,9 +61,10 @@ class Judge:
     def __init__(self, link: Link, record: Record, belief: Belief) -> None:
         self.link, self.record = link, record
         self.parts = parts_of(record, days_in_turn=link.with_room)
-        self._timing = {
-            channel: self._switching(channel, belief) for channel in link.judged if self._is_switch(channel)
-        }
+        shaken = self._shaken(belief)
+        switches = [channel for channel in link.judged if self._is_switch(channel)]
+        self._timing = {channel: self._switching(channel, shaken) for channel in switches}
+        self._drives = {c: self._driven(c, shaken) for c in link.judged if c == "control_output"}
         self._measured = {channel: self._quarters(channel) for channel in link.judged if self._is_quarterly(channel)}
 
     def _is_switch(self, channel: str) -> bool:
@@ -86,7 +90,10 @@ class Judge:
 
     def measured(self, channel: str) -> FloatArray:
         """Return the record as it is judged: of a room means over quarters, else its samples, gaps filled."""
-        return self._measured[channel] if channel in self._measured else self.record.filled(channel)
+        if channel in self._measured:
+            return self._measured[channel]
+        filled = self.record.filled(channel)
+        return self.record.smooth(filled) if channel in SMOOTHED and not self._is_switch(channel) else filled
 
     def noise(self, channel: str) -> FloatArray:
         """Return the standard deviation of the noise of what is judged, 0 where a meter stands still or rests."""
@@ -96,37 +103,52 @@ class Judge:
             parts, merged = self._merging()
             return np.full(len(self._measured[channel]), noise / np.sqrt(parts * merged))
         values = record.filled(channel)
+        if channel in SMOOTHED:
+            return np.full(len(values), noise * SMOOTHING)
         if channel == "flow_L_h":
             return np.where(values > 0.02 * np.nanmax(values), noise, 0.0)
         return np.full(len(values), noise * (CLIPPED if channel == "displacement" else 1.0))
 
     def timing_s(self, channel: str) -> float:
         """Return how far noise alone moves the switches of a channel, typically."""
-        return self._timing[channel].scale_s
+        return float(np.sqrt(np.median(self._timing[channel].scale_s ** 2)))
 
     # --- what switches ---
 
-    def _switching(self, channel: str, belief: Belief) -> _Switches:
+    def _shaken(self, belief: Belief) -> list[Predicted]:
+        """Return what a belief predicts, and then what it does with its drive shaken; nothing where it cannot run."""
+        if self.link.with_room:
+            return []
+        reading = next(each for each in reversed(self.link.readings) if not each.is_raw)
+        drifts = [STILL, *(Drift(np.random.default_rng(seed)) for seed in range(SHAKES))]
+        try:
+            return [self.link.predict(self.record, belief, reading, drift) for drift in drifts]
+        except (SimulationError, ValueError):
+            return []
+
+    def _switching(self, channel: str, shaken: Sequence[Predicted]) -> _Switches:
         """Return the windows around each measured switch, and how far noise alone moves it."""
         windows = _windows(self.record, channel)
-        reading = self.link.readings[-1]
-        try:
-            still = self.link.predict(self.record, belief, reading)[channel]
-            moved = [self._moved(channel, belief, reading, still, windows, seed) for seed in range(SHAKES)]
-        except Exception:  # a belief that cannot run is told elsewhere
-            moved = []
         least_s = self.record.interval_s * 12.0**-0.5
-        typical = float(np.sqrt(np.mean(np.square(moved)))) if moved else 0.0
-        return _Switches(windows, max(least_s, typical))
+        if not shaken:
+            return _Switches(windows, np.full(windows.max() + 1, least_s))
+        still = shaken[0][channel]
+        off = [self._off_s(np.abs(each[channel] - still), windows) for each in shaken[1:]]
+        own_s = np.sqrt(np.mean(np.square(off), axis=0))
+        typical_s = float(np.sqrt(np.mean(np.minimum(own_s, np.quantile(own_s, 0.9)) ** 2)))
+        return _Switches(windows, np.maximum(own_s, max(least_s, typical_s)))
 
-    def _moved(
-        self, channel: str, belief: Belief, reading: Reading, still: FloatArray, windows: np.ndarray, seed: int
-    ) -> FloatArray:
-        shaken = self.link.predict(self.record, belief, reading, Drift(np.random.default_rng(seed)))[channel]
-        off_s = (
-            np.bincount(windows, weights=np.abs(shaken - still), minlength=windows.max() + 1) * self.record.interval_s
-        )
-        return np.minimum(off_s, np.quantile(off_s, 0.9))
+    def _off_s(self, differs: FloatArray, windows: np.ndarray) -> FloatArray:
+        return np.bincount(windows, weights=differs, minlength=windows.max() + 1) * self.record.interval_s
+
+    def _driven(self, channel: str, shaken: Sequence[Predicted]) -> FloatArray:
+        """Return how far the noise of a link's drive moves a channel (n,), smoothed over time."""
+        if not shaken:
+            return np.zeros(len(self.record))
+        moved = np.mean([(each[channel] - shaken[0][channel]) ** 2 for each in shaken[1:]], axis=0)
+        width = max(1, round(3600.0 / self.record.interval_s))
+        nearby = np.convolve(moved, np.full(width, 1.0 / width), mode="same")
+        return np.sqrt(np.maximum(nearby, np.mean(moved)))
 
     def _switched(self, channel: str, predicted: FloatArray) -> Errors:
         """Return how long, around each measured switch, the prediction differs from the record [s]."""
@@ -135,13 +157,12 @@ class Judge:
         known = ~record.is_gap(channel) & ~record.is_gap(self.link.driven_by) & record.settled
         differs = np.abs(predicted - record.filled(channel)) * known
         count = windows.max() + 1
-        off_s = np.bincount(windows, weights=differs, minlength=count) * record.interval_s
+        off_s = self._off_s(differs, windows)
         judged = np.bincount(windows, weights=known, minlength=count) > 0.5 * np.bincount(windows, minlength=count)
         middle = np.searchsorted(windows, np.arange(count))
         off_s = np.where(judged, off_s, 0.0)
-        return Errors(
-            channel, "s", off_s, off_s / switches.scale_s, judged, record.cycle[middle], self.parts[middle], middle
-        )
+        whitened = softened(off_s / switches.scale_s)
+        return Errors(channel, "s", off_s, whitened, judged, record.cycle[middle], self.parts[middle], middle)
 
     # --- what runs on ---
 
@@ -154,6 +175,9 @@ class Judge:
         if self.link.driven_by == "displacement":
             # it jumped within a sample: nobody knows when, nor what flowed meanwhile
             known &= np.abs(np.diff(record.filled("displacement"), prepend=0.0)) < JUMP
+        if channel in SMOOTHED:
+            # as the link's drive was: what is linear then misses nothing by it
+            measured = record.smooth(record.filled(channel))
         error = np.where(known, predicted - np.nan_to_num(measured), 0.0)
         scale = self._scale(channel)
         if self.link.driven_by in record.binary:
@@ -172,7 +196,7 @@ class Judge:
             drive = record.drive("displacement")
             moves = np.abs(np.gradient(drive)) > 3.0 * record.noise["displacement"]
             return np.hypot(resting, np.where(moves, RIDGE * full, 0.0))
-        return np.maximum(resting, 1e-3)
+        return np.hypot(np.maximum(resting, 1e-3), self._drives.get(channel, 0.0))
 
     def _best_shift(
         self, predicted: FloatArray, measured: FloatArray, known: np.ndarray, scale: FloatArray
@@ -220,7 +244,12 @@ class Judge:
 @dataclass(frozen=True)
 class _Switches:
     windows: np.ndarray  # (n,) number of the measured switch that is nearest
-    scale_s: float
+    scale_s: FloatArray  # of each of them
+
+
+def softened(whitened: FloatArray) -> FloatArray:
+    """Return errors whose square grows straight beyond a few standard deviations (pseudo-Huber)."""
+    return np.asarray(SOFT * np.sqrt(2.0 * (np.sqrt(1.0 + (whitened / SOFT) ** 2) - 1.0)))
 
 
 def _windows(record: Record, channel: str) -> np.ndarray:

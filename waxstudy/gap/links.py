@@ -43,11 +43,13 @@ class Reading:
 
     words: str = ""  # a sentence for the report
     is_before: bool = False  # the sensor's temperature was logged before what the sensor does to it
+    is_raw: bool = False  # the controller reads the noise that was logged
     solar_factor: float = 1.0  # the sun's heat over what was recorded of it
 
 
 AFTER = Reading("The sensor temperature was logged as the controller reads it.")
 BEFORE = Reading("The sensor temperature was logged before the sensor's delay or lag.", is_before=True)
+RAW = Reading("The controller reads the sensor temperature with the noise that was logged.", is_raw=True)
 PLAIN = Reading()
 
 
@@ -56,13 +58,20 @@ class Drift:
     """How the drive of a link is shaken to see what its noise does: random numbers, or none."""
 
     random: np.random.Generator | None = None
+    is_twice: bool = True  # smoothed once more, which shows what smoothing does
 
     def temperature(self, record: Record, channel: str) -> FloatArray:
-        """Return the smoothed channel, with as much noise as smoothing leaves."""
+        """Return the smoothed channel, shaken with as much noise as smoothing leaves."""
         values = record.drive(channel)
         if self.random is None:
             return values
-        return values + record.smooth(self.random.normal(0.0, record.noise[channel], len(values)))
+        noise = self.random.normal(0.0, record.noise[channel], len(values))
+        return record.smooth(values + noise) if self.is_twice else values + record.smooth(noise)
+
+    def raw(self, record: Record, channel: str) -> FloatArray:
+        """Return the channel as it was logged, shaken with its noise once more."""
+        values = record.filled(channel)
+        return values if self.random is None else values + self.random.normal(0.0, record.noise[channel], len(values))
 
     def opening(self, record: Record) -> FloatArray:
         values = record.drive("displacement")
@@ -123,6 +132,8 @@ class Link:
         blocks, first = {kind: belief.blocks[kind] for kind in chain if kind in belief.blocks}, chain[0]
         shown: Predicted = {}
         signal, jump = self._drive(record, drift), None
+        if reading.is_raw:
+            signal = drift.raw(record, self.driven_by)
         if first == "sensor":
             if SHOWN["sensor"] in self.judged:
                 shown[SHOWN["sensor"]] = self._sensor(record, belief, reading, drift)
@@ -138,7 +149,8 @@ class Link:
             if kind == "valve":
                 shown["flow_L_h"] = means["valve"] * full_flow_L_h(record, belief)
             elif kind != "sensor":
-                shown[SHOWN[kind]] = ends[kind]
+                is_noisy = reading.is_raw and SHOWN[kind] == "control_output" and SHOWN[kind] not in record.binary
+                shown[SHOWN[kind]] = record.smooth(ends[kind]) if is_noisy else ends[kind]
         return shown
 
     def _drive(self, record: Record, drift: Drift) -> FloatArray:
@@ -180,7 +192,7 @@ def _link(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str)
     if stages[0] != "sensor" or driven_by != "sensor_temperature_C":
         return Link(stages, driven_by, judged)
     seen = ("sensor_temperature_C",) if record.has("air_temperature_C") else ()
-    return Link(stages, driven_by, (*seen, *judged), readings=(AFTER, BEFORE))
+    return Link(stages, driven_by, (*seen, *judged), readings=(AFTER, BEFORE, RAW))
 
 
 def _with_sun(readings: tuple[Reading, ...], room: Choice, record: Record) -> Iterator[Reading]:

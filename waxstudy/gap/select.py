@@ -32,9 +32,11 @@ class Candidate:
 
     effect: EffectType
     fitted: Fitted
-    gain: float  # loss that it takes away on the second part
+    gain: float  # loss that it takes away on the second part, but for what the drive's noise adds to it
+    loss: float  # on both parts, likewise
     p: float  # family-wise
     share: float  # of the gap above the floor, of the channel where it acts most, on the second part
+    plain_share: float  # the same of errors in the channel's unit
     left: float  # whitened gap that is left of that channel, over its floor
     channel: str  # where it acts most
     over: float  # the gap of that channel before it, over the floor, in the channel's unit
@@ -46,7 +48,7 @@ class Candidate:
 
     @property
     def is_accepted(self) -> bool:
-        is_gap = self.over >= LEAST_GAP and self.share >= LEAST_SHARE
+        is_gap = self.over >= LEAST_GAP and min(self.share, self.plain_share) >= LEAST_SHARE
         return self.is_seen and is_gap and not self.is_covered
 
 
@@ -139,20 +141,27 @@ class _Search:
         if not fitted:
             return []
         best = min((one for _, one in fitted), key=lambda one: one.loss(SELECT))
-        highest = null(current, best, [one for _, one in fitted], self.random)
         floor = Floor.of(self.fitter, best)
+        highest = null(current, best, [one for _, one in fitted], floor, self.random)
         return [self.candidate(effect, one, current, floor, highest) for effect, one in fitted]
 
     def candidate(
         self, effect: EffectType, fitted: Fitted, current: Fitted, floor: Floor, highest: FloatArray
     ) -> Candidate:
-        gain = current.loss(SELECT) - fitted.loss(SELECT)
+        gain = self.loss(current, SELECT) - self.loss(fitted, SELECT)
         channel, share, left = shared(current, fitted, floor)
         p = float((1 + np.sum(highest >= gain)) / (1 + len(highest)))
         covered = effect.stage == "actuator" and gain > 0.0 and is_covered(self.fitter, current, fitted)
-        before = next(each for each in current.errors if each.channel == channel).gap(SELECT)
-        over = before / floor.plain[channel] if floor.plain[channel] else np.inf
-        return Candidate(effect, fitted, gain, p, share, left, channel, over, covered)
+        before, after = (next(e for e in each.errors if e.channel == channel).gap(SELECT) for each in (current, fitted))
+        least = floor.plain[channel]
+        plain_share = (before**2 - after**2) / (before**2 - least**2) if before > least else 0.0
+        over = before / least if least else np.inf
+        both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
+        return Candidate(effect, fitted, gain, both, p, share, plain_share, left, channel, over, covered)
+
+    def loss(self, fitted: Fitted, part: int) -> float:
+        """Return a model's loss without what the noise of its drive adds to it."""
+        return fitted.loss(part) - self.fitter.drive_noise(fitted).get(part, 0.0)
 
     def pair(self, current: Fitted, candidates: Sequence[Candidate]) -> tuple[Candidate, Candidate] | None:
         """Return two effects that explain together what neither does alone, or None."""
@@ -192,11 +201,13 @@ def whole(fitted: Fitted) -> tuple[FloatArray, np.ndarray, np.ndarray]:
     )
 
 
-def null(current: Fitted, best: Fitted, fitted: Sequence[Fitted], random: np.random.Generator) -> FloatArray:
+def null(
+    current: Fitted, best: Fitted, fitted: Sequence[Fitted], floor: Floor, random: np.random.Generator
+) -> FloatArray:
     """Return the highest gain over the effects, in draws in which none is true.
 
-    What the best of them leaves is noise and discrepancy; its blocks are drawn with random signs (wild bootstrap), and
-    each effect is fitted along the direction in which it moved the prediction.
+    What the best of them leaves is noise and discrepancy; its blocks are drawn with random signs (wild bootstrap), with
+    the floor's noise, and each effect is fitted along the direction in which it moved the prediction.
     """
     rest, part, block = whole(best)
     now = whole(current)[0]
@@ -208,8 +219,11 @@ def null(current: Fitted, best: Fitted, fitted: Sequence[Fitted], random: np.ran
     along_1 = by_block(ways * (rest * first), member, len(numbers))
     along_2 = by_block(ways * (rest * second), member, len(numbers))
     signs = random.choice((-1.0, 1.0), (len(numbers), DRAWS))
-    size = np.maximum(along_1 @ signs / power_1[:, None], 0.0)
-    gains = 2.0 * size * (along_2 @ signs) - size**2 * power_2[:, None]
+    noise = max(floor.white.values(), default=0.0) * random.normal(size=(2, len(ways), DRAWS))
+    first_part = along_1 @ signs + noise[0] * np.sqrt(power_1)[:, None]
+    second_part = along_2 @ signs + noise[1] * np.sqrt(power_2)[:, None]
+    size = np.maximum(first_part / power_1[:, None], 0.0)
+    gains = 2.0 * size * second_part - size**2 * power_2[:, None]
     return np.asarray(gains.max(axis=0))
 
 
@@ -223,7 +237,7 @@ def alike(best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
     left = max(1.0, best.left) ** 2
 
     def worse(other: Candidate) -> float:
-        return sum(other.fitted.loss(part) - best.fitted.loss(part) for part in (FIT, SELECT))
+        return other.loss - best.loss
 
     others = sorted((c for c in candidates if c.effect is not best.effect and c.is_seen), key=worse)
     return (best.effect.name, *(c.effect.name for c in others if worse(c) <= ALIKE * left))
@@ -236,10 +250,11 @@ def inclusion(
     base, part, block = whole(current)
     seen = (part == FIT) | (part == SELECT)
     numbers, member = np.unique(block[seen], return_inverse=True)
-    rows = np.array([base[seen] ** 2, *(whole(c.fitted)[0][seen] ** 2 for c in candidates)])
-    loss = by_block(rows, member, len(numbers))
+    loss = by_block(np.array([whole(c.fitted)[0][seen] ** 2 for c in candidates]), member, len(numbers))
+    # what the drive's noise adds is spread evenly
+    loss += np.array([[(c.loss - own.sum()) / len(numbers)] for c, own in zip(candidates, loss, strict=True)])
     weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
-    gains = (loss[:1] - loss[1:]) @ weights
+    gains = (by_block(base[None, seen] ** 2, member, len(numbers)) - loss) @ weights
     names = [c.effect.name for c in candidates]
     chosen = [names[best] in group for best in np.argmax(gains, axis=0)]
     return float(np.mean(np.array(chosen) & (gains.max(axis=0) > LEAST_GAIN)))
