@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,8 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(waxstudy: Waxstudy, 
     for command in printed:
         done = waxstudy(*command.split()[1:])
         assert done.returncode == 0, f"{command}: {done.stderr}"
+    for block in blocks(ROOT / "docs" / "attribution.md", "python"):
+        subprocess.run([sys.executable, "-c", block], cwd=tmp_path, check=True)
     assert (tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
 
 

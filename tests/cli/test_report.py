@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import shutil
 import subprocess
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -33,6 +35,16 @@ def test_every_format_is_printed_or_written_to_a_file(entry: Entry, small_run: P
     written = entry("report", "run", "--format", form, "--out", "report.txt")
     assert written == (0, "", "")
     assert (small_run.parent / "report.txt").read_text(encoding="utf-8") == printed.stdout
+
+
+def test_a_pipe_or_device_is_written_to_and_not_replaced(entry: Entry, small_run: Path) -> None:
+    pipe = small_run.parent / "pipe"
+    os.mkfifo(pipe)
+    with ThreadPoolExecutor(1) as reader:
+        read = reader.submit(pipe.read_text, encoding="utf-8")
+        assert entry("report", "run", "--json", "--out", "pipe") == (0, "", "")
+        assert read.result(timeout=30) == entry("report", "run", "--json").stdout
+    assert pipe.is_fifo()
 
 
 def test_the_csv_has_the_columns_of_table_5_each_with_its_spread(entry: Entry, small_run: Path) -> None:

@@ -5,12 +5,18 @@ from __future__ import annotations
 import os
 import shutil
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
 from waxstudy.cli.output import Command, print_out, stdout
 from waxstudy.cli.study import load_study
+
+if TYPE_CHECKING:
+    from waxstudy.report.attribution.shares import OrderFree
+    from waxstudy.results.run import Run
+    from waxstudy.study.model import Study
 
 FORMATS = ("table", "csv", "md", "html", "json")
 
@@ -20,17 +26,41 @@ FORMATS = ("table", "csv", "md", "html", "json")
 @click.option("--format", "form", type=click.Choice(FORMATS), default="table", show_default=True, help="What to print.")
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
 @click.option("--against", help="What to put beside the run: published figures, e.g. `paper`, or a run folder.")
+@click.option(
+    "--attribution",
+    is_flag=True,
+    help="In its place: what each step of a ladder adds, averaged over all orders; computes the cases that this needs.",
+)
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write to a file instead of printing.")
-def command(run_folder: Path, form: str, as_json: bool, against: str | None, out: Path | None) -> None:
-    """Print the comparison of a run again."""
-    other = None if against is None else _folder_or_name(against)
-    text = render(run_folder, "json" if as_json else form, other)
+@click.option("--quiet", is_flag=True, help="No progress.")
+def command(
+    run_folder: Path, form: str, as_json: bool, against: str | None, attribution: bool, out: Path | None, quiet: bool
+) -> None:
+    """Print the comparison of a run again, or what each step of its ladders adds whatever their order.
+
+    The cases that --attribution computes are kept in the run folder; those that it holds are not computed again.
+    """
+    form = "json" if as_json else form
+    if attribution and against is not None:
+        raise click.UsageError("--attribution stands in place of the comparison and goes with no --against")
+    if attribution:
+        text = render_attribution(run_folder, form, quiet)
+    else:
+        text = render(run_folder, form, None if against is None else _folder_or_name(against))
     if out is None:
         print_out(text)
-        return
+    else:
+        _write(out, text)
+
+
+def _write(out: Path, text: str) -> None:
+    """Write a file whole; a device or pipe is written to, as a file in its place would take it from everyone."""
     from waxstudy.results.atomic import whole_file
 
     try:
+        if out.exists() and not out.is_file():
+            out.write_text(text, encoding="utf-8")
+            return
         with whole_file(out) as path:
             path.write_text(text, encoding="utf-8")
     except OSError as error:
@@ -85,6 +115,43 @@ def render(folder: Path, form: str, against: Path | str | None) -> str:
     from waxstudy.report import render as formats
 
     if form == "table":
-        colour = stdout().isatty()
-        return formats.as_terminal(content, shutil.get_terminal_size((120, 24)).columns, colour)
+        return formats.as_terminal(content, *_terminal())
     return {"csv": formats.as_csv, "md": formats.as_markdown, "json": formats.as_json}[form](content)
+
+
+def _terminal() -> tuple[int, bool]:
+    """Width, and whether to use colour."""
+    return shutil.get_terminal_size((120, 24)).columns, stdout().isatty()
+
+
+def render_attribution(folder: Path, form: str, quiet: bool) -> str:
+    """Return the order-free ladder of a run in one of the formats; compute what it needs and the folder lacks."""
+    from waxstudy.results.run import Run, RunError
+
+    try:
+        run = Run(folder)
+        study = load_study(run.study_file)
+        found = _attributed(run, study, quiet)
+    except (RunError, ValueError) as error:
+        raise CommandError(str(error), INVALID) from error
+    if form == "html":
+        from waxstudy.report.attribution.page import as_html
+
+        return as_html(found)
+    from waxstudy.report.attribution import render as formats
+
+    if form == "table":
+        return formats.as_terminal(found, *_terminal())
+    return {"csv": formats.as_csv, "md": formats.as_markdown, "json": formats.as_json}[form](found)
+
+
+def _attributed(run: Run, study: Study, quiet: bool) -> OrderFree:
+    from waxstudy.cli.run import failures, progress
+    from waxstudy.report.attribution.shares import attribute
+    from waxstudy.report.attribution.simulate import OtherSources
+
+    with failures(run.study_file, run.folder), progress(quiet) as told:
+        try:
+            return attribute(run, study, told)
+        except OtherSources as error:
+            raise CommandError(str(error), INVALID) from error

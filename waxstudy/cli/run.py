@@ -33,10 +33,10 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
     """
     study = load_study(study_file)
     folder = out or Path("results") / study.name
-    with failures(study_file, folder), _progress(quiet) as progress:
+    with failures(study_file, folder), progress(quiet) as told:
         from waxstudy.simulation.run import run
 
-        run(study, folder, jit=not no_jit, progress=progress)
+        run(study, folder, jit=not no_jit, progress=told)
     from waxstudy.cli.report import render
 
     text = render(folder, "json" if as_json else "table", study.against)
@@ -72,7 +72,7 @@ def warn(text: str) -> None:
 
 
 @contextmanager
-def _progress(quiet: bool) -> Iterator[Progress]:
+def progress(quiet: bool) -> Iterator[Progress]:
     """A bar on stderr, on a terminal only."""
     from waxstudy.simulation.run import Progress
 

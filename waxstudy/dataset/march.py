@@ -34,9 +34,10 @@ def march(loop: Loop, believed: Inputs, change: Change, setpoint_C: float, start
     """Return a loop under what `change` makes of its inputs, and what it does after the usual warm-up.
 
     The loop's weather has the intervals of `believed`. Where inputs depend on the room's own air and flow, every hour
-    is run again with what they were in it, until the air stays within 3 mK; two to four times, as a rule. What is
-    changed comes on top of what drives the room: more sun falls where the sun of all facades together does, extra heat
-    goes to the air. Raises `RealityError` where an hour does not settle, and `PluginError`.
+    is run again with what they were in it, until the air stays within 3 mK: two to five times as a rule, ten to fifteen
+    while a wide window is open. What is changed comes on top of what drives the room: more sun falls where the sun of
+    all facades together does, extra heat goes to the air. Raises `RealityError` where an hour does not settle, and
+    `PluginError`.
     """
     course = Course.of(loop, believed)
     count = len(course.places)

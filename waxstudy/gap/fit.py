@@ -20,6 +20,12 @@ SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
 SCAN_MORE = 64
 REFINE = {1: 30, 2: 60, 3: 110}
 REFINE_MORE = 160
+STEPS = 25  # of Gauss and Newton
+AGAIN = 2  # fits of the believed room from where the last one ended
+LITTLE = 5e-4  # share of the loss that is not worth another step
+ENOUGH = 0.05  # that is, with slopes from before
+MOST_DAMPING = 1e4
+MOST_SD = 6.0  # how far a departure may go
 
 Values = Mapping[str, float]
 EffectType = type[Effect]
@@ -80,7 +86,10 @@ class Fitter:
     def base(self) -> Fitted:
         """The belief itself, its room fitted to the first part, read in the way that fits best."""
         start = np.zeros(len(self.sd))
-        return self._best([self._room_fit((), start, reading, (FIT,)) for reading in self.link.readings])
+        best = self._best([self._room_fit((), start, reading, (FIT,)) for reading in self.link.readings])
+        for _ in range(AGAIN if self.unknowns else 0):
+            best = self._room_fit((), best.departures, best.reading, (FIT,)) or best
+        return best
 
     def _best(self, tried: Sequence[Fitted | None]) -> Fitted:
         done = [each for each in tried if each is not None]
@@ -179,37 +188,88 @@ class Fitter:
         reading: Reading,
         parts: Sequence[int],
     ) -> Fitted | None:
-        """Fit departures and effects together by least squares, the departures held by their priors."""
+        """Fit departures and effects together by damped Gauss-Newton steps, the departures held by their priors.
+
+        The slopes of the departures are kept as long as they serve: they hardly change.
+        """
         if not self.unknowns:
             return self.at(effects, departures, reading)
-        from scipy.optimize import least_squares
+        problem = _Problem(self, effects, reading, parts)
+        return problem.solved(problem.vector(departures), round(STEPS * self.thorough))
 
-        spaces = [Space(effect) for effect, _ in effects]
-        inside = [space.inside(values) for space, (_, values) in zip(spaces, effects, strict=True)]
-        first = np.concatenate((departures / self.sd, *inside))
-        count = len(self.sd)
-        size = 0
 
-        def missed(x: FloatArray) -> FloatArray:
-            nonlocal size
-            fitted = self.at(_valued(effects, spaces, x[count:]), x[:count] * self.sd, reading)
-            if fitted is None:
-                return np.full(size, 1e3)
-            chosen = [each.whitened * np.isin(each.part, parts) for each in fitted.errors]
-            found: FloatArray = np.concatenate((*chosen, x[:count]))
-            size = len(found)
-            return found
+class _Problem:
+    """Least squares of one hypothesis: departures in standard deviations, then the effects' parameters in a cube."""
 
-        low = np.concatenate((np.full(count, -6.0), np.zeros(len(first) - count)))
-        high = np.concatenate((np.full(count, 6.0), np.ones(len(first) - count)))
-        scale = np.concatenate((np.ones(count), np.full(len(first) - count, 0.1)))
-        start = np.clip(first, low + 1e-6, high - 1e-6)
-        if self.at(_valued(effects, spaces, start[count:]), start[:count] * self.sd, reading) is None:
+    def __init__(
+        self,
+        fitter: Fitter,
+        effects: Sequence[tuple[EffectType, Values]],
+        reading: Reading,
+        parts: Sequence[int],
+    ) -> None:
+        self.fitter, self.effects, self.reading, self.parts = fitter, effects, reading, parts
+        self.spaces = [Space(effect) for effect, _ in effects]
+        self.count = len(fitter.sd)
+
+    def vector(self, departures: FloatArray) -> FloatArray:
+        inside = [space.inside(values) for space, (_, values) in zip(self.spaces, self.effects, strict=True)]
+        return np.concatenate((departures / self.fitter.sd, *inside))
+
+    def at(self, x: FloatArray) -> Fitted | None:
+        effects = _valued(self.effects, self.spaces, x[self.count :])
+        return self.fitter.at(effects, x[: self.count] * self.fitter.sd, self.reading)
+
+    def missed(self, fitted: Fitted, x: FloatArray) -> FloatArray:
+        chosen = [each.whitened * np.isin(each.part, self.parts) for each in fitted.errors]
+        return np.concatenate((*chosen, x[: self.count]))
+
+    def solved(self, x: FloatArray, most: int) -> Fitted | None:
+        best = self.at(x)
+        if best is None:
             return None
-        found = least_squares(
-            missed, start, bounds=(low, high), x_scale=scale, diff_step=2e-3, max_nfev=max(4, round(10 * self.thorough))
-        )
-        return self.at(_valued(effects, spaces, found.x[count:]), found.x[:count] * self.sd, reading)
+        missed = self.missed(best, x)
+        slopes = self.slopes(x, missed, range(len(x)))
+        damping, is_fresh = 1e-3, True
+        for _ in range(most):
+            step = self.step(slopes, missed, damping, x)
+            tried = self.at(x + step)
+            new = self.missed(tried, x + step) if tried else None
+            gained = 1.0 - (new @ new) / (missed @ missed) if new is not None else -1.0
+            if tried is not None and new is not None and gained > 0.0:
+                x, best, missed, damping = x + step, tried, new, max(1e-6, 0.1 * damping)
+            elif is_fresh:
+                damping *= 30.0
+                if damping > MOST_DAMPING:
+                    break
+                continue
+            if gained < LITTLE and is_fresh:
+                break
+            # the slopes of the departures hardly change: they are taken again where that has become too little
+            is_fresh = gained < ENOUGH
+            fresh = range(len(x)) if is_fresh else range(self.count, len(x))
+            slopes[:, list(fresh)] = self.slopes(x, missed, fresh)
+        return best
+
+    def slopes(self, x: FloatArray, missed: FloatArray, places: Sequence[int]) -> FloatArray:
+        columns = []
+        for place in places:
+            size = 0.1 if place < self.count else 0.01
+            if place >= self.count and x[place] + size > 1.0:
+                size = -size
+            moved = x.copy()
+            moved[place] += size
+            other = self.at(moved)
+            columns.append((self.missed(other, moved) - missed) / size if other else np.zeros(len(missed)))
+        return np.column_stack(columns) if columns else np.zeros((len(missed), 0))
+
+    def step(self, slopes: FloatArray, missed: FloatArray, damping: float, x: FloatArray) -> FloatArray:
+        """Return a damped step, cut where it would leave the bounds."""
+        normal = slopes.T @ slopes
+        step = np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-9), -slopes.T @ missed)
+        low = np.concatenate((np.full(self.count, -MOST_SD), np.zeros(len(x) - self.count)))
+        high = np.concatenate((np.full(self.count, MOST_SD), np.ones(len(x) - self.count)))
+        return np.clip(x + step, low, high) - x
 
 
 class Space:

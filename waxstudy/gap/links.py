@@ -71,6 +71,14 @@ class Drift:
         noise = self.random.normal(0.0, record.noise["displacement"], len(values))
         return np.where((values > 0.0) & (values < 1.0), np.clip(values + noise, 0.0, 1.0), values)
 
+    def output(self, record: Record) -> FloatArray:
+        """Return the controller's output, a sample early or late: nobody knows when in an interval it was read."""
+        values = record.drive("control_output")
+        if self.random is None:
+            return values
+        at = np.arange(len(values)) + self.random.integers(-1, 2, len(values))
+        return values[np.clip(at, 0, len(values) - 1)]
+
     def jump(self, record: Record) -> FloatArray:
         """Return after which part of each interval a switch jumps: halfway, or anywhere."""
         return np.full(len(record), 0.5) if self.random is None else self.random.random(len(record))
@@ -136,6 +144,8 @@ class Link:
     def _drive(self, record: Record, drift: Drift) -> FloatArray:
         if self.driven_by in ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C"):
             return drift.temperature(record, self.driven_by)
+        if self.driven_by == "control_output" and self.driven_by not in record.binary:
+            return drift.output(record)
         return drift.opening(record) if self.driven_by == "displacement" else record.drive(self.driven_by)
 
     @staticmethod

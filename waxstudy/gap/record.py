@@ -122,6 +122,17 @@ class Record:
         return self.day
 
     @property
+    def can_be_cut(self) -> bool:
+        """Whether there is a room temperature and a setpoint, which every cut begins from."""
+        temperatures = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")
+        return self.has("setpoint_C") and any(self.has(name) for name in temperatures)
+
+    @property
+    def has_inputs(self) -> bool:
+        """Whether what drives a room is recorded."""
+        return self.can_be_cut and self.has("outdoor_temperature_C") and self.has("supply_temperature_C")
+
+    @property
     def inputs(self) -> Inputs:
         """What drove the room; raise `KeyError` naming the channel that is missing."""
         air = self.drive(self.air_channel)
@@ -200,13 +211,12 @@ def snapped(opening: FloatArray, noise: float) -> FloatArray:
 
     A probe that shows 0 at least once in a few samples, and never far from it, rests there: the noise is cut off at 0.
     """
-    from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
+    from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
     out = np.array(opening, dtype=float)
     for end in (0.0, 1.0):
         away = np.abs(out - end)
-        at = uniform_filter1d((away <= 1e-9).astype(float), 9)
-        near = maximum_filter1d((away < 5.0 * noise).astype(float), 1) > 0
-        rests = near & (minimum_filter1d((away < 5.0 * noise).astype(float), 5) > 0) & (at >= 0.2)
-        out[rests] = end
+        near = minimum_filter1d((away < 5.0 * noise).astype(float), 3) > 0
+        at_end = uniform_filter1d((near & (away <= 1e-9)).astype(float), 31)
+        out[near & (at_end >= 0.2 * uniform_filter1d(near.astype(float), 31))] = end
     return out

@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.fit import EffectType, Fitted, Fitter, Values
+from waxstudy.gap.fit import EffectType, Fitted, Fitter
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT
-from waxstudy.plugin import Belief, FloatArray
+from waxstudy.gap.stray import is_covered
+from waxstudy.plugin import FloatArray
 
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
-EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
+LEAST_GAP = 1.1  # over the floor
+LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 LEAST_GAIN = 10.0  # whitened
 MOST_EFFECTS = 3
 ALIKE = 9.0  # difference of loss at which two effects cannot be told apart, in units of what is left
 DRAWS = 400
+PAIRED = 3  # effects that others are tried beside, where none is enough alone
 
 Tick = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect tried: fitted on the first part, judged on the second."""
+    """An effect tried on top of a model: fitted on the first part, judged on the second."""
 
     effect: EffectType
     fitted: Fitted
@@ -33,110 +36,154 @@ class Candidate:
     p: float  # family-wise
     share: float  # of the gap above the floor, of the channel where it acts most, on the second part
     left: float  # whitened gap that is left of that channel, over its floor
-    is_covered: bool  # its departure lies within what the believed model's published uncertainty covers
+    channel: str  # where it acts most
+    over: float  # the gap of that channel before it, over the floor, in the channel's unit
+    is_covered: bool  # by what real actuators are known to stray from the believed one
+
+    @property
+    def is_seen(self) -> bool:
+        return self.p <= LEVEL and self.gain >= LEAST_GAIN
 
     @property
     def is_accepted(self) -> bool:
-        if self.p > LEVEL or self.gain < LEAST_GAIN or self.share < LEAST_SHARE:
-            return False
-        return self.left <= EXPLAINED or not self.is_covered
+        is_gap = self.over >= LEAST_GAP and self.share >= LEAST_SHARE
+        return self.is_seen and is_gap and not self.is_covered
+
+
+@dataclass(frozen=True)
+class Found:
+    """An accepted effect, the names that cannot be told from it (its own first), and how often it is chosen again."""
+
+    candidate: Candidate
+    group: tuple[str, ...]
+    inclusion: float
+
+    @property
+    def effect(self) -> EffectType:
+        return self.candidate.effect
 
 
 @dataclass(frozen=True)
 class Selection:
-    """What was found at one link, in order; `fitted` is the last model, `tried` the first round's candidates."""
+    """What was found at one link; `models` are the believed one and each with one more effect, on both first parts."""
 
     fitter: Fitter
-    base: Fitted
-    fitted: Fitted
-    accepted: tuple[Candidate, ...]
-    groups: tuple[tuple[str, ...], ...]  # of each accepted effect, its own name first
-    inclusion: tuple[float, ...]
-    tried: tuple[Candidate, ...]
+    models: tuple[Fitted, ...]
+    found: tuple[Found, ...]
+    tried: tuple[Candidate, ...]  # of the first round
     floor: Floor
 
+    @property
+    def before(self) -> Fitted:
+        return self.models[0]
 
-def select(fitter: Fitter, effects: Iterable[EffectType], seed: int, tick: Tick) -> Selection:
+    @property
+    def after(self) -> Fitted:
+        return self.models[-1]
+
+
+def select(fitter: Fitter, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
     """Add the effects of a link one by one, as long as one of them explains enough of what is left."""
-    chosen = [effect for effect in effects if effect.stage in fitter.link.stages]
-    current, random = fitter.base, np.random.default_rng(seed)
-    accepted: list[Candidate] = []
-    groups: list[tuple[str, ...]] = []
-    inclusion: list[float] = []
-    tried: list[Candidate] = []
-    while len(accepted) < MOST_EFFECTS:
-        candidates = _tried(fitter, [e for e in chosen if e.name not in current.names], current, random, tick)
-        tried = tried or candidates
-        best = max((c for c in candidates if c.is_accepted), key=lambda c: c.gain, default=None)
-        if best is None:
-            break
-        group = _group(best, candidates)
-        accepted.append(best)
-        groups.append(group)
-        inclusion.append(_inclusion(group, candidates, current, random))
-        again = fitter.refined(best.fitted.effects, best.fitted.departures, best.fitted.reading, (FIT, SELECT))
-        current = again or best.fitted
-    floor = Floor.of(fitter, current)
-    return Selection(
-        fitter, fitter.base, current, tuple(accepted), tuple(groups), tuple(inclusion), tuple(tried), floor
-    )
+    return _Search(fitter, effects, np.random.default_rng(seed), tick).run()
 
 
-def _tried(
-    fitter: Fitter, effects: Sequence[EffectType], current: Fitted, random: np.random.Generator, tick: Tick
-) -> list[Candidate]:
-    found = []
-    for effect in effects:
-        tick(effect.name)
-        fitted = fitter.fit(effect, current)
-        if fitted is not None:
-            found.append((effect, fitted))
-    if not found:
-        return []
-    best = min((fitted for _, fitted in found), key=lambda f: f.loss(SELECT))
-    highest = _null(current, best, [fitted for _, fitted in found], random)
-    floor = Floor.of(fitter, best)
-    believed = fitter.edited(current.effects, current.departures)
-    return [_candidate(believed, effect, fitted, current, floor, highest) for effect, fitted in found]
+class _Search:
+    def __init__(self, fitter: Fitter, effects: Sequence[EffectType], random: np.random.Generator, tick: Tick) -> None:
+        self.fitter, self.effects, self.random, self.tick = fitter, effects, random, tick
+
+    def run(self) -> Selection:
+        current = self.fitter.base
+        found: list[Found] = []
+        first: list[Candidate] = []
+        while len(found) < MOST_EFFECTS:
+            candidates = self.tried(current)
+            first = first or candidates
+            chosen = [c for c in candidates if c.is_accepted]
+            if chosen:
+                best = max(chosen, key=lambda c: c.gain)
+                found.append(self.found(best, candidates, current))
+            elif pair := self.pair(current, candidates):
+                best = pair[-1]
+                found += [self.found(c, [*candidates, best], current) for c in pair]
+            else:
+                break
+            current = best.fitted
+        models = self.models(found)
+        return Selection(self.fitter, models, tuple(found), tuple(first), Floor.of(self.fitter, models[-1]))
+
+    def models(self, found: Sequence[Found]) -> tuple[Fitted, ...]:
+        """Return the believed model and those with one more effect each, fitted to both first parts."""
+        base = self.fitter.base
+        whole = [self.fitter.refined((), base.departures, base.reading, (FIT, SELECT)) or base]
+        for each in found:
+            fitted = each.candidate.fitted
+            earlier = dict(whole[-1].effects)
+            values = dict(fitted.effects) | earlier
+            effects = [(effect, values[effect]) for effect in (*earlier, each.effect)]
+            again = self.fitter.refined(effects, fitted.departures, fitted.reading, (FIT, SELECT))
+            whole.append(again or fitted)
+        return tuple(whole)
+
+    def tried(self, current: Fitted) -> list[Candidate]:
+        """Return every effect that applies, fitted on top of a model and judged."""
+        fitted = []
+        for effect in self.effects:
+            if effect.name not in current.names:
+                self.tick(effect.name)
+                one = self.fitter.fit(effect, current)
+                if one is not None:
+                    fitted.append((effect, one))
+        return self.judged(current, fitted)
+
+    def judged(self, current: Fitted, fitted: Sequence[tuple[EffectType, Fitted]]) -> list[Candidate]:
+        if not fitted:
+            return []
+        best = min((one for _, one in fitted), key=lambda one: one.loss(SELECT))
+        highest = null(current, best, [one for _, one in fitted], self.random)
+        floor = Floor.of(self.fitter, best)
+        return [self.candidate(effect, one, current, floor, highest) for effect, one in fitted]
+
+    def candidate(
+        self, effect: EffectType, fitted: Fitted, current: Fitted, floor: Floor, highest: FloatArray
+    ) -> Candidate:
+        gain = current.loss(SELECT) - fitted.loss(SELECT)
+        channel, share, left = shared(current, fitted, floor)
+        p = float((1 + np.sum(highest >= gain)) / (1 + len(highest)))
+        covered = effect.stage == "actuator" and gain > 0.0 and is_covered(self.fitter, current, fitted)
+        before = next(each for each in current.errors if each.channel == channel).gap(SELECT)
+        over = before / floor.plain[channel] if floor.plain[channel] else np.inf
+        return Candidate(effect, fitted, gain, p, share, left, channel, over, covered)
+
+    def pair(self, current: Fitted, candidates: Sequence[Candidate]) -> tuple[Candidate, Candidate] | None:
+        """Return two effects that explain together what neither does alone, or None."""
+        seen = sorted((c for c in candidates if c.is_seen and not c.is_covered), key=lambda c: -c.gain)
+        best: tuple[Candidate, Candidate] | None = None
+        for first in seen[:PAIRED]:
+            for second in self.tried(first.fitted):
+                whole = self.judged(current, [(second.effect, second.fitted)])[0]
+                enough = whole.share >= LEAST_JOINT_SHARE and second.is_accepted
+                if enough and (best is None or whole.gain > best[1].gain):
+                    best = first, whole
+        return best
+
+    def found(self, best: Candidate, candidates: Sequence[Candidate], current: Fitted) -> Found:
+        group = alike(best, candidates)
+        return Found(best, group, inclusion(group, candidates, current, self.random))
 
 
-def _candidate(
-    believed: Belief, effect: EffectType, fitted: Fitted, current: Fitted, floor: Floor, highest: FloatArray
-) -> Candidate:
-    gain = current.loss(SELECT) - fitted.loss(SELECT)
-    share, left = _share(current, fitted, floor)
-    p = float((1 + np.sum(highest >= gain)) / (1 + len(highest)))
-    return Candidate(effect, fitted, gain, p, share, left, _is_covered(believed, effect, dict(fitted.effects)[effect]))
-
-
-def _share(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[float, float]:
-    """Return the share of the gap explained where it is explained most, and what is left there over the floor."""
+def shared(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[str, float, float]:
+    """Return the channel that gains most, the share of its gap above the floor that is explained, and what is left."""
     changes = [old.loss(SELECT) - new.loss(SELECT) for old, new in zip(current.errors, fitted.errors, strict=True)]
     place = int(np.argmax(changes))
     old, new = current.errors[place], fitted.errors[place]
     least = floor.whitened(old.channel) ** 2 * max(1, int(np.sum(old.judged & (old.part == SELECT))))
     before, after = old.loss(SELECT), new.loss(SELECT)
-    above = before - least
-    share = (before - after) / above if above > 0 else 0.0
-    return min(share, 1.5), float(np.sqrt(after / least)) if least > 0 else np.inf
+    share = (before - after) / (before - least) if before > least else 0.0
+    return old.channel, min(share, 1.5), float(np.sqrt(after / least)) if least > 0 else np.inf
 
 
-def _is_covered(believed: Belief, effect: EffectType, values: Values) -> bool:
-    """Whether every parameter lies as near to neutral as the believed model's published uncertainty reaches."""
-    neutral = effect.neutral(believed)
-    if neutral is None:
-        return any(prior.tolerance for prior in effect.priors.values())
-    for name, prior in effect.priors.items():
-        if prior.is_log:
-            away = abs(np.log(values[name] / neutral[name])) if neutral[name] > 0 else np.inf
-            if away > np.log(max(prior.tolerance, 1.0)):
-                return False
-        elif abs(values[name] - neutral[name]) > prior.tolerance:
-            return False
-    return True
-
-
-def _whole(fitted: Fitted) -> tuple[FloatArray, np.ndarray, np.ndarray]:
+def whole(fitted: Fitted) -> tuple[FloatArray, np.ndarray, np.ndarray]:
+    """Return whitened errors, parts and blocks of all channels, one after the other."""
     errors = fitted.errors
     return (
         np.concatenate([each.whitened for each in errors]),
@@ -145,62 +192,54 @@ def _whole(fitted: Fitted) -> tuple[FloatArray, np.ndarray, np.ndarray]:
     )
 
 
-def _null(current: Fitted, best: Fitted, fitted: Sequence[Fitted], random: np.random.Generator) -> FloatArray:
+def null(current: Fitted, best: Fitted, fitted: Sequence[Fitted], random: np.random.Generator) -> FloatArray:
     """Return the highest gain over the effects, in draws in which none is true.
 
     What the best of them leaves is noise and discrepancy; its blocks are drawn with random signs (wild bootstrap), and
     each effect is fitted along the direction in which it moved the prediction.
     """
-    rest, part, block = _whole(best)
-    now = _whole(current)[0]
-    ways = np.array([now - _whole(each)[0] for each in fitted])
+    rest, part, block = whole(best)
+    now = whole(current)[0]
+    ways = np.array([now - whole(each)[0] for each in fitted])
     numbers, member = np.unique(block, return_inverse=True)
-    highest = np.zeros(DRAWS)
     first, second = part == FIT, part == SELECT
     power_1 = np.maximum(np.sum(ways[:, first] ** 2, axis=1), 1e-12)
     power_2 = np.sum(ways[:, second] ** 2, axis=1)
-    along_1 = _by_block(ways * (rest * first), member, len(numbers))
-    along_2 = _by_block(ways * (rest * second), member, len(numbers))
-    for draw in range(DRAWS):
-        signs = random.choice((-1.0, 1.0), len(numbers))
-        size = np.maximum(along_1 @ signs / power_1, 0.0)
-        highest[draw] = np.max(2.0 * size * (along_2 @ signs) - size**2 * power_2)
-    return highest
+    along_1 = by_block(ways * (rest * first), member, len(numbers))
+    along_2 = by_block(ways * (rest * second), member, len(numbers))
+    signs = random.choice((-1.0, 1.0), (len(numbers), DRAWS))
+    size = np.maximum(along_1 @ signs / power_1[:, None], 0.0)
+    gains = 2.0 * size * (along_2 @ signs) - size**2 * power_2[:, None]
+    return np.asarray(gains.max(axis=0))
 
 
-def _by_block(values: FloatArray, member: np.ndarray, count: int) -> FloatArray:
+def by_block(values: FloatArray, member: np.ndarray, count: int) -> FloatArray:
+    """Return the sums of each row (k, m) over its blocks (k, blocks)."""
     return np.array([np.bincount(member, weights=row, minlength=count) for row in values])
 
 
-def _group(best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
+def alike(best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
     """Return the effects that cannot be told from the best one on what it was chosen by, the best first."""
     left = max(1.0, best.left) ** 2
-    alike = [
-        c.effect.name
-        for c in sorted(candidates, key=lambda c: -c.gain)
-        if c is not best and c.p <= LEVEL and best.gain - c.gain + _fit_loss(c) - _fit_loss(best) <= ALIKE * left
-    ]
-    return (best.effect.name, *alike)
+
+    def worse(other: Candidate) -> float:
+        return sum(other.fitted.loss(part) - best.fitted.loss(part) for part in (FIT, SELECT))
+
+    others = sorted((c for c in candidates if c.effect is not best.effect and c.is_seen), key=worse)
+    return (best.effect.name, *(c.effect.name for c in others if worse(c) <= ALIKE * left))
 
 
-def _fit_loss(candidate: Candidate) -> float:
-    return candidate.fitted.loss(FIT)
-
-
-def _inclusion(
+def inclusion(
     group: tuple[str, ...], candidates: Sequence[Candidate], current: Fitted, random: np.random.Generator
 ) -> float:
-    """Return how often the group would be chosen again, were other cycles or days recorded."""
-    base, part, block = _whole(current)
+    """Return how often one of the group would be chosen again, were other cycles or days recorded."""
+    base, part, block = whole(current)
     seen = (part == FIT) | (part == SELECT)
     numbers, member = np.unique(block[seen], return_inverse=True)
-    rows = np.array([base[seen] ** 2, *(_whole(c.fitted)[0][seen] ** 2 for c in candidates)])
-    loss = _by_block(rows, member, len(numbers))
+    rows = np.array([base[seen] ** 2, *(whole(c.fitted)[0][seen] ** 2 for c in candidates)])
+    loss = by_block(rows, member, len(numbers))
+    weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
+    gains = (loss[:1] - loss[1:]) @ weights
     names = [c.effect.name for c in candidates]
-    hits = 0
-    for _ in range(DRAWS):
-        weight = np.bincount(random.integers(len(numbers), size=len(numbers)), minlength=len(numbers))
-        gains = loss[0] @ weight - loss[1:] @ weight
-        best = int(np.argmax(gains))
-        hits += names[best] in group and gains[best] > LEAST_GAIN
-    return hits / DRAWS
+    chosen = [names[best] in group for best in np.argmax(gains, axis=0)]
+    return float(np.mean(np.array(chosen) & (gains.max(axis=0) > LEAST_GAIN)))

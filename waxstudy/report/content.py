@@ -18,6 +18,7 @@ from waxstudy.simulation.shift import LIMIT_K
 from waxstudy.study.model import Study
 
 ALIKE = 1e-6  # spread of a difference, in %, below which members have not differed at all
+OFF_COMFORT_H = 0.5  # from the target of the setpoint shift, from which on a note says so
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ def starts(run: Run) -> list[Starts]:
 def _notes(study: Study, rows: Sequence[Row], members: int) -> list[str]:
     """What the reader must know: unsolved shifts, unresolved differences, a single member."""
     target = study.comfort.hours_below_per_week
-    notes = [_residual(row, target) for row in rows if abs(row.hours_below_per_week.mean - target) > 0.5]
+    notes = [_residual(row, target) for row in rows if abs(row.hours_below_per_week.mean - target) > OFF_COMFORT_H]
     if members == 1:
         return [*notes, "one member per case: no spread, so no difference can be called resolved"]
     alike = [

@@ -10,16 +10,34 @@ from typing import Any
 from waxstudy.report.content import Content
 from waxstudy.report.render import all_notes, tables
 from waxstudy.report.words import Table, counted
+from waxstudy.results.run import Run
 
-FIGURE_TEXT = re.compile(r"([-+]?\d|never|$)")
+FIGURE_TEXT = re.compile(r"(\(?[-+]?\d|never|$)")
 
 
 def as_html(content: Content) -> str:
     """Return the report as one page; raise `RunError` where the run's curves or traces cannot be read."""
+    from waxstudy.report.figures import OVERVIEW, PAPER_FIGURES
+
+    comparison, against, activation = _grouped(content)
+    return filled(
+        "page.html.j2",
+        content=content,
+        summary=summary(content),
+        overview=_drawn(content, OVERVIEW),
+        comparison=comparison,
+        against=against,
+        activation=activation,
+        figures=[_drawn(content, plot) for plot in PAPER_FIGURES],
+        provenance=provenance(content.run),
+        notes=all_notes(content),
+    )
+
+
+def filled(template: str, **values: Any) -> str:
+    """Return one of the page templates with its values; a name that it does not know is an error."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
-
-    from waxstudy.report.figures import OVERVIEW, PAPER_FIGURES
 
     environment = Environment(
         loader=PackageLoader("waxstudy.report"),
@@ -29,18 +47,7 @@ def as_html(content: Content) -> str:
         lstrip_blocks=True,
     )
     environment.filters["svg"] = Markup
-    comparison, against, activation = _grouped(content)
-    return environment.get_template("page.html.j2").render(
-        content=content,
-        summary=summary(content),
-        overview=_drawn(content, OVERVIEW),
-        comparison=comparison,
-        against=against,
-        activation=activation,
-        figures=[_drawn(content, plot) for plot in PAPER_FIGURES],
-        provenance=provenance(content),
-        notes=all_notes(content),
-    )
+    return environment.get_template(template).render(**values)
 
 
 def summary(content: Content) -> list[str]:
@@ -87,7 +94,8 @@ class PageTable:
 
 def _grouped(content: Content) -> tuple[list[PageTable], list[PageTable], list[PageTable]]:
     """The tables in the order of `render.tables`: one per week, then those of the other side, then activation."""
-    shown = [_page_table(content, table) for table in tables(content)]
+    other = content.against.name if content.against else None
+    shown = [page_table(content.run, table, other) for table in tables(content)]
     weeks = len(content.run.weeks)
     after = weeks + (len(content.against.tables()) if content.against else 0)
     groups = shown[:weeks], shown[weeks:after], shown[after:]
@@ -95,11 +103,12 @@ def _grouped(content: Content) -> tuple[list[PageTable], list[PageTable], list[P
     return comparison, against, activation
 
 
-def _page_table(content: Content, table: Table) -> PageTable:
+def page_table(run: Run, table: Table, published: str | None = None) -> PageTable:
+    """Return a table as it is shown; columns whose heading is `published` are dim."""
     title, headings, rows = table
     columns = list(zip(*rows, strict=True)) or [()] * len(headings)
-    styles = [_style(content, heading, column) for heading, column in zip(headings, columns, strict=True)]
-    starts = {ladder.cases[0] for ladder in content.run.ladders}
+    styles = [_style(heading, column, published) for heading, column in zip(headings, columns, strict=True)]
+    starts = {ladder.cases[0] for ladder in run.ladders}
     return PageTable(
         _heading(title),
         [Cell(text, style) for text, style in zip(headings, styles, strict=True)],
@@ -117,10 +126,9 @@ def _heading(title: str) -> str:
     return re.sub(r"`([^`]*)`", r"“\1”", title[0].upper() + title[1:])
 
 
-def _style(content: Content, heading: str, texts: Sequence[str]) -> str:
-    published = content.against is not None and heading == content.against.name
+def _style(heading: str, texts: Sequence[str], published: str | None) -> str:
     is_text = not all(FIGURE_TEXT.match(text) for text in texts)
-    return " ".join(name for name, holds in (("text", is_text), ("published", published)) if holds)
+    return " ".join(name for name, holds in (("text", is_text), ("published", heading == published)) if holds)
 
 
 def _marked(text: str, style: str) -> str:
@@ -156,11 +164,10 @@ def _drawn(content: Content, plot: Any) -> PageFigure:
         return PageFigure(id, plot.title, "", "", str(reason))
 
 
-def provenance(content: Content) -> list[tuple[str, str]]:
+def provenance(run: Run) -> list[tuple[str, str]]:
     """Where the figures come from: the folder's name, then what the run says of itself."""
-    said = content.run.provenance
-    pairs = [(key, _words(value)) for key, value in said.items()]
-    return [("run folder", content.run.folder.resolve().name), *pairs]
+    pairs = [(key, _words(value)) for key, value in run.provenance.items()]
+    return [("run folder", run.folder.resolve().name), *pairs]
 
 
 def _words(value: Any) -> str:

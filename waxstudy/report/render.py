@@ -16,6 +16,7 @@ from waxstudy.report.content import Content
 from waxstudy.report.words import HEADINGS, Table, decimals, with_spread
 
 WIDEST = 1000  # columns that no comparison needs
+TEXT_HEADINGS = ("finding", "verdict", "our figure", "week", "resolved")
 
 
 def resolved_word(row: Row) -> str:
@@ -48,7 +49,7 @@ def _other_columns(against: Against, row: Row) -> list[str]:
 
 
 def as_json(content: Content) -> str:
-    """The whole report; NaN as null."""
+    """The whole report."""
     data = {
         "run": str(content.run.folder),
         "study": content.run.study,
@@ -68,6 +69,11 @@ def as_json(content: Content) -> str:
     }
     if content.against:
         data["against"] = content.against.described()
+    return json_text(data)
+
+
+def json_text(data: dict[str, Any]) -> str:
+    """Return data as JSON, NaN as null."""
     return json.dumps(_finite(data), indent=1) + "\n"
 
 
@@ -143,12 +149,16 @@ def _seconds(value: float) -> str:
 
 
 def as_markdown(content: Content) -> str:
+    return markdown(content.run.study, _filled(content), all_notes(content))
+
+
+def markdown(title: str, tables: Sequence[Table], notes: Sequence[str]) -> str:
     """Pipe tables, then the notes."""
-    parts = [f"# {content.run.study}\n"]
-    for title, headings, rows in _filled(content):
+    parts = [f"# {title}\n"]
+    for heading, headings, rows in tables:
         lines = [_pipes(headings), _pipes(["---"] * len(headings)), *map(_pipes, rows)]
-        parts.append(f"## {title[0].upper()}{title[1:]}\n\n" + "\n".join(lines) + "\n")
-    if notes := all_notes(content):
+        parts.append(f"## {heading[0].upper()}{heading[1:]}\n\n" + "\n".join(lines) + "\n")
+    if notes:
         parts.append("## Notes\n\n" + "\n".join(f"- {note}" for note in notes) + "\n")
     return "\n".join(parts)
 
@@ -158,7 +168,17 @@ def _pipes(texts: Sequence[str]) -> str:
 
 
 def as_terminal(content: Content, width: int, colour: bool) -> str:
-    """Tables and notes for a terminal of a given width; one too narrow for the figures wraps lines, but hides none."""
+    published = content.against.name if content.against else None
+    return terminal(_filled(content), all_notes(content), width, colour, published)
+
+
+def terminal(
+    tables: Sequence[Table], notes: Sequence[str], width: int, colour: bool, published: str | None = None
+) -> str:
+    """Tables and notes for a terminal of a given width; one too narrow for the figures wraps lines, but hides none.
+
+    Columns whose heading is `published` are dim.
+    """
     from rich import box
     from rich.console import Console
     from rich.measure import Measurement
@@ -166,16 +186,14 @@ def as_terminal(content: Content, width: int, colour: bool) -> str:
 
     out = io.StringIO()
     console = Console(file=out, width=WIDEST, force_terminal=colour, highlight=False, markup=False, emoji=False)
-    for title, headings, rows in _filled(content):
+    for title, headings, rows in tables:
         console.print(title, style="bold", width=width)
         grid = RichTable(box=box.SIMPLE_HEAD, pad_edge=False)
         for i, heading in enumerate(headings):
-            is_text = i == 0 or heading in ("finding", "verdict", "our figure", "week", "resolved")
-            published = content.against is not None and heading == content.against.name
             grid.add_column(
                 heading,
-                justify="left" if is_text else "right",
-                style="dim" if published else None,
+                justify="left" if i == 0 or heading in TEXT_HEADINGS else "right",
+                style="dim" if heading == published else None,
                 no_wrap=heading not in ("finding", "our figure"),
             )
         for row in rows:
@@ -183,6 +201,6 @@ def as_terminal(content: Content, width: int, colour: bool) -> str:
         natural = Measurement.get(console, console.options, grid).maximum
         can_wrap = any(not column.no_wrap for column in grid.columns)
         console.print(grid, width=width if can_wrap else max(width, natural), crop=False)
-    for note in all_notes(content):
+    for note in notes:
         console.print(f"note: {note}", width=width)
     return out.getvalue()

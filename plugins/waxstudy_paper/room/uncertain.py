@@ -189,7 +189,7 @@ UNKNOWNS = (
     Unknown("sun-on-floor", "added to the share of the sun that falls on the floor", 0.15, _sun_on_floor),
     Unknown("sun-to-air", "added to the share of the sun that heats the air at once", 0.1, _sun_to_air),
     Unknown("operative-air", "added to the share of air in the operative temperature", 0.1, _operative),
-    Unknown("water-exchange", "log of the factor on the exchange between water and floor", 0.3, _exchange),
+    Unknown("water-exchange", "log of the factor on the exchange between water and floor", 1.0, _exchange),
     Unknown(
         "above-pipes",
         "log of the factor by which the resistance below the pipes' plane lies above it",

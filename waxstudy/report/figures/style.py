@@ -11,7 +11,7 @@ import io
 import math
 import re
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from waxstudy.report.content import Content
 
@@ -49,13 +49,14 @@ RC: Any = {
 }
 
 Draw = Callable[[Content], "Figure"]
+Shown = TypeVar("Shown")  # what a figure is drawn of
 
 
-def styled(draw: Draw) -> Draw:
+def styled(draw: Callable[[Shown], Figure]) -> Callable[[Shown], Figure]:
     """Draw in this look, whatever the reader's own matplotlib settings are."""
 
     @functools.wraps(draw)
-    def with_style(content: Content) -> Figure:
+    def with_style(content: Shown) -> Figure:
         from matplotlib import rc_context
 
         with rc_context(RC):

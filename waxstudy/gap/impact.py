@@ -1,0 +1,65 @@
+"""What a stage's gap does to heat and air temperature: its modelled output in place of the measured one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from waxstudy.gap.links import SHOWN, Link, built, coarsened, full_flow_L_h, means
+from waxstudy.gap.record import Record
+from waxstudy.plugin import CHAIN, Belief, FloatArray
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.interpreted import SimulationError
+from waxstudy.simulation.recorded import driven_by, respond
+from waxstudy.simulation.replay import replay
+
+STEP_S = 5.0
+
+
+def impact(record: Record, belief: Belief, link: Link, modelled: FloatArray) -> Mapping[str, float]:
+    """Return what a modelled output of a chain's link does to heat [%] and air [K, RMS], compared with the measured.
+
+    Both run through the believed stages behind it and the fitted room; nothing where the room cannot be run.
+    """
+    channel = link.judged[-1]
+    if belief.room is None or belief.inputs is None or channel == "sensor_temperature_C":
+        return {}
+    try:
+        heat, air = zip(
+            *(_response(record, belief, channel, signal) for signal in (record.filled(channel), modelled)), strict=True
+        )
+    except (SimulationError, ValueError):
+        return {}
+    measured_W, modelled_W = (float(np.mean(each)) for each in heat)
+    percent = 100.0 * (modelled_W / measured_W - 1.0) if measured_W else 0.0
+    return {"heat_percent": percent, "air_K": float(np.sqrt(np.mean((air[1] - air[0]) ** 2)))}
+
+
+def _response(record: Record, belief: Belief, channel: str, signal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return heat of the water and air temperature that a channel's signal leads to."""
+    assert belief.room
+    assert belief.inputs
+    inputs, parts = coarsened(belief.inputs, record.interval_s)
+    flow = signal if channel == "flow_L_h" else _flow(record, belief, channel, signal)
+    found = respond(driven_by(built(belief.room), inputs), means(flow, parts), float(np.mean(inputs.air_C)))
+    return found["water_heat_W"], found["air_C"]
+
+
+def _flow(record: Record, belief: Belief, channel: str, signal: FloatArray) -> FloatArray:
+    kind = next(kind for kind, shown in SHOWN.items() if shown == channel)
+    first = CHAIN[CHAIN.index(kind) + 1]
+    blocks = {k: choice for k, choice in belief.blocks.items() if CHAIN.index(k) >= CHAIN.index(first)}
+    step_s = record.interval_s / max(1, int(np.ceil(record.interval_s / STEP_S)))
+    jump = np.full(len(record), 0.5) if channel in record.binary else None
+    setpoint_C = record.filled("setpoint_C")
+    _, shown = replay(
+        Chain(blocks, step_s),
+        first,
+        signal,
+        setpoint_C,
+        interval_s=record.interval_s,
+        start_s=record.start_s,
+        jump=jump,
+    )
+    return shown["valve"] * full_flow_L_h(record, belief)

@@ -1,0 +1,133 @@
+"""Intervals of what was fitted and of how far the gap shrinks, from whole cycles or days."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from waxstudy.gap.fit import EffectType, Fitted, Fitter, Space
+from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
+from waxstudy.gap.result import Interval
+from waxstudy.gap.select import by_block, whole
+from waxstudy.plugin import FloatArray
+
+DRAWS = 1000
+WIDTH = 0.02  # of a parameter's range, over which slopes are taken
+RANGE = (2.5, 97.5)
+
+
+def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, Mapping[str, Interval]]:
+    """Return the parameters of each effect with 95 % intervals from the scatter of blocks (a sandwich estimate).
+
+    Where an effect takes the place of an uncertainty of the room, that uncertainty's spread is added to its factor.
+    """
+    spaces = {effect: Space(effect) for effect, _ in fitted.effects}
+    slopes, rows = _slopes(fitter, fitted, spaces)
+    errors, part, block = whole(fitted)
+    seen = (part == FIT) | (part == SELECT)
+    if not rows:
+        return {}
+    missed = np.column_stack((slopes, np.zeros((len(slopes), 0))))[seen]
+    normal = missed.T @ missed + _prior(fitter, missed.shape[1])
+    numbers, member = np.unique(block[seen], return_inverse=True)
+    scores = by_block((missed * errors[seen][:, None]).T, member, len(numbers))
+    inverse = np.linalg.pinv(normal)
+    spread = inverse @ (scores @ scores.T) @ inverse * len(numbers) / max(1, len(numbers) - len(rows))
+    spread += inverse if fitter.unknowns else 0.0
+    return _described(fitter, fitted, spaces, np.sqrt(np.clip(np.diag(spread), 0.0, None)), len(numbers))
+
+
+def _prior(fitter: Fitter, count: int) -> FloatArray:
+    """Return what the priors of the room's departures add to the normal equations, in standard deviations."""
+    unknown = len(fitter.unknowns)
+    return np.diag(np.concatenate((np.ones(unknown), np.full(count - unknown, 1e-9))))
+
+
+def _slopes(
+    fitter: Fitter, fitted: Fitted, spaces: Mapping[EffectType, Space]
+) -> tuple[FloatArray, list[tuple[EffectType, str]]]:
+    """Return the change of the whitened errors with each departure and parameter (m, k), and the parameters' names."""
+    rows = [(effect, name) for effect, space in spaces.items() for name in space.names]
+    now = whole(fitted)[0]
+    columns = []
+    for place, sd in enumerate(fitter.sd):
+        moved = fitted.departures.copy()
+        moved[place] += 0.1 * sd
+        other = fitter.at(fitted.effects, moved, fitted.reading)
+        columns.append((whole(other)[0] - now) / 0.1 if other else np.zeros(len(now)))
+    for effect, name in rows:
+        columns.append(_slope(fitter, fitted, spaces, effect, name, now))
+    return np.column_stack(columns) if columns else np.zeros((len(now), 0)), rows
+
+
+def _slope(
+    fitter: Fitter,
+    fitted: Fitted,
+    spaces: Mapping[EffectType, Space],
+    effect: EffectType,
+    name: str,
+    now: FloatArray,
+) -> FloatArray:
+    """Return the change over the range of one parameter, from both sides where both are possible."""
+    space, values = spaces[effect], dict(fitted.effects)
+    x = space.inside(values[effect])
+    place = space.names.index(name)
+    found = []
+    for width in (-WIDTH, WIDTH):
+        at = x.copy()
+        at[place] = np.clip(x[place] + width, 0.0, 1.0)
+        if at[place] == x[place]:
+            continue
+        moved = [(each, space.values(at) if each is effect else dict(v)) for each, v in fitted.effects]
+        other = fitter.at(moved, fitted.departures, fitted.reading)
+        if other:
+            found.append((whole(other)[0] - now) / (at[place] - x[place]))
+    return np.asarray(np.mean(found, axis=0)) if found else np.zeros(len(now))
+
+
+def _described(
+    fitter: Fitter, fitted: Fitted, spaces: Mapping[EffectType, Space], sd: FloatArray, blocks: int
+) -> Mapping[EffectType, Mapping[str, Interval]]:
+    from scipy.stats import t
+
+    wide = float(t.ppf(0.975, max(1, blocks - 1)))
+    found: dict[EffectType, dict[str, Interval]] = {}
+    at = len(fitter.unknowns)
+    absorbed = {unknown.name: unknown.sd for unknown in fitter.unknowns}
+    for effect, values in fitted.effects:
+        space = spaces[effect]
+        x = space.inside(values)
+        found[effect] = {}
+        for place, name in enumerate(space.names):
+            half = wide * float(sd[at])
+            prior = space.priors[place]
+            if prior.is_log and effect.absorbs:
+                spread = sum(absorbed.get(each, 0.0) ** 2 for each in effect.absorbs) ** 0.5
+                half = float(np.hypot(half, 1.96 * spread / np.log(prior.high / prior.low)))
+            low, high = x.copy(), x.copy()
+            low[place], high[place] = x[place] - half, x[place] + half
+            found[effect][name] = Interval(values[name], space.values(low)[name], space.values(high)[name])
+            at += 1
+    return found
+
+
+def shrink(before: Errors, after: Errors, floor: float, random: np.random.Generator) -> Interval:
+    """Return 1 - (after^2 - floor^2) / (before^2 - floor^2) on the last part, with its 95 % interval over blocks."""
+    part = SHRINK if (before.part == SHRINK).any() else SELECT
+    chosen = before.judged & after.judged & (before.part == part)
+    if not chosen.any():
+        return Interval(float("nan"), float("nan"), float("nan"))
+    numbers, member = np.unique(before.block[chosen], return_inverse=True)
+    squares = by_block(np.array([before.error[chosen] ** 2, after.error[chosen] ** 2]), member, len(numbers))
+    count = np.bincount(member, minlength=len(numbers))
+    weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
+    drawn = _shrunk(squares @ weights / (count @ weights), floor)
+    value = float(_shrunk((squares.sum(axis=1) / count.sum())[:, None], floor)[0])
+    low, high = np.percentile(drawn, RANGE)
+    return Interval(value, float(min(low, value)), float(max(high, value)))
+
+
+def _shrunk(squares: FloatArray, floor: float) -> FloatArray:
+    above = np.maximum(squares[0] - floor**2, 1e-12)
+    return np.asarray(1.0 - (squares[1] - floor**2) / above)

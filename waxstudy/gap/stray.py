@@ -1,0 +1,57 @@
+"""Whether an actuator's gap lies within what real actuators are known to stray from the believed one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.record import Record
+from waxstudy.plugin import Actuator, Belief, FloatArray
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.replay import replay
+
+SIGNALS = ("heating_signal", "control_output")
+STEP_S = 5.0
+
+
+def is_covered(fitter: Fitter, current: Fitted, fitted: Fitted) -> bool:
+    """Whether an effect moves the opening less, per switch, than published errors of the believed actuator are.
+
+    The believed actuator's `stray_s` is the published |displacement error| integrated over a switch [s].
+    """
+    believed = fitter.edited(current.effects, current.departures)
+    allowed = stray_s(believed)
+    if not allowed:
+        return False
+    before = opening(fitter.record, believed)
+    after = opening(fitter.record, fitter.edited(fitted.effects, fitted.departures))
+    if before is None or after is None:
+        return False
+    return moved_s(fitter.record, before - after) <= allowed
+
+
+def stray_s(belief: Belief) -> float:
+    """Return what real actuators stray from the believed one, 0 where nothing is published."""
+    choice = belief.blocks.get("actuator")
+    if choice is None or not issubclass(choice.component, Actuator):
+        return 0.0
+    return float(choice.component.stray_s)
+
+
+def moved_s(record: Record, difference: FloatArray) -> float:
+    """Return the |difference| of two openings over time, per switch of the signal."""
+    channel = next(name for name in SIGNALS if name in record.binary)
+    switches = max(1, int(np.count_nonzero(np.diff(record.filled(channel)))))
+    return float(np.nansum(np.abs(difference)) * record.interval_s / switches)
+
+
+def opening(record: Record, belief: Belief) -> FloatArray | None:
+    """Return what the believed actuator makes of the recorded signal, None where no signal was recorded."""
+    channel = next((name for name in SIGNALS if name in record.binary), None)
+    if channel is None or "actuator" not in belief.blocks:
+        return None
+    step_s = record.interval_s / max(1, int(np.ceil(record.interval_s / STEP_S)))
+    chain = Chain({"actuator": belief.blocks["actuator"]}, step_s)
+    signal, jump = record.filled(channel), np.full(len(record), 0.5)
+    ends, _ = replay(chain, "actuator", signal, signal, interval_s=record.interval_s, start_s=record.start_s, jump=jump)
+    return ends["actuator"]

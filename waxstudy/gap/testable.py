@@ -1,0 +1,123 @@
+"""Which effects a record could not show, why, and what to measure next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from waxstudy.gap.fit import EffectType, Values
+from waxstudy.gap.links import SHOWN, Link
+from waxstudy.gap.record import Record
+from waxstudy.gap.result import FoundEffect, Measurement, Untestable
+from waxstudy.gap.select import LEAST_GAIN, Selection, whole
+from waxstudy.plugin import CHAIN, Belief
+
+CLEAR = 4  # noticeable steps from neutral that a record should show
+LEAST_BLOCKS = 4
+NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
+
+
+def too_short(link: Link, record: Record) -> str:
+    """Return why a link cannot be judged at all, or an empty text."""
+    channel = link.judged[-1]
+    blocks = np.unique((record.day if link.with_room else record.cycle)[record.settled & _known(record, channel)])
+    if len(blocks) < LEAST_BLOCKS:
+        what = "days" if link.with_room else "cycles"
+        return f"only {len(blocks)} {what} of {channel} are recorded, {LEAST_BLOCKS} are needed"
+    values = record.values[channel]
+    if np.nanmax(values) - np.nanmin(values) <= 1e-9:
+        return f"{channel} never changes in this record"
+    share = float(_known(record, channel).mean())
+    return f"{100 * (1 - share):.0f} % of {channel} is missing" if share < 0.3 else ""
+
+
+def _known(record: Record, channel: str) -> np.ndarray:
+    return np.isfinite(record.values[channel])
+
+
+def uncovered(effects: Sequence[EffectType], links: Sequence[Link], belief: Belief) -> Iterator[Untestable]:
+    """Yield the effects whose stage no link covers, with what is missing."""
+    covered = {stage for link in links for stage in link.stages}
+    for effect in effects:
+        if effect.stage not in covered and not effect.hindrance(belief):
+            yield Untestable(effect.name, f"no channel shows the {effect.stage}: record {needed(effect.stage)}")
+
+
+def needed(stage: str) -> str:
+    """Return what to record to judge a stage."""
+    return NEEDS.get(stage) or f"{SHOWN[stage]} and what drives it"
+
+
+def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Untestable]:
+    """Yield the effects that a clear departure would not have moved what is recorded by."""
+    fitter, base = selection.fitter, selection.before
+    now, part, _ = whole(base)
+    believed = fitter.edited(base.effects, base.departures)
+    for effect in effects:
+        if effect.name in selection.after.names or effect.hindrance(believed):
+            continue
+        moved = max((_moved(selection, effect, values, now) for values in clear(effect, believed)), default=np.inf)
+        left = max(1.0, float(np.mean(now[part >= 0] ** 2)))
+        if moved < 2.0 * LEAST_GAIN * left:
+            yield Untestable(effect.name, "nothing in this record would look different with it")
+
+
+def _moved(selection: Selection, effect: EffectType, values: Values, now: np.ndarray) -> float:
+    base = selection.before
+    moved = []
+    for reading in selection.fitter.link.readings:
+        other = selection.fitter.at([(effect, values)], base.departures, reading)
+        still = selection.fitter.at((), base.departures, reading)
+        if other and still:
+            moved.append(float(np.sum((whole(other)[0] - whole(still)[0]) ** 2)))
+    return max(moved, default=np.inf)
+
+
+def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]:
+    """Yield departures from neutral that are worth naming, one parameter each and both ways."""
+    neutral = effect.neutral(believed)
+    if neutral is None:
+        return
+    for name, prior in effect.priors.items():
+        for way in (-1, 1):
+            steps = way * CLEAR
+            value = (
+                neutral[name] * prior.noticeable**steps if prior.is_log else neutral[name] + steps * prior.noticeable
+            )
+            clipped = min(prior.high, max(prior.low, value))
+            if clipped != neutral[name]:
+                yield {**neutral, name: clipped}
+    yield from effect.starts(believed)
+
+
+def next_measurements(
+    links: Sequence[Link], found: Sequence[FoundEffect], untestable: Sequence[Untestable], record: Record
+) -> Iterator[Measurement]:
+    """Yield what to measure next: what splits groups, what separates merged stages, what was never shown."""
+    for effect in found:
+        if len(effect.group) > 1:
+            yield Measurement(_splitting(effect, links, record), list(effect.group))
+    for link in links:
+        for channel in separating(link):
+            yield Measurement(f"record {channel}", [f"{link.name}"])
+    excited = [each.name for each in untestable if each.reason.startswith("nothing")]
+    if excited:
+        yield Measurement("record more days, with long pauses, full heating, sun and cold nights", excited)
+
+
+def separating(link: Link) -> list[str]:
+    """Return the channels that would cut a merged link."""
+    chain = [stage for stage in link.stages if stage in CHAIN]
+    inner = chain if link.with_room else chain[:-1]
+    return [SHOWN[stage] for stage in inner if SHOWN[stage] not in (*link.judged, link.driven_by)]
+
+
+def _splitting(effect: FoundEffect, links: Sequence[Link], record: Record) -> str:
+    stages = effect.stage.split("+")
+    for link in links:
+        if stages[0] in link.stages and (channels := separating(link)):
+            return f"record {channels[0]}"
+    if record.interval_s > 20.0:
+        return f"record {effect.channel} every 10 s"
+    return f"record {effect.channel} for more days, in other weather"

@@ -1,0 +1,75 @@
+"""What remains at a link that nothing of the library explains, and whether that is a finding."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from waxstudy.gap.judge import Errors
+from waxstudy.gap.result import Unexplained
+from waxstudy.gap.select import Selection, by_block
+from waxstudy.gap.stray import moved_s, stray_s
+
+LEAST_EXCESS = 1.5  # of what is left over the noise floor
+LEVEL = 0.01
+DRAWS = 1000
+# what the form of a room's model may leave: twice what is seen against another engine's room without any effect
+ROOM_FORM_K = {
+    "air_temperature_C": 0.25,
+    "operative_temperature_C": 0.25,
+    "floor_surface_temperature_C": 0.3,
+    "return_temperature_C": 0.5,
+}
+
+
+def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
+    """Yield the channels of a link whose gap stays over its floor in 99 % of the ways to draw its cycles or days."""
+    random = np.random.default_rng([seed, 3])
+    for errors in selection.after.errors:
+        floor = selection.floor.plain[errors.channel]
+        p = _p(errors, LEAST_EXCESS * floor, random)
+        if p <= LEVEL and errors.gap() > LEAST_EXCESS * floor:
+            yield _described(selection, errors, floor, p)
+
+
+def _described(selection: Selection, errors: Errors, floor: float, p: float) -> Unexplained:
+    stage = stage_of(selection, errors.channel)
+    is_room = selection.fitter.link.with_room
+    form = is_room and errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0)
+    return Unexplained(stage, errors.gap(), floor, p, form, not is_room and is_covered(selection, errors))
+
+
+def _p(errors: Errors, threshold: float, random: np.random.Generator) -> float:
+    """Return how often the mean square over redrawn blocks does not exceed the threshold's."""
+    chosen = errors.judged
+    numbers, member = np.unique(errors.block[chosen], return_inverse=True)
+    if len(numbers) < 4:
+        return 1.0
+    squares = by_block(np.array([errors.error[chosen] ** 2]), member, len(numbers))[0]
+    count = np.bincount(member, minlength=len(numbers))
+    weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS)
+    means = (weights @ squares) / np.maximum(weights @ count, 1)
+    return float((1 + np.sum(means <= threshold**2)) / (1 + DRAWS))
+
+
+def is_covered(selection: Selection, errors: Errors) -> bool:
+    """Whether an actuator is missed by no more, per switch, than real ones are known to stray from it."""
+    fitter = selection.fitter
+    allowed = stray_s(fitter.edited(selection.after.effects, selection.after.departures))
+    if not allowed or errors.channel not in ("displacement", "flow_L_h") or "actuator" not in fitter.link.stages:
+        return False
+    full = 1.0 if errors.channel == "displacement" else float(np.nanmax(fitter.record.values["flow_L_h"]))
+    return moved_s(fitter.record, errors.error / full) <= allowed
+
+
+def stage_of(selection: Selection, channel: str) -> str:
+    """Return the merged stages that lie behind a channel of a link."""
+    link = selection.fitter.link
+    if channel == "sensor_temperature_C" and len(link.judged) > 1:
+        return "sensor"
+    if link.with_room:
+        return "room" if link.stages[0] == "emitter" else link.name
+    if link.stages[:2] == ("sensor", "controller") and not selection.after.reading.is_before and len(link.judged) > 1:
+        return "+".join(link.stages[1:])
+    return link.name

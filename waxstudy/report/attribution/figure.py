@@ -1,0 +1,80 @@
+"""Bars: what each step adds by the ladder's order, and averaged over all orders."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from waxstudy.report.attribution.render import WORDS, is_resolved, name
+from waxstudy.report.attribution.shares import HEAT, Attribution, OrderFree, Share
+from waxstudy.report.figures.style import BLACK, COLOURS, GREY, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+TITLE = "What each step adds, by the ladder's order and averaged over all orders"
+CAPTION = (
+    "Upper bar (hatched): the ladder's order. Lower bar: mean over all orders, filled where it is resolved, with its "
+    "95 % interval from paired members (black). Thin line with ends: the least and the most that the step adds over "
+    "all orders."
+)
+BAR, SHIFT = 0.34, 0.19  # height of a bar, and its distance from the middle of its row
+FREE, NOT_RESOLVED = COLOURS[1], "white"
+HATCH = "/////"
+
+
+@styled
+def figure_shares(found: OrderFree) -> Figure:
+    """Shares in heat [%], setpoint shift [K] and MAE [K]: a row for each ladder and week, one scale per ladder."""
+    figures = [figure for figure in WORDS if figure != HEAT]
+    most = max(len(of.subsets.steps) for of in found.attributions)
+    rows = len(found.attributions)
+    drawn, axes = panels(rows, len(figures), 0.7 + rows * (0.9 + 0.36 * most))
+    first: dict[tuple[str, str], Axes] = {}
+    for row, of in zip(axes, found.attributions, strict=True):
+        for panel, figure in zip(row, figures, strict=True):
+            one_scale = first.setdefault((of.subsets.ladder.name, figure), panel)
+            if panel is not one_scale:
+                panel.sharex(one_scale)  # before anything is drawn, so that all that is drawn fits
+            _bars(panel, of, figure)
+        row[0].set_title(name(of))
+    for panel, figure in zip(axes[-1], figures, strict=True):
+        panel.set_xlabel(f"{WORDS[figure][0]}, {WORDS[figure][1]}")
+    _legend(drawn)
+    return drawn
+
+
+def _bars(panel: Axes, of: Attribution, figure: str) -> None:
+    for i, share in enumerate(of.differences[figure].shares):
+        _step(panel, i, share)
+    panel.axvline(0.0, color=BLACK, linewidth=0.8)
+    panel.set_yticks(range(len(of.subsets.steps)), of.subsets.steps)
+    panel.set_ylim(len(of.subsets.steps) - 0.4, -0.6)
+
+
+def _step(panel: Axes, place: int, share: Share) -> None:
+    above, below = place - SHIFT, place + SHIFT
+    panel.barh(above, share.in_ladder.mean, BAR, facecolor="white", edgecolor=BLACK, hatch=HATCH, linewidth=0.8)
+    fill = NOT_RESOLVED if is_resolved(share.order_free) is False else FREE
+    panel.barh(below, share.order_free.mean, BAR, facecolor=fill, edgecolor=FREE, linewidth=1.2)
+    if not math.isnan(share.least):
+        panel.plot([share.least, share.most], [below, below], color=GREY, marker="|", markersize=7, zorder=2.4)
+    if is_resolved(share.order_free) is not None:
+        interval = [share.order_free.low, share.order_free.high]
+        panel.plot(interval, [below, below], color="white", linewidth=4.8, zorder=2.5)  # an edge on the dark bar
+        panel.plot(interval, [below, below], color=BLACK, linewidth=2.6, zorder=2.6)
+
+
+def _legend(figure: Figure) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles = [
+        Patch(facecolor="white", edgecolor=BLACK, hatch=HATCH, label="ladder's order"),
+        Patch(facecolor=FREE, edgecolor=FREE, label="order-free"),
+        Patch(facecolor=NOT_RESOLVED, edgecolor=FREE, label="order-free, not resolved"),
+        Line2D([], [], color=BLACK, linewidth=2.6, label="95 % interval"),
+        Line2D([], [], color=GREY, marker="|", markersize=7, label="least to most over all orders"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

@@ -1,0 +1,51 @@
+"""The attribution as one self-contained HTML page."""
+
+from __future__ import annotations
+
+from waxstudy.report.attribution.figure import CAPTION, TITLE, figure_shares
+from waxstudy.report.attribution.notes import notes
+from waxstudy.report.attribution.render import is_resolved, name, tables
+from waxstudy.report.attribution.shares import PERCENT, Attribution, OrderFree
+from waxstudy.report.figures.style import svg_element
+from waxstudy.report.page import PageFigure, filled, page_table, provenance
+from waxstudy.report.words import counted
+
+FIGURE_ID = "figure-shares"
+
+
+def as_html(found: OrderFree) -> str:
+    """Return the attribution as one page."""
+    return filled(
+        "attribution.html.j2",
+        found=found,
+        summary=summary(found),
+        findings=[_of_heat(of) for of in found.attributions],
+        figure=PageFigure(FIGURE_ID, TITLE, CAPTION, svg_element(figure_shares(found), FIGURE_ID)),
+        tables=[page_table(found.run, table) for table in tables(found)],
+        notes=notes(found),
+        provenance=provenance(found.run),
+    )
+
+
+def summary(found: OrderFree) -> str:
+    """What was averaged, over what."""
+    counts = [
+        f"{s.ladder.name}: {counted(len(s.steps), 'step')}, {counted(len(s.case), 'set')} of them"
+        for s in found.ladders
+    ]
+    return (
+        "What each step of a ladder adds, averaged over all orders in which the steps may be taken, beside the "
+        f"ladder's one order ({'; '.join(counts)}; {counted(found.members, 'member')} per case)."
+    )
+
+
+def _of_heat(of: Attribution) -> str:
+    """A ladder and week in one sentence."""
+    heat = of.differences[PERCENT]
+    resolved = sum(bool(is_resolved(share.order_free)) for share in heat.shares)
+    moved = sum(bool(is_resolved(share.of_its_place)) for share in heat.shares)
+    return (
+        f"{name(of)[0].upper()}{name(of)[1:]}: all steps together change the heat by {heat.total.mean:+.1f} %; "
+        f"{resolved} of {len(heat.shares)} shares are resolved, and {moved} differ from the ladder's order by a "
+        "resolved amount."
+    )
