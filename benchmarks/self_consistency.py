@@ -1,8 +1,9 @@
 """What the diagnosis finds in records that the same code made: `python -m benchmarks.self_consistency`.
 
 Every effect of the library in three severities, and records without one, on the fast room: all channels, a minute, 14
-days, noise as `waxstudy reality` has it. Nothing here says how well it does with another physics. Beside the true gap over its noise floor stands what is left of
-that (`beyond`) when all that nobody knows of the room takes the values that suit the believed model best.
+days, noise as `waxstudy reality` has it. Nothing here says how well it does with another physics. Beside the true gap
+over its noise floor stands what is left of that (`beyond`) when all that nobody knows of the room takes the values
+that suit the believed model best.
 """
 
 from __future__ import annotations
@@ -86,9 +87,8 @@ def summary(told: Sequence[Mapping[str, Any]]) -> list[str]:
     for label, chosen in (("right", large), *((f"right, {s}", _of(large, s)) for s in SEVERITIES)):
         lines.append(f"{label}, gap above {LEAST:g} floors: {right(chosen)}")
     lines.append(f"right, also with the room fitted within its tolerances: {right(beyond)}")
-    lines.append(
-        f"wrong names, whatever the gap: {share(sum(not t['right'] and bool(t['found']) for t in effects), len(effects))}"
-    )
+    wrong = [t for t in effects if t["found"] and not t["right"]]
+    lines.append(f"wrong names, whatever the gap: {share(len(wrong), len(effects))}")
     covered = [(t["true"][name], *ends) for t in large if t["right"] for f in t["found"] for name, ends in _own(t, f)]
     lines.append(
         f"true parameters in their 95 % interval: {share(sum(lo <= x <= hi for x, _, lo, hi in covered), len(covered))}"

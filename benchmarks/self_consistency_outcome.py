@@ -6,7 +6,6 @@ import tempfile
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from waxstudy.gap.record import Record
 from waxstudy.gap.result import Diagnosis
 from waxstudy.plugin import Belief, Choice, Effect
 
+THOROUGH = 4.0  # times the points that a diagnosis looks at first: an alike effect must not be missed here
 NOTHING = dict.fromkeys(CHANNELS, 0.0)
 
 
@@ -111,14 +111,10 @@ class Size:
         channel = max(true_gaps, key=lambda name: true_gaps[name] / floors[name])
         return cls(channel, true_gaps[channel], floors[channel], floors, link, record, belief)
 
-    @cached_property
-    def fitter(self) -> Fitter:
-        return Fitter(self.link, self.record, self.belief)
-
     @property
     def beyond(self) -> float:
         """Largest gap over its floor once what nobody knows of the room is fitted; at other links nothing is."""
-        left = gaps(self.fitter.base.errors)
+        left = gaps(Fitter(self.link, self.record, self.belief).base.errors)
         return max(left[channel] / self.floors[channel] for channel in left)
 
     def tells_apart(self, name: str) -> bool:
@@ -126,7 +122,8 @@ class Size:
         effect = next((each for each in installed_effects() if each.name == name), None)
         if effect is None or effect.stage not in self.link.stages:
             return True
-        fitted = self.fitter.fit(effect, self.fitter.base)
+        fitter = Fitter(self.link, self.record, self.belief, thorough=THOROUGH)
+        fitted = fitter.fit(effect, fitter.base)
         left = gaps(fitted.errors) if fitted else {}
         return not left or any(left[channel] > self.floors[channel] for channel in left)
 
