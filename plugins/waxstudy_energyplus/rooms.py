@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from waxstudy.plugin import Advance, FloatArray, LinearRoom, OutsideRoom, Room, WeatherRecord
+from waxstudy.plugin import Advance, FloatArray, LinearRoom, OutsideRoom, Refused, Room, WeatherRecord
+from waxstudy_energyplus.library import installed_version
+from waxstudy_energyplus.shell import refuse_names, refuse_windows
 from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom
 from waxstudy_paper.room.nzeb import NzebParameters
 
@@ -22,10 +24,21 @@ class InEnergyPlus(OutsideRoom):
 
     @classmethod
     def build(cls, p: Any) -> LinearRoom:
-        """Return the room that stands in; raise `ValueError` for what the room in EnergyPlus does not have."""
-        if cls.description(p).films.sky_W_m2K > 0.0:
-            raise ValueError("films.sky_W_m2K: the room in EnergyPlus has no sky colder than the air; leave it at 0")
+        """Return the room that stands in; raise `ValueError` for what the room in EnergyPlus cannot have."""
+        room = cls.description(p)
+        if (sky_W_m2K := room.films.sky_W_m2K) > 0.0:
+            wrong = "must be 0: the room in EnergyPlus has no sky colder than the air"
+            raise Refused("room.films.sky_W_m2K", sky_W_m2K, wrong)
+        refuse_names(room)
+        refuse_windows(room)
         return cls.ours.build(p)
+
+    @classmethod
+    def ready(cls, p: Any, weather: WeatherRecord, step_s: float) -> str:
+        from waxstudy_energyplus.run import refuse_times
+
+        refuse_times(weather, step_s)
+        return f"EnergyPlus {installed_version()}"
 
     @classmethod
     def simulate(

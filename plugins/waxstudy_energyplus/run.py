@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from waxstudy.plugin import TRACE, Advance, FloatArray, WeatherRecord
-from waxstudy.simulation.engine import START, Start, Stopped
+from waxstudy.plugin import TRACE, Advance, FloatArray, Refused, Stopped, WeatherRecord
+from waxstudy.simulation.engine import START, Start
 from waxstudy.study.model import is_multiple
 from waxstudy_energyplus.library import EnergyPlusError, installed_version
 from waxstudy_energyplus.loop import CHAIN, MINUTE, MINUTE_S, Job
@@ -65,6 +65,14 @@ class Simulated:
         return float(np.sum(self.stepped("operative_C") < limit_C) * self.step_s / 3600.0)
 
 
+def refuse_times(weather: WeatherRecord, step_s: float) -> None:
+    """Raise `Refused` for a step or a weather interval that does not fit the engine's minute."""
+    if not is_multiple(MINUTE_S, of=step_s):
+        raise Refused("study.step_s", step_s, "must divide the minute in EnergyPlus, as 1, 2, 5, 10 or 60 s do")
+    if not is_multiple(weather.interval_s, of=MINUTE_S):
+        raise Refused("weather.interval_s", weather.interval_s, "must be whole minutes in EnergyPlus, as 60 or 3600 s")
+
+
 def simulate(
     room: RoomDescription,
     weather: WeatherRecord,
@@ -82,11 +90,7 @@ def simulate(
     Raises what `advance` raises, `EnergyPlusError` with the engine's error file, `BackendMissing`, `Stopped`,
     or `OSError`.
     """
-    if not (is_multiple(MINUTE_S, of=step_s) and is_multiple(weather.interval_s, of=MINUTE_S)):
-        raise ValueError(
-            f"EnergyPlus runs in minutes: step_s = {step_s:g} must divide one, and the weather's interval "
-            f"of {weather.interval_s:g} s must be a multiple of it"
-        )
+    refuse_times(weather, step_s)
     installed_version()
     job = Job(room, weather, advance, step_s, setpoint_C, start)
     with tempfile.TemporaryDirectory(prefix="waxstudy-energyplus-", ignore_cleanup_errors=True) as name:
@@ -119,11 +123,16 @@ def _exchange(process: subprocess.Popen[bytes], question: bytes, stop: Callable[
     assert asked is not None
     assert answered is not None
     parts: list[bytes] = []
+
+    def ask() -> None:
+        with contextlib.suppress(BrokenPipeError):  # it has ended already, and its error file says why
+            asked.write(question)
+            asked.flush()
+
+    # a process that is slow to start lets a long question wait, as it lets us wait for the answer
+    threading.Thread(target=ask, daemon=True).start()
     reader = threading.Thread(target=lambda: parts.append(answered.read()), daemon=True)
     reader.start()
-    with contextlib.suppress(BrokenPipeError):  # it has ended already, and its error file says why
-        asked.write(question)
-        asked.flush()
     while reader.is_alive():
         reader.join(POLL_S)
         if stop():

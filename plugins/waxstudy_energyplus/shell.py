@@ -25,8 +25,7 @@ NO_EMISSION = 1e-5  # outside: the film is convective and radiative in one, towa
 
 
 def shell(room: RoomDescription) -> Objects:
-    """Return zone, constructions, surfaces and windows; raise `ValueError` for names that differ in case only."""
-    _refuse_names(room)
+    """Return zone, constructions, surfaces and windows."""
     yield "Zone", ZONE, {"volume": room.air.volume_m3, "floor_area": room.floor.area_m2}
     frames, hosts = _frames(room), window_hosts(room)
     azimuths = _azimuths_deg((*room.surfaces, *frames))
@@ -45,12 +44,27 @@ def shell(room: RoomDescription) -> Objects:
         yield "SurfaceProperty:OtherSideCoefficients", "ground", {**film, **ground}
 
 
-def _refuse_names(room: RoomDescription) -> None:
+def refuse_names(room: RoomDescription) -> None:
+    """Raise `ValueError` for names that differ in case only."""
     seen: dict[str, str] = {}
     for part in room.parts:
         other = seen.setdefault(part.name.upper(), part.name)
         if other != part.name:
             raise ValueError(f"EnergyPlus does not tell the names '{other}' and '{part.name}' apart")
+
+
+def pane_m2K_W(room: RoomDescription, window: Window) -> float:
+    """Return the resistance that a window's U leaves between the films."""
+    return 1 / window.U_W_m2K - room.films.interior_m2K_W("wall") - 1 / room.films.exterior_W_m2K
+
+
+def refuse_windows(room: RoomDescription) -> None:
+    """Raise `ValueError` for a window whose films alone let through less heat than its U says."""
+    films_W_m2K = 1 / (room.films.interior_m2K_W("wall") + 1 / room.films.exterior_W_m2K)
+    for window in room.windows:
+        if pane_m2K_W(room, window) <= 0:
+            wrong = f"must be below {films_W_m2K:.3g} in EnergyPlus, where the films alone let through as much"
+            raise ValueError(f"window '{window.name}': U_W_m2K = {window.U_W_m2K:g} {wrong}")
 
 
 def _azimuths_deg(surfaces: Sequence[Surface]) -> dict[str, float]:
@@ -227,13 +241,10 @@ def _window(
     room: RoomDescription, window: Window, host: Surface, azimuth_deg: float, side_m: float, left_m: float
 ) -> Objects:
     """A single opaque pane with the resistance that U leaves between the films; its sun is an input."""
-    resistance = 1 / window.U_W_m2K - room.films.interior_m2K_W("wall") - 1 / room.films.exterior_W_m2K
-    if resistance <= 0:
-        raise ValueError(f"window '{window.name}': U_W_m2K = {window.U_W_m2K:g} leaves nothing between the films")
     pane = {
         "optical_data_type": "SpectralAverage",
         "thickness": 0.01,
-        "conductivity": 0.01 / resistance,
+        "conductivity": 0.01 / pane_m2K_W(room, window),
         "solar_transmittance_at_normal_incidence": 0.0,
         "front_side_solar_reflectance_at_normal_incidence": 0.9,
         "back_side_solar_reflectance_at_normal_incidence": 0.9,

@@ -50,6 +50,7 @@ MISTAKES = {
     "negative noise": (["--noise", "flow_L_h=-1"], "is not a channel, '=' and a number of 0 or more"),
     "more missing than a half": (["--missing", "0.6"], "Invalid value for '--missing'"),
     "no number": (["--interval-s", "nan"], "nan is not a finite number"),
+    "noise of what is known": (["--noise", "solar_gain_W=5"], "--noise solar_gain_W: the modeller knows this channel"),
     "no such days": (["--days", "8"], "the weather lasts 7 days, less than 8"),
     "no such interval": (["--interval-s", "7"], "no multiple of the study's step_s"),
     "only one interval": (["--interval-s", "604800"], "the record is shorter than two intervals"),

@@ -70,7 +70,7 @@ def test_the_room_under_the_recorded_flow_and_the_effect_does_what_happened(stud
     true = applied([chosen], Belief({}, study.room, replace(inputs, air_C=air_C, flow_L_h=flow_L_h)))
     assert true.inputs
     found = respond(driven_by(loop.driven.room, true.inputs), flow_L_h, SETPOINT_C)["air_C"]
-    assert np.max(np.abs(found[2 * day :] - air_C[2 * day :])) < 0.1
+    assert np.max(np.abs(found[2 * day :] - air_C[2 * day :])) < 0.03
 
 
 def with_first_day(values: FloatArray) -> FloatArray:

@@ -8,8 +8,11 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
+from tests.cli.conftest import entry
 from waxstudy.plugin import WeatherRecord
 from waxstudy_paper.room import NzebRoom, RoomDescription
+
+__all__ = ["entry"]
 
 DAY_H = 24
 

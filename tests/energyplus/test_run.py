@@ -16,11 +16,10 @@ import numpy as np
 import pytest
 
 from tests.energyplus import drivers
-from waxstudy.plugin import WeatherRecord
+from waxstudy.plugin import SimulationError, Stopped, WeatherRecord
 from waxstudy.simulation.advance import ChainAdvance
 from waxstudy.simulation.chain import Chain
-from waxstudy.simulation.engine import Loop, Start, Stopped
-from waxstudy.simulation.interpreted import SimulationError
+from waxstudy.simulation.engine import Loop, Start
 from waxstudy.simulation.kernel import TRACE
 from waxstudy.simulation.modes import drive
 from waxstudy.study.model import Choice
@@ -43,7 +42,7 @@ import sys
 from pathlib import Path
 import numpy as np
 from tests.energyplus import drivers
-from waxstudy.plugin import WeatherRecord
+from waxstudy.plugin import SimulationError, Stopped, WeatherRecord
 from waxstudy_energyplus.run import simulate
 from waxstudy_paper.room import NzebRoom
 room = NzebRoom.describe(NzebRoom.Parameters())
@@ -191,7 +190,13 @@ def test_whoever_asked_takes_the_engine_along(tmp_path: Path, blow: signal.Signa
     number = tmp_path / "number"
     environment = {**os.environ, "TMPDIR": str(tmp_path), "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
     command = [sys.executable, "-c", ASKING, str(number)]
-    with subprocess.Popen(command, env=environment, cwd=ROOT, stderr=subprocess.DEVNULL) as asking:
+    with subprocess.Popen(
+        command,
+        env=environment,
+        cwd=ROOT,
+        stderr=subprocess.DEVNULL,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # also where the tests run in the background
+    ) as asking:
         assert eventually(lambda: number.exists() and bool(number.read_text()))
         engine = int(number.read_text())
         assert is_alive(engine)
@@ -207,6 +212,19 @@ def test_a_run_that_is_stopped_ends_its_process(room: RoomDescription, a_day: AD
     with pytest.raises(Stopped):
         simulate(room, a_day(0.0), drivers.Slow(number), setpoint_C=21.0, stop=number.exists)
     assert not is_alive(int(number.read_text()))
+
+
+def test_a_run_can_be_stopped_while_its_process_has_not_read_the_question(
+    room: RoomDescription, a_day: ADay, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The worker's own Python stands still at its start; the question is longer than what a pipe holds."""
+    (tmp_path / "sitecustomize.py").write_text("import time\ntime.sleep(600)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    long = drivers.Slow(tmp_path / "never", ballast=b"x" * 10_000_000)
+    began = time.monotonic()
+    with pytest.raises(Stopped):
+        simulate(room, a_day(0.0), long, setpoint_C=21.0, stop=lambda: time.monotonic() > began + 0.5)
+    assert not (tmp_path / "never").exists()
 
 
 def test_a_full_disk_is_told_and_leaves_nothing(

@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.report.conftest import computed
+from waxstudy.report.behind import differences
 from waxstudy.report.comparison import COLUMNS, estimate, unpaired_interval
 from waxstudy.report.content import Content, gather
 from waxstudy.report.figures import figure_overview
@@ -114,12 +115,36 @@ def test_cases_and_weeks_that_only_one_run_has_are_noted(base: Content, small: C
         "cases that only this run has: middle",
         "cases that only the other run has: usual, pulsed, motor",
         "weeks that only the other run has: sunny",
+        "not the same in both runs: case rough: valve (linear, none)",
+        "not the same in both runs: case precise: controller.dead_band_K (0.4, 0.5), "
+        "actuator (variable-times, none), valve (linear, none)",
     ]
     assert {(cell.case, cell.week) for cell in against.cells} == {("rough", "cold"), ("precise", "cold")}
     assert against.steps == []  # no neighbours here are both there
     for text in (as_terminal(there, 200, colour=False), as_markdown(there), as_html(there)):
         assert "cases that only the other run has: usual, pulsed, motor" in text
     assert set(against.notes) <= set(json.loads(as_json(there))["notes"])
+
+
+def test_what_differs_behind_the_same_names_is_noted(base: Content, tmp_path: Path) -> None:
+    text = STUDY.replace("january", "february").replace("[ensemble]", "[comfort]\nsetpoint_C = 20.5\n[ensemble]")
+    text = text.replace('"variable-times"', '"constant-times"').replace("[room]", "[room]\nwall_U_W_m2K = 0.2")
+    _, against = held(base, computed(text.replace("step_s = 20", "step_s = 30"), tmp_path).run)
+    assert list(against.notes) == [
+        "not the same in both runs: study: step_s (20.0, 30.0)",
+        "not the same in both runs: room: wall_U_W_m2K (0.12, 0.2)",
+        "not the same in both runs: weather cold: month (january, february), outdoor_mean_C (-1.9, -6.8), "
+        "solar_gain_kWh_m2_week (0.15, 0.82), sun_by_day (..., ...)",
+        "not the same in both runs: comfort: setpoint_C (21.0, 20.5)",
+        "not the same in both runs: case precise: actuator.use (variable-times, constant-times)",
+    ]
+
+
+def test_weather_files_are_told_apart_without_the_folders_they_lie_in() -> None:
+    one, two, three = ({"use": "epw", "path": path} for path in ("/a/tallinn.epw", "/b/tallinn.epw", "/b/oslo.epw"))
+    assert list(differences(one, two)) == ["path (tallinn.epw, tallinn.epw, in another folder)"]
+    assert list(differences(one, three)) == ["path (tallinn.epw, oslo.epw)"]
+    assert list(differences(one, one)) == []
 
 
 def test_runs_without_a_common_case_are_shown_with_a_note_and_no_scores(bare: Content, base: Content) -> None:

@@ -33,7 +33,7 @@ def exit_code(command: Callable[[], Any]) -> int:
         error.show()
         return USAGE
     except (KeyboardInterrupt, click.Abort):
-        click.echo("interrupted; what was finished is kept, the same command goes on from there", err=True)
+        click.echo("interrupted", err=True)
         return INTERRUPTED
     except CommandError as error:
         click.echo(error, err=True)

@@ -117,6 +117,7 @@ def command(
     weeks = list(weeks or [next(iter(study.weeks))])
     believed = case if believed is None else believed
     _refuse_unknown(("case", [case, believed], study.cases), ("week", weeks, study.weeks), *_channels(instruments))
+    _refuse_noise_of_known(instruments)
     setpoint_C = study.comfort.setpoint_C + shift_K
     effects = chosen(names, values)
     with failures(study_file, out):
@@ -198,6 +199,16 @@ def _channels(instruments: Instruments) -> list[Words]:
     from waxstudy.dataset.channels import CHANNELS
 
     return [("channel", names, CHANNELS) for names in (instruments.without, instruments.noise, instruments.resolution)]
+
+
+def _refuse_noise_of_known(instruments: Instruments) -> None:
+    from waxstudy.dataset.channels import CHANNELS
+
+    for name in instruments.noise:
+        if CHANNELS[name].is_assumed:
+            noisy = ", ".join(channel.name for channel in CHANNELS.values() if not channel.is_assumed)
+            known = f"--noise {name}: the modeller knows this channel without measuring it, so it has no noise"
+            raise CommandError(f"{known} (noise can be had on: {noisy})", USAGE)
 
 
 def _refuse_unknown(*words: Words) -> None:

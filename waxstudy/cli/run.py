@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from waxstudy.cli.errors import BACKEND, FAILED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.errors import BACKEND, FAILED, INTERRUPTED, INVALID, PLUGIN, CommandError
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.study import load_study
 
@@ -36,7 +36,11 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
     with failures(study_file, folder), progress(quiet) as told:
         from waxstudy.simulation.run import run
 
-        run(study, folder, jit=not no_jit, progress=told)
+        try:
+            run(study, folder, jit=not no_jit, progress=told)
+        except KeyboardInterrupt:
+            kept = "interrupted; what was finished is kept, the same command goes on from there"
+            raise CommandError(kept, INTERRUPTED, label="") from None
     from waxstudy.cli.report import render
 
     text = render(folder, "json" if as_json else "table", study.against)
@@ -45,16 +49,16 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
 
 @contextmanager
 def failures(study_file: Path, folder: Path) -> Iterator[None]:
-    from waxstudy.plugin.registry import BackendMissing, PluginError
+    from waxstudy.plugin import BackendMissing, SimulationError
+    from waxstudy.plugin.registry import PluginError
     from waxstudy.results.run import RunError
-    from waxstudy.simulation.interpreted import SimulationError
     from waxstudy.simulation.run import InputError
     from waxstudy.study.read import problem_at
 
     try:
         yield
     except InputError as error:
-        problem = problem_at(study_file, tuple(error.table.split(".")), str(error))
+        problem = problem_at(study_file, tuple(error.table.split(".", 1)), str(error), error.key, error.value)
         raise CommandError(str(problem), INVALID, label="") from error
     except PluginError as error:
         raise CommandError(str(error), PLUGIN) from error

@@ -16,10 +16,9 @@ from waxstudy.conformance import signals
 from waxstudy.conformance.drive import CompiledBlock, interpreted
 from waxstudy.conformance.purity import impure_names
 from waxstudy.conformance.stage import Problems, Stage, Subject
-from waxstudy.plugin import Block
+from waxstudy.plugin import Block, SimulationError
 from waxstudy.plugin.registry import PluginError, described
 from waxstudy.plugin.structure import port_problems
-from waxstudy.simulation.interpreted import SimulationError
 from waxstudy.simulation.records import plain_parameters, state_dtype, state_problem, state_record
 
 STEPS_S = (1.0, 5.0, 60.0)

@@ -11,8 +11,9 @@ from waxstudy.conformance import declaration as said
 from waxstudy.conformance import surroundings
 from waxstudy.conformance.blocks import STAGES as BLOCK_STAGES
 from waxstudy.conformance.effects import EFFECT_STAGES
+from waxstudy.conformance.outside import OUTSIDE_STAGES
 from waxstudy.conformance.stage import Problems, Stage, Subject
-from waxstudy.plugin import CHAIN
+from waxstudy.plugin import CHAIN, BackendMissing, OutsideRoom
 from waxstudy.plugin.registry import described
 
 COMMON = (
@@ -49,12 +50,18 @@ def check(component: Any, examples: Mapping[str, Mapping[str, Any]] | None = Non
     given = getattr(component, "examples", {}) if examples is None else examples
     subject = Subject(component, given)
     missing = ""
-    for stage in (*COMMON, *BY_KIND.get(str(getattr(component, "kind", "")), ())):
+    for stage in _stages(component):
         outcome = _outcome(stage, subject, missing, replaced=examples is not None)
         outcomes.append(outcome)
         if stage.needed and outcome.status != PASSED and not missing:
             missing = stage.name
     return outcomes
+
+
+def _stages(component: Any) -> tuple[Stage, ...]:
+    """Return the stages for a component; for what is none, those that say so."""
+    is_outside = isinstance(component, type) and issubclass(component, OutsideRoom)
+    return (*COMMON, *BY_KIND.get(str(getattr(component, "kind", "")), ()), *(OUTSIDE_STAGES if is_outside else ()))
 
 
 def _outcome(stage: Stage, subject: Subject, missing: str, replaced: bool) -> Outcome:
@@ -63,6 +70,8 @@ def _outcome(stage: Stage, subject: Subject, missing: str, replaced: bool) -> Ou
         return result(NOT_RUN, [f"needs '{missing}'"])
     try:
         problems = list(_problems(stage, subject))
+    except BackendMissing as error:
+        return result(NOT_RUN, [str(error)])
     except (Exception, SystemExit) as error:
         problems = [f"the check failed with {described(error)}"]
     reason = "" if replaced else _exemption(stage, subject)
@@ -75,8 +84,8 @@ def _problems(stage: Stage, subject: Subject) -> Problems:
     found = list(stage.problems(subject))
     yield from found
     if stage is COMMON[0] and not found:
-        kind = BY_KIND[subject.component.kind]
-        yield from said.exemptions(subject.component, [s.name for s in (*COMMON, *kind) if s.exemptible])
+        exemptible = [s.name for s in _stages(subject.component) if s.exemptible]
+        yield from said.exemptions(subject.component, exemptible)
 
 
 def _exemption(stage: Stage, subject: Subject) -> str:

@@ -19,6 +19,7 @@ from waxstudy.simulation.recorded import recorded_room
 PART_S = 3600.0  # short enough that the air's answer to an effect hardly changes the effect again
 AIR_K = 0.003  # how little the air of an hour may still change
 MOST_RUNS = 20
+FASTEST = 1e-300  # decay over a step, instead of none at all where modes of nothing fill a lane
 # a field of `Inputs` -> what a room calls such an input
 NAMED = {
     "outdoor_C": "outdoor_C",
@@ -136,12 +137,12 @@ class Answer:
 
     @classmethod
     def of(cls, driven: DrivenRoom, inputs: Inputs) -> Answer:
-        """Return it as `modes.drive` has it: the modes that it dropped answer at once."""
+        """Return it as `modes.drive` has it: what its few modes leave out answers at once."""
         room = recorded_room(driven.room, inputs)
         names = [name for name in NAMED if NAMED[name] in room.inputs]
         places = [*(list(room.inputs).index(NAMED[name]) for name in names), -2, -1]
         heat, direct = room.input_matrix[:, places], room.feedthrough[:, places]
-        rates = -np.log(driven.decay) / driven.step_s
+        rates = -np.log(np.maximum(driven.decay, FASTEST)) / driven.step_s
         slow = (driven.to_modes / room.capacity_J_K) @ heat
         whole = room.output_matrix @ np.linalg.solve(room.conductance_W_K, heat)
         static = whole - (driven.outputs / rates) @ slow

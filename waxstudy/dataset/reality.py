@@ -38,6 +38,7 @@ class Reality:
 
     week: MemberWeek
     first_day: str  # ISO date; the first step starts at its 00:00
+    engine: str = ""  # an outside room's, with its version
 
     def figures(self) -> dict[str, float | None]:
         """Return the key figures of the record; None where one cannot be told."""
@@ -55,7 +56,7 @@ def reality_loop(study: Study, case: Case, weeks: Sequence[str], days: int | Non
     record = _first_days(_joined([plan.driven[name].weather for name in weeks]), days)
     weather = _joined([_first_days(record, 1), record])
     with told("[room]"):
-        together = drive(driven.room, weather, study.step_s)
+        together = replace(drive(driven.room, weather, study.step_s), engine=driven.engine)
     return loop_of(study, case, together)
 
 
@@ -79,7 +80,7 @@ def happened(
     channels["setpoint_C"] = np.full(len(simulated.trace), setpoint_C)
     day = round(DAY_S / loop.driven.step_s)
     kept = {name: values[day:] for name, values in channels.items()}
-    return Reality(replace(week, channels=kept), loop.driven.weather.first_day)
+    return Reality(replace(week, channels=kept), loop.driven.weather.first_day, loop.driven.engine)
 
 
 def _joined(records: Sequence[WeatherRecord]) -> WeatherRecord:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -113,7 +113,7 @@ def truth_of(name: str, telling: Telling, reality: Reality, instruments: Instrum
         "step_s": study.step_s,
         "figures": reality.figures(),
         "instruments": {**asdict(instruments), "without": list(instruments.without)},
-        "versions": _versions(),
+        "versions": _versions() | ({"engine": reality.engine} if reality.engine else {}),
     }
 
 
@@ -121,6 +121,6 @@ def _configuration(case: Case) -> dict[str, Any]:
     return {kind: choice.described() for kind, choice in case.blocks.items()}
 
 
-def _versions() -> Mapping[str, str]:
+def _versions() -> dict[str, str]:
     packages = {name: version(name) for name in ("waxstudy", "numpy", "scipy", "numba", "pandas")}
     return packages | {"python": sys.version.split()[0]}

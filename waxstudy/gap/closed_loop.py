@@ -10,11 +10,10 @@ import numpy as np
 from waxstudy.gap.links import built
 from waxstudy.gap.record import DAY_S, Record
 from waxstudy.gap.result import BeforeAfter
-from waxstudy.plugin import Belief, FloatArray
+from waxstudy.plugin import Belief, FloatArray, SimulationError
 from waxstudy.simulation import kernel
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import START, Loop
-from waxstudy.simulation.interpreted import SimulationError
 from waxstudy.simulation.modes import drive
 from waxstudy.simulation.recorded import recorded_room, weather_of
 

@@ -12,8 +12,7 @@ from waxstudy.gap.judge import FIT, SELECT, Errors, Judge
 from waxstudy.gap.links import Link, Reading
 from waxstudy.gap.record import Record
 from waxstudy.gap.unknowns import unknowns
-from waxstudy.plugin import Belief, Effect, FloatArray, Prior
-from waxstudy.simulation.interpreted import SimulationError
+from waxstudy.plugin import Belief, Effect, FloatArray, Prior, SimulationError
 
 IMPOSSIBLE = 1e12  # loss of a belief that cannot be
 SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters

@@ -9,7 +9,7 @@ import numpy as np
 
 from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.links import Drift, Predicted
-from waxstudy.simulation.interpreted import SimulationError
+from waxstudy.plugin import SimulationError
 
 SHAKES = 3
 

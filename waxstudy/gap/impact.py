@@ -8,9 +8,8 @@ import numpy as np
 
 from waxstudy.gap.links import SHOWN, Link, built, coarsened, full_flow_L_h, means
 from waxstudy.gap.record import Record
-from waxstudy.plugin import CHAIN, Belief, FloatArray
+from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
 from waxstudy.simulation.chain import Chain
-from waxstudy.simulation.interpreted import SimulationError
 from waxstudy.simulation.recorded import driven_by, respond
 from waxstudy.simulation.replay import replay
 

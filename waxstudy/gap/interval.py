@@ -10,7 +10,7 @@ from waxstudy.gap.fit import EffectType, Fitted, Fitter, Space
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
 from waxstudy.gap.result import Interval
 from waxstudy.gap.select import by_block, whole
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import FloatArray, Prior
 
 DRAWS = 1000
 WIDTH = 0.02  # of a parameter's range, over which slopes are taken
@@ -100,8 +100,8 @@ def _described(
         x = space.inside(values)
         found[effect] = {}
         for place, name in enumerate(space.names):
-            half = wide * float(sd[at])
             prior = space.priors[place]
+            half = float(np.hypot(wide * float(sd[at]), 2.0 * _timing(fitter, name, prior, values[name], blocks)))
             if prior.is_log and effect.absorbs:
                 spread = sum(absorbed.get(each, 0.0) ** 2 for each in effect.absorbs) ** 0.5
                 half = float(np.hypot(half, 1.96 * spread / np.log(prior.high / prior.low)))
@@ -110,6 +110,21 @@ def _described(
             found[effect][name] = Interval(values[name], space.values(low)[name], space.values(high)[name])
             at += 1
     return found
+
+
+def _timing(fitter: Fitter, name: str, prior: Prior, value: float, blocks: int) -> float:
+    """Return what the sampling of the switches that drive a link leaves open of a time, as a share of its range.
+
+    Nobody knows when within an interval each of them was thrown.
+    """
+    if not name.endswith("_s") or fitter.link.driven_by not in fitter.record.binary:
+        return 0.0
+    open_s = fitter.record.interval_s / np.sqrt(12.0 * max(1, blocks))
+    return float(
+        open_s / max(value, open_s) / np.log(prior.high / prior.low)
+        if prior.is_log
+        else open_s / (prior.high - prior.low)
+    )
 
 
 def shrink(before: Errors, after: Errors, floor: float, random: np.random.Generator) -> Interval:

@@ -60,7 +60,8 @@ def is_covered(selection: Selection, errors: Errors) -> bool:
     if not allowed or errors.channel not in ("displacement", "flow_L_h") or "actuator" not in fitter.link.stages:
         return False
     full = 1.0 if errors.channel == "displacement" else float(np.nanmax(fitter.record.values["flow_L_h"]))
-    return moved_s(fitter.record, errors.error / full) <= allowed
+    beyond_noise = np.abs(errors.error) > 4.0 * fitter.record.noise[errors.channel]
+    return moved_s(fitter.record, errors.error * beyond_noise / full) <= allowed
 
 
 def stage_of(selection: Selection, channel: str) -> str:

@@ -12,9 +12,7 @@ from waxstudy.plugin.contracts import (
     LEVEL,
     ROOM_OUTPUTS,
     TEMPERATURE,
-    TRACE,
     Actuator,
-    Advance,
     Block,
     Choice,
     Component,
@@ -25,10 +23,10 @@ from waxstudy.plugin.contracts import (
     LinearRoom,
     Modulator,
     NoState,
-    OutsideRoom,
     Port,
     PublishedRow,
     Reference,
+    Refused,
     Room,
     Sensor,
     Valve,
@@ -37,8 +35,8 @@ from waxstudy.plugin.contracts import (
 )
 from waxstudy.plugin.effect import STAGES, Belief, Effect, Inputs, Prior, Uncertainty
 from waxstudy.plugin.hook import hookimpl
+from waxstudy.plugin.outside import TRACE, Advance, BackendMissing, OutsideRoom, SimulationError, Stopped
 from waxstudy.plugin.parameters import Parameters, changed, parameter
-from waxstudy.plugin.registry import BackendMissing
 from waxstudy.plugin.ring import Ring, delayed
 
 __all__ = [
@@ -73,9 +71,12 @@ __all__ = [
     "Prior",
     "PublishedRow",
     "Reference",
+    "Refused",
     "Ring",
     "Room",
     "Sensor",
+    "SimulationError",
+    "Stopped",
     "Uncertainty",
     "Valve",
     "Weather",

@@ -23,6 +23,17 @@ API_VERSION = "1.0"
 FloatArray = NDArray[np.float64]
 
 
+class Refused(ValueError):
+    """A value of the study that a room or weather cannot take, told at its line: key, value, and what is allowed.
+
+    `key` is the place in a study file: "study.step_s", "weather.KEY" of the week at hand, or "room.KEY".
+    """
+
+    def __init__(self, key: str, value: object, wrong: str) -> None:
+        super().__init__(wrong)
+        self.key, self.value = key, value
+
+
 class Component:
     """Anything that a plugin registers: a kind, a name, and documented parameters.
 
@@ -237,53 +248,6 @@ class Room(Component):
     def solar_readings(cls, p: Any) -> Mapping[str, float]:
         """Return how a recorded solar gain can be meant: a sentence -> the sun's heat over the recorded one."""
         return {}
-
-
-# sensed temperature [C], time at the start of the step [s], step [s] -> output, signal, opening, flow fraction
-Advance = Callable[[float, float, float], Sequence[float]]
-
-# columns of a simulated week, one row per step; temperatures at the end of the step, the rest over the step
-TRACE = (
-    "air_C",
-    "operative_C",
-    "floor_surface_C",
-    "layer_C",
-    "floor_heat_W_m2",
-    "output",
-    "signal",
-    "opening",
-    "flow_fraction",
-    "water_heat_W",
-)
-
-
-class OutsideRoom(Room):
-    """A room whose own engine owns time and calls the chain.
-
-    Its `build` gives the linear room that stands in for it: for areas and flows, and for a first guess of the setpoint
-    shift.
-    """
-
-    @classmethod
-    def simulate(
-        cls,
-        p: Any,
-        weather: WeatherRecord,
-        advance: Advance,
-        *,
-        setpoint_C: float,
-        step_s: float,
-        air_K: float,
-        slab_K: float,
-        stop: Callable[[], bool],
-    ) -> FloatArray:
-        """Return the record (steps, len(TRACE)), after a week of the first day's weather.
-
-        Before that, air and walls are at `setpoint_C + air_K`, the floor 2 K + `slab_K` above the setpoint. `advance`
-        can be pickled and is called at every `step_s`, warm-up included. Raises `BackendMissing` where the engine
-        is not installed, and what `advance` raises; ends soon once `stop()` is true.
-        """
-        raise NotImplementedError
 
 
 # --- published figures -----------------------------------------------------------------------------

@@ -37,10 +37,6 @@ class PluginError(Exception):
     """A plugin cannot be used; the message says which, why, and what to do."""
 
 
-class BackendMissing(Exception):
-    """An optional engine is not installed; the message says what to install."""
-
-
 # where a stranger's fault may show, but never lies
 CALLERS = ("waxstudy", "pluggy", "pydantic", "pydantic_core", "numpy", "numba", "scipy", "pandas", "pvlib")
 NOT_STRANGE = {*sys.stdlib_module_names, *CALLERS}

@@ -24,7 +24,8 @@ def _is_of(made: object, kind: type) -> Problems:
         yield f"it gives {'None' if made is None else f'a {type(made).__name__}'}, not a {kind.__name__}"
 
 
-def _array(name: str, values: Any, shape: tuple[int, ...]) -> Problems:
+def array_problems(name: str, values: Any, shape: tuple[int, ...]) -> Problems:
+    """Yield what keeps values from being an array of finite numbers in a shape."""
     if not isinstance(values, np.ndarray) or values.dtype.kind not in "biuf":
         yield f"{name} must be an array of numbers, not of {getattr(values, 'dtype', type(values).__name__)}"
     elif values.shape != shape:
@@ -62,7 +63,7 @@ def room_problems(room: Any) -> Problems:
         "air_nodes": (n,),
     }
     for name, shape in shapes.items():
-        yield from _array(name, getattr(room, name), shape)
+        yield from array_problems(name, getattr(room, name), shape)
     yield from _positive(room, "floor_area_m2", "full_flow_L_h", "water_J_L_K")
     facades = room.facades
     if not (isinstance(facades, Mapping) and all(isinstance(facade, Facade) for facade in facades.values())):
@@ -87,7 +88,7 @@ def physics_problems(room: LinearRoom) -> Problems:
     except PluginError as error:
         yield str(error)
         return
-    wrong = list(_array("floor_conductance_W_K", conductance, flow.shape))
+    wrong = list(array_problems("floor_conductance_W_K", conductance, flow.shape))
     yield from wrong
     if not wrong and (conductance[0] != 0.0 or (np.diff(conductance) < 0.0).any()):
         yield "floor_conductance_W_K must be 0 without flow and never fall with more flow"
@@ -105,8 +106,8 @@ def driving_problems(room: LinearRoom, weather: WeatherRecord) -> Problems:
         yield str(error)
         return
     n = len(weather.outdoor_C)
-    yield from _array("drive's table of inputs", inputs, (n, len(room.inputs)))
-    yield from _array("drive's supply_C", supply_C, (n,))
+    yield from array_problems("drive's table of inputs", inputs, (n, len(room.inputs)))
+    yield from array_problems("drive's supply_C", supply_C, (n,))
 
 
 # --- weather ---------------------------------------------------------------------------------------
@@ -125,7 +126,7 @@ def weather_problems(record: Any, facades: Mapping[str, Facade]) -> Problems:
     yield from _positive(record, "interval_s")
     n = np.size(record.outdoor_C)
     for name, values in {"outdoor_C": record.outdoor_C, **_sky(record), **record.irradiance_W_m2}.items():
-        yield from _array(name, values, (n,))
+        yield from array_problems(name, values, (n,))
     try:
         date.fromisoformat(record.first_day)
     except (TypeError, ValueError):

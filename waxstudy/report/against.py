@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
@@ -17,7 +18,7 @@ from waxstudy.results.run import Run
 
 
 @dataclass(frozen=True)
-class Against:
+class Against(ABC):
     """The other side's name and figures, and how well the two agree; what differs by kind is below."""
 
     name: str
@@ -30,27 +31,27 @@ class Against:
     reading: ClassVar[str]  # how to read its part of the page
 
     @property
+    @abstractmethod
     def label(self) -> str:
         """Its name in the legend of a figure."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def summary(self) -> str:
         """One sentence of what came out."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def notes(self) -> Sequence[str]:
         """What keeps a figure from being compared."""
-        raise NotImplementedError
 
+    @abstractmethod
     def csv_figures(self, cell: Cell) -> tuple[str, str]:
         """Return what stands in the columns of `csv_suffixes`."""
-        raise NotImplementedError
 
+    @abstractmethod
     def described_cell(self, cell: Cell) -> dict[str, Any]:
         """Return what JSON says of the other side's figure."""
-        raise NotImplementedError
 
     def described(self) -> dict[str, Any]:
         """Return what JSON says of it all."""

@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 from waxstudy.report.against import Against
+from waxstudy.report.behind import differing_inputs
 from waxstudy.report.comparison import Estimate, Row, comparison, differences_percent, estimate
 from waxstudy.report.score import Cell, cells, scores
 from waxstudy.report.words import HEADINGS, Table, counted, decimals, with_spread
@@ -144,7 +145,7 @@ def other_run(run: Run, rows: Sequence[Row], members: int, other: Run) -> OtherR
         folder=str(other.folder),
         members=their_members,
         steps=list(_steps(run, other)) if min(members, their_members) > 1 else (),
-        missing=_missing(run, other),
+        missing=[*_missing(run, other), *differing_inputs(run, other)],
     )
 
 

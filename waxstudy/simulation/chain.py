@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import CHAIN, Block
+from waxstudy.plugin import CHAIN, Block, SimulationError
 from waxstudy.plugin.registry import PluginError, described
 from waxstudy.plugin.structure import port_problems
-from waxstudy.simulation.interpreted import Callback, SimulationError
+from waxstudy.simulation.interpreted import Callback
 from waxstudy.simulation.records import (
     parameter_record,
     plain_parameters,

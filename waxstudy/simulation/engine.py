@@ -8,19 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import FloatArray, SimulationError, Stopped
 from waxstudy.simulation import kernel
 from waxstudy.simulation.chain import Chain, CompiledChain
-from waxstudy.simulation.interpreted import SimulationError, checked, clock
+from waxstudy.simulation.interpreted import checked, clock
+from waxstudy.simulation.lanes import LANES
 from waxstudy.simulation.modes import DrivenRoom
 
 DAY_S = 86400.0
 WARM_UP_DAYS = 7  # with the first day's weather
 SLAB_ABOVE_K = 2.0  # a heated floor at the start of the warm-up
-
-
-class Stopped(Exception):
-    """The simulation was asked to stop."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +52,7 @@ class Loop:
     """A chain closed over a driven room."""
 
     def __init__(self, chain: Chain, driven: DrivenRoom, limit_C: float, jit: bool = True, watch: bool = False) -> None:
+        assert len(driven.decay) % LANES == 0, "compiled code reads whole lanes"
         self.chain, self.driven, self.limit_C, self.watch = chain, driven, limit_C, watch
         self.compiled = CompiledChain(chain) if jit else None
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import Block, Port
+from waxstudy.plugin import Block, Port, SimulationError
 from waxstudy.plugin.registry import described
 from waxstudy.simulation.records import state_problem
 
@@ -20,10 +20,6 @@ MOST_FRAMES = 2  # at either end of a long traceback
 Step = Callable[[Any, Any, float, float, float], float]
 _NUMBER, _OBJECT = ctypes.c_double, ctypes.py_object
 _CALLBACK = ctypes.CFUNCTYPE(_NUMBER, _OBJECT, _OBJECT, _NUMBER, _NUMBER, _NUMBER)
-
-
-class SimulationError(Exception):
-    """The simulation failed; the message names the block, the time, and where in its source."""
 
 
 def checked(block: type[Block], watch: bool = False) -> Step:

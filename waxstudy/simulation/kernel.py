@@ -1,7 +1,7 @@
 """The time loop, written once and run compiled or interpreted with bit-identical results.
 
 Compiled, a block is the address of its guarded function and its parameters and state are addresses of records;
-interpreted, they are the Python objects themselves. `call_block` is the only place that differs.
+interpreted, they are the Python objects themselves. `call_block` and `free_step` are the only places that differ.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from waxstudy.plugin import TRACE as TRACE
+from waxstudy.simulation.lanes import free_step
 
 CHAIN_LENGTH = 5  # sensor, controller, modulator, actuator, valve
 CONTROLLER = 1
@@ -54,7 +55,7 @@ def simulate(  # noqa: C901 - one loop, compiled as a whole
     states: Any,  # (5,) changed in place
     low: Any,  # (5,) and high: range of each block's output
     high: Any,
-    decay: Any,  # (modes,) exp(-lambda dt)
+    decay: Any,  # (modes,) exp(-lambda dt); as many as fill whole `lanes.LANES`
     heat_gain: Any,  # (modes,) per W of floor heat held over a step
     forcing: Any,  # (intervals, modes) of the slow inputs, per step
     outputs: Any,  # (6, modes) rows of ROOM_OUTPUTS
@@ -78,8 +79,13 @@ def simulate(  # noqa: C901 - one loop, compiled as a whole
     last = len(conductance) - 1
     recording = len(trace) > 0
     sensed, layer, operative = readings[0], readings[1], readings[2]
-    row_sensed, row_layer, row_operative = outputs[0], outputs[1], outputs[2]
     row_air, row_surface, row_heat = outputs[3], outputs[4], outputs[5]
+    # what a watt over a step does to these three by its end
+    by_sensed, by_layer, by_operative = heat_offset[0], heat_offset[1], heat_offset[2]
+    for i in range(n_modes):
+        by_sensed += outputs[0][i] * heat_gain[i]
+        by_layer += outputs[1][i] * heat_gain[i]
+        by_operative += outputs[2][i] * heat_gain[i]
     n = 0
     cold = 0
     for interval in range(len(supply)):
@@ -87,6 +93,8 @@ def simulate(  # noqa: C901 - one loop, compiled as a whole
             return STOPPED
         force, offset, supply_C = forcing[interval], offsets[interval], supply[interval]
         for _ in range(steps_per_interval):
+            # the step without its heat, first: a processor works on it while it waits for one block after the other
+            free_sensed, free_layer, free_operative = free_step(decay, force, outputs, modes)
             t = start_s + n * dt
             u = sensed
             output = 0.0
@@ -111,15 +119,11 @@ def simulate(  # noqa: C901 - one loop, compiled as a whole
             index = min(int(place), last - 1)
             part = place - index
             heat = (conductance[index] * (1.0 - part) + conductance[index + 1] * part) * (supply_C - layer)
-            sensed = offset[0] + heat_offset[0] * heat
-            layer = offset[1] + heat_offset[1] * heat
-            operative = offset[2] + heat_offset[2] * heat
+            sensed = offset[0] + free_sensed + by_sensed * heat
+            layer = offset[1] + free_layer + by_layer * heat
+            operative = offset[2] + free_operative + by_operative * heat
             for i in range(n_modes):
-                value = decay[i] * modes[i] + heat_gain[i] * heat + force[i]
-                modes[i] = value
-                sensed += row_sensed[i] * value
-                layer += row_layer[i] * value
-                operative += row_operative[i] * value
+                modes[i] += heat_gain[i] * heat
             if operative < limit:
                 cold += 1
             if recording:

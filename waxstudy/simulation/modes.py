@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import eigh, svd
 
 from waxstudy.plugin import FloatArray, LinearRoom, WeatherRecord
+from waxstudy.simulation.lanes import LANES
 
 CURVE_POINTS = 1001  # table of the floor conductance over the flow fraction
-AFTER_S = np.geomspace(5.0, 86400.0, 30)  # when after a step the error of the dropped modes is looked at
+AFTER_S = np.geomspace(5.0, 864000.0, 40)  # when after a step the error is looked at
+SNAPSHOTS_S = np.append(0.0, np.geomspace(2.0, 432000.0, 60))  # when the responses are taken that few modes are to span
 
 
 @dataclass(frozen=True)
@@ -25,72 +27,90 @@ class DrivenRoom:
     forcing: FloatArray
     outputs: FloatArray
     offsets: FloatArray
-    heat_offset: FloatArray  # (6,) direct part of the floor heat, from the dropped modes
+    heat_offset: FloatArray  # (6,) direct part of the floor heat, from what the modes leave out
     supply_C: FloatArray
     conductance_W_K: FloatArray
     to_modes: FloatArray  # (modes, nodes): node temperatures -> modes
-    dropped_error_K: float  # bound on what the dropped modes can do to any temperature
+    dropped_error_K: float  # of any temperature against the full room, after the largest change of every input at once
+    engine: str = ""  # an outside room's, with its version
 
     @property
     def steps_per_interval(self) -> int:
         return round(self.weather.interval_s / self.step_s)
 
 
-def drive(room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: float = 0.01) -> DrivenRoom:
+def drive(room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: float = 0.005) -> DrivenRoom:
     """Return the room in modal form under a weather record, exact for inputs held over a step.
 
-    With z the modes, z' = exp(-lambda dt) z + (1 - exp(-lambda dt)) / lambda (b u + f q). The modes that matter
-    least are replaced by their static response, as many as keep every temperature within `tolerance_K` of the full
-    room after the largest single change of every input at once.
+    With z the modes, z' = exp(-lambda dt) z + (1 - exp(-lambda dt)) / lambda (b u + f q). The room's own modes are
+    replaced by as few as keep every temperature within `tolerance_K` of the full room after the largest single change
+    of every input at once; what they leave out answers at once, so that steady states are the full room's.
     """
     root = np.sqrt(room.capacity_J_K)
     rates, vectors = eigh(room.conductance_W_K / np.outer(root, root))
-    to_nodes = vectors / root[:, None]
+    to_nodes, to_modes = vectors / root[:, None], (vectors * root[:, None]).T
     outputs = room.output_matrix @ to_nodes
-    slow, heat = to_nodes.T @ room.input_matrix, to_nodes.T @ room.floor_heat_share
+    driving = to_nodes.T @ np.column_stack((room.input_matrix, room.floor_heat_share))
     inputs, supply_C = room.drive(weather)
     curve = room.floor_conductance_W_K(np.linspace(0.0, 1.0, CURVE_POINTS))
 
     pulse_W = curve.max() * max(1.0, float(np.max(supply_C)) - 21.0)
     jumps = np.append(np.max(np.abs(np.diff(inputs, axis=0, prepend=inputs[:1])), axis=0), pulse_W)
-    driving = np.column_stack((slow, heat)) * jumps / rates[:, None]
-    keep, error = _kept(outputs[:5], driving, rates, tolerance_K)
+    air = to_modes @ room.air_nodes
+    starts = np.column_stack((air, to_modes @ np.ones(len(root)) - air))  # a kelvin of air and walls, and of the rest
+    few_rates, basis, error = _few(rates, outputs[:5], driving * jumps, starts, tolerance_K)
 
-    static = (outputs[:, ~keep] / rates[~keep]) @ np.column_stack((slow, heat))[~keep]
-    gain = -np.expm1(-rates[keep] * step_s) / rates[keep]
+    few_outputs, few_driving = outputs @ basis, basis.T @ driving
+    static = (outputs / rates) @ driving - (few_outputs / few_rates) @ few_driving
+    gain = -np.expm1(-few_rates * step_s) / few_rates
     return DrivenRoom(
         room=room,
         weather=weather,
         step_s=step_s,
-        decay=np.exp(-rates[keep] * step_s),
-        heat_gain=gain * heat[keep],
-        forcing=np.ascontiguousarray(inputs @ slow[keep].T * gain),
-        outputs=np.ascontiguousarray(outputs[:, keep]),
+        decay=_in_lanes(np.exp(-few_rates * step_s)),
+        heat_gain=_in_lanes(gain * few_driving[:, -1]),
+        forcing=_in_lanes(inputs @ few_driving[:, :-1].T * gain),
+        outputs=_in_lanes(few_outputs),
         offsets=np.ascontiguousarray(inputs @ (room.feedthrough + static[:, :-1]).T),
         heat_offset=np.ascontiguousarray(static[:, -1]),
         supply_C=np.ascontiguousarray(supply_C, dtype=float),
         conductance_W_K=np.ascontiguousarray(curve),
-        to_modes=np.ascontiguousarray((vectors * root[:, None]).T[keep]),
+        to_modes=np.ascontiguousarray(_in_lanes(to_modes.T @ basis).T),
         dropped_error_K=error,
     )
 
 
-def _kept(outputs: FloatArray, driving: FloatArray, rates: FloatArray, tolerance: float) -> tuple[np.ndarray, float]:
-    """Choose the fewest modes, by their reach, whose step error is within the tolerance; all where that is 0."""
+def _in_lanes(by_mode: FloatArray) -> FloatArray:
+    """Return an array with modes of nothing at its end, so that they fill whole lanes."""
+    ends = [(0, 0)] * (by_mode.ndim - 1) + [(0, -by_mode.shape[-1] % LANES)]
+    return np.ascontiguousarray(np.pad(by_mode, ends))
+
+
+def _few(
+    rates: FloatArray, outputs: FloatArray, driving: FloatArray, starts: FloatArray, tolerance: float
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return rates and directions (modes, few) of few modes that answer a step of every input alike, and their error.
+
+    They span the main directions that the room goes through after such steps and from its starts (proper orthogonal
+    decomposition; Galerkin projection keeps them real and stable). Where the tolerance is 0, they are the room's own.
+    """
     if tolerance <= 0.0:
-        return np.ones(len(rates), dtype=bool), 0.0
-    reach = np.max(np.abs(outputs), axis=0) * np.sum(np.abs(driving), axis=1)
-    order = np.argsort(reach)[::-1]
-    for n_kept in range(1, len(rates)):
-        dropped = order[n_kept:]
-        error = _step_error(outputs[:, dropped], driving[dropped], rates[dropped])
-        if error <= tolerance:
-            return np.isin(np.arange(len(rates)), order[:n_kept]), error
-    return np.ones(len(rates), dtype=bool), 0.0
+        return rates, np.eye(len(rates)), 0.0
+    exact = _response(rates, outputs, driving)
+    fading = np.column_stack((driving / rates[:, None], starts))
+    snapshots = np.exp(-np.outer(rates, SNAPSHOTS_S))[:, :, None] * fading[:, None, :]
+    directions = svd(snapshots.reshape(len(rates), -1), full_matrices=False)[0]
+    for count in range(LANES, directions.shape[1], LANES):
+        main = directions[:, :count]
+        few_rates, turned = eigh(main.T @ (rates[:, None] * main))
+        basis = main @ turned
+        missing = np.abs(_response(few_rates, outputs @ basis, basis.T @ driving) - exact)
+        if (error := float(np.max(np.sum(missing, axis=2)))) <= tolerance:
+            return few_rates, basis, error
+    return rates, np.eye(len(rates)), 0.0
 
 
-def _step_error(outputs: FloatArray, driving: FloatArray, rates: FloatArray) -> float:
-    """Largest error over time and outputs when these modes answer a step of every input at once instead of slowly."""
-    decay = np.exp(-np.outer(AFTER_S, rates))
-    missing = np.einsum("tm,om,mj->toj", decay, outputs, driving, optimize=True)
-    return float(np.max(np.sum(np.abs(missing), axis=2)))
+def _response(rates: FloatArray, outputs: FloatArray, driving: FloatArray) -> FloatArray:
+    """Return what each output (time, output, input) still lacks of its final value after a step of each input."""
+    fading = np.exp(-np.outer(AFTER_S, rates))
+    return np.asarray(np.einsum("tm,om,mj->toj", fading, outputs / rates, driving, optimize=True))

@@ -3,17 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import TRACE, BackendMissing, FloatArray, OutsideRoom
+from waxstudy.plugin import TRACE, BackendMissing, FloatArray, OutsideRoom, SimulationError, Stopped, WeatherRecord
 from waxstudy.plugin.registry import PluginError, told
+from waxstudy.plugin.shapes import array_problems
 from waxstudy.simulation.advance import ChainAdvance
-from waxstudy.simulation.engine import Loop, Start, Stopped, Week
-from waxstudy.simulation.interpreted import SimulationError
+from waxstudy.simulation.engine import Loop, Start, Week
+from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.study.model import Case, Choice
 
 OPERATIVE = TRACE.index("operative_C")
+
+
+def engine_of(room: Choice, weather: WeatherRecord, step_s: float) -> str:
+    """Return an outside room's engine with its version, "" for a linear room; raise what `OutsideRoom.ready` raises."""
+    if not issubclass(room.component, OutsideRoom):
+        return ""
+    with told("[room]", BackendMissing, ValueError):
+        engine = room.component.ready(room.parameters, weather, step_s)
+    if not (isinstance(engine, str) and engine.strip()):
+        raise PluginError(f"[room]: its ready must return the engine with its version as a text, not {engine!r:.60}")
+    return engine
+
+
+def record_problems(record: Any, steps: int) -> Iterator[str]:
+    """Yield what keeps a record from being one of so many steps."""
+    yield from array_problems("its record", record, (steps, len(TRACE)))
+
+
+def given_to(driven: DrivenRoom) -> Iterator[str | bytes]:
+    """Yield what an outside room's record depends on besides its parameters: engine and weather as it is."""
+    weather = driven.weather
+    yield from (driven.engine, repr((weather.interval_s, weather.first_day)), weather.outdoor_C.tobytes())
+    for name, values in sorted(weather.irradiance_W_m2.items()):
+        yield from (name, values.tobytes())
+    yield b"" if weather.sky_C is None else weather.sky_C.tobytes()
 
 
 class OutsideLoop:
@@ -50,7 +77,6 @@ class OutsideLoop:
             )
         if stop[0]:
             raise Stopped
-        shape = (len(driven.supply_C) * driven.steps_per_interval, len(TRACE))
-        if np.shape(record) != shape or not np.isfinite(record).all():
-            raise PluginError(f"[room]: its record must hold numbers in the shape {shape}, not {np.shape(record)}")
+        for problem in record_problems(record, len(driven.supply_C) * driven.steps_per_interval):
+            raise PluginError(f"[room]: {problem}")
         return record

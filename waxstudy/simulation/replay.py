@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numba import njit, types
 
-from waxstudy.plugin import CHAIN, FloatArray
+from waxstudy.plugin import CHAIN, FloatArray, SimulationError
 from waxstudy.simulation.cache import cached
 from waxstudy.simulation.chain import Chain, CompiledChain
-from waxstudy.simulation.interpreted import SimulationError, clock
+from waxstudy.simulation.interpreted import clock
 from waxstudy.simulation.kernel import CHAIN_LENGTH, CONTROLLER, DONE, call_block
 
 

@@ -7,7 +7,7 @@ import platform
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -16,17 +16,27 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from waxstudy.plugin import BackendMissing, FloatArray, LinearRoom, OutsideRoom, Room, Weather, WeatherRecord
+from waxstudy.plugin import (
+    BackendMissing,
+    FloatArray,
+    LinearRoom,
+    OutsideRoom,
+    Refused,
+    Room,
+    SimulationError,
+    Stopped,
+    Weather,
+    WeatherRecord,
+)
 from waxstudy.plugin.registry import PluginError, described, installed, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
 from waxstudy.results.run import CaseFolder, CaseResult, Ladder, finish, is_finished, run_folder, write_case
 from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.chain import Chain
-from waxstudy.simulation.engine import DAY_S, Loop, Start, Stopped, Week
-from waxstudy.simulation.interpreted import SimulationError
+from waxstudy.simulation.engine import DAY_S, Loop, Start, Week
 from waxstudy.simulation.modes import DrivenRoom, drive
-from waxstudy.simulation.outside import OutsideLoop
+from waxstudy.simulation.outside import OutsideLoop, engine_of, given_to
 from waxstudy.simulation.sources import component_digest, digest, source_digest
 from waxstudy.study.model import Case, Study, is_multiple
 
@@ -68,39 +78,44 @@ class Plan:
         numbers = [value for value in vars(driven).values() if isinstance(value, np.ndarray)]
         room = (driven.room.floor_area_m2, driven.room.full_flow_L_h, driven.room.water_J_L_K)
         parts = [repr((said, room)), source_digest(__name__), *sources]
-        return digest([*parts, *(array.tobytes() for array in numbers)])
+        outside = given_to(driven) if driven.engine else ()
+        return digest([*parts, *(array.tobytes() for array in numbers), *outside])
 
 
 def prepare(study: Study, jit: bool = True) -> Plan:
-    """Build the room and read the weather; raise `InputError`, or `PluginError` for what breaks their contracts."""
+    """Build the room, read the weather, and ask an outside engine whether it can take them.
+
+    Raises `InputError`, `BackendMissing`, or `PluginError` for what breaks a contract.
+    """
     room_class = study.room.component
     assert issubclass(room_class, Room)
     room = _named("room", partial(room_class.build, study.room.parameters))
     _keeps_its_contract("room", room_problems(room))
     _keeps_its_contract("room", physics_problems(room))
     plan = Plan(study, jit, starts=ensemble.starts(study.ensemble))
-    for name, choice in study.weeks.items():
-        weather_class = choice.component
-        assert issubclass(weather_class, Weather)
-        record = _named(f"weather.{name}", partial(weather_class.load, choice.parameters, room.facades))
-        _keeps_its_contract(f"weather.{name}", weather_problems(record, room.facades))
-        for wrong in _weather_problems(record, study.step_s):
-            raise InputError(f"weather.{name}", wrong)
-        wrong_drive = _named(f"weather.{name}", partial(_problems_of_drive, room, record))
-        _keeps_its_contract("room", wrong_drive)
-        with told("[room]"):
-            plan.driven[name] = drive(room, record, study.step_s)
+    for week in study.weeks:
+        plan.driven[week] = _driven(study, room, week)
     return plan
+
+
+def _driven(study: Study, room: LinearRoom, week: str) -> DrivenRoom:
+    choice, table = study.weeks[week], f"weather.{week}"
+    weather_class = choice.component
+    assert issubclass(weather_class, Weather)
+    record = _named(table, partial(weather_class.load, choice.parameters, room.facades))
+    _keeps_its_contract(table, weather_problems(record, room.facades))
+    for wrong in _weather_problems(record, study.step_s):
+        raise InputError(table, wrong)
+    # a `ValueError` says that the room asks for what this weather does not hold, such as a sky temperature
+    _keeps_its_contract("room", _named(table, lambda: list(driving_problems(room, record))))
+    engine = _named("room", partial(engine_of, study.room, record, study.step_s), week)
+    with told("[room]"):
+        return replace(drive(room, record, study.step_s), engine=engine)
 
 
 def _keeps_its_contract(table: str, problems: Iterable[str]) -> None:
     for problem in problems:
         raise PluginError(f"[{table}]: {problem}")
-
-
-def _problems_of_drive(room: LinearRoom, record: WeatherRecord) -> list[str]:
-    """Raises `ValueError` where the room asks for what this weather does not hold, such as a sky temperature."""
-    return list(driving_problems(room, record))
 
 
 def _weather_problems(record: WeatherRecord, step_s: float) -> Iterator[str]:
@@ -111,17 +126,21 @@ def _weather_problems(record: WeatherRecord, step_s: float) -> Iterator[str]:
 
 
 class InputError(ValueError):
-    """A room or weather cannot be had; `table` says which table of the study file asked for it."""
+    """A room or weather cannot be had; `table` says which table of the study file asked for it, `key` which value."""
 
-    def __init__(self, table: str, reason: str) -> None:
+    def __init__(self, table: str, reason: str, key: str = "", value: object = None) -> None:
         super().__init__(reason)
-        self.table = table
+        self.table, self.key, self.value = table, key, value
 
 
-def _named(table: str, load: Callable[[], Any]) -> Any:
+def _named(table: str, load: Callable[[], Any], week: str = "") -> Any:
     try:
-        with told(f"[{table}]", ValueError):
+        with told(f"[{table}]", ValueError, BackendMissing):
             return load()
+    except Refused as error:
+        at, _, key = error.key.partition(".")
+        place = at if at != "weather" else f"weather.{week}" if week else table
+        raise InputError(place, one_line(str(error)), key, error.value) from error
     except ValueError as error:
         raise InputError(table, one_line(str(error))) from error
 
@@ -129,7 +148,7 @@ def _named(table: str, load: Callable[[], Any]) -> Any:
 def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | None = None) -> Plan:
     """Compute what is missing in the folder and finish it.
 
-    Raises `InputError`, `PluginError`, `SimulationError` (naming case and week), `RunError` if the folder is in use,
+    Raises what `prepare` raises, `SimulationError` (naming case and week), `RunError` if the folder is in use,
     `OSError`, or `KeyboardInterrupt`; what was finished before that is kept.
     """
     progress = progress or Progress()
@@ -143,7 +162,7 @@ def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | No
             if job not in missing:
                 progress.done(job, False)
         _compute(plan, missing, folder, progress)
-        finish(folder, study.described(), ladders, list(plan.driven), jobs, provenance(study, jobs))
+        finish(folder, study.described(), ladders, list(plan.driven), jobs, provenance(plan, jobs))
     return plan
 
 
@@ -245,14 +264,16 @@ def member_week(loop: Loop | OutsideLoop, week: Week, setpoint_C: float, study: 
     )
 
 
-def provenance(study: Study, jobs: Iterable[CaseFolder]) -> dict[str, Any]:
+def provenance(plan: Plan, jobs: Iterable[CaseFolder]) -> dict[str, Any]:
     """Versions, inputs (one digest over all cases), seed and machine that the run's figures come from."""
-    registry = installed()
+    registry, study = installed(), plan.study
+    engines = {driven.engine for driven in plan.driven.values()} - {""}
     used = [study.room, *study.weeks.values(), *(c for case in study.cases.values() for c in case.blocks.values())]
     plugins = {entry.package: entry.version for entry in (registry.package_of(c.component) for c in used)}
     return {
         "plugins": plugins,
         "packages": {name: version(name) for name in ("waxstudy", "numpy", "scipy", "numba", "llvmlite", "pandas")},
+        **({"engine": ", ".join(sorted(engines))} if engines else {}),
         "python": sys.version.split()[0],
         "machine": f"{platform.system()} {platform.machine()}",
         "inputs": digest(job.key for job in jobs),

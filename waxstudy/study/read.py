@@ -24,7 +24,7 @@ from waxstudy.study.model import (
     is_multiple,
     is_safe_name,
 )
-from waxstudy.study.problems import Problem, StudyError
+from waxstudy.study.problems import Problem, StudyError, shown
 from waxstudy.study.source import read_source
 from waxstudy.study.spots import RawTable, Spot
 
@@ -57,14 +57,14 @@ def read_study(path: Path, registry: Registry, *, needs_files: bool = True) -> S
     return Study(study.name, study.step_s, study.against, room, weeks, comfort, ensemble, output, named, cases)
 
 
-def problem_at(path: Path, keys: KeyPath, wrong: str) -> Problem:
-    """Return a problem of a table that only showed when it was used, e.g. `("weather", "february")`."""
-    spot = Spot.table(*map(str, keys))
+def problem_at(path: Path, table: KeyPath, wrong: str, key: str = "", value: object = None) -> Problem:
+    """Return a problem that only showed in use, of a table such as `("weather", "february")` or of a key in it."""
+    spot = Spot.table(*map(str, table)).at(*filter(None, key.split(".")))
     try:
         line = read_source(path).line(spot.path)
     except StudyError:  # the file has changed or gone since it was read
         line = 0
-    return Problem(str(path), line, spot.where, "", "", wrong)
+    return Problem(str(path), line, spot.where, spot.key, "" if value is None else shown(value), wrong)
 
 
 def _part(check: Check, name: str, model: type[P]) -> P | None:

@@ -81,8 +81,12 @@ class RoomDescription(Parameters):
     @property
     def design_cover_m2K_W(self) -> float:
         """The layers above the pipes that the nominal output is stated for."""
-        if self.circuit.design_cover_m2K_W is not None:
-            return self.circuit.design_cover_m2K_W
+        stated = self.circuit.design_cover_m2K_W
+        return self.above_m2K_W if stated is None else stated
+
+    @property
+    def above_m2K_W(self) -> float:
+        """The layers above the pipes."""
         return sum(layer.resistance_m2K_W for layer in self.floor.layers[: self.heated_floor.pipes_after_layer])
 
     @property

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 UPWARDS = 0.2  # of what goes downwards: a film stronger than the standard's is hardly to be had
 LEAST_M2K_W = 1e-6  # of a layer; less is none
-HEAVIEST_KG_M3 = 20_000.0
+HEAVIEST_KG_M3, THICKEST_M = 20_000.0, 5.0  # of a layer
 
 Edit = Callable[["RoomDescription", float], "RoomDescription"]
 
@@ -125,7 +125,7 @@ def _leakier(room: RoomDescription, surface: Surface, factor: float) -> Surface:
     whole = films + sum(layer.resistance_m2K_W for layer in surface.layers)
     best = max(surface.layers, key=lambda layer: layer.resistance_m2K_W)
     wanted = max(0.05 * best.resistance_m2K_W, best.resistance_m2K_W + whole / factor - whole)
-    scaled = changed(best, thickness_m=min(5.0, wanted * best.conductivity_W_mK))
+    scaled = changed(best, thickness_m=min(THICKEST_M, wanted * best.conductivity_W_mK))
     return changed(surface, layers=tuple(scaled if layer is best else layer for layer in surface.layers))
 
 
@@ -148,31 +148,60 @@ def _exchange(room: RoomDescription, departure: float) -> RoomDescription:
 
 
 def _above_pipes(room: RoomDescription, departure: float) -> RoomDescription:
-    """Move resistance from between water and the plane of the pipes to above that plane; the sum stays."""
-    stronger = exp(max(0.0, departure))
-    moved_m2K_W = _water_m2K_W(room) * (1.0 - 1.0 / stronger)
-    if moved_m2K_W < LEAST_M2K_W:
-        return room
+    """Move resistance from between water and the plane of the pipes to above that plane; the sum stays.
+
+    Below 0 the layers above the pipes give some of theirs to the water's side.
+    """
+    water = water_m2K_W(room)
+    if departure < 0.0:
+        kept = 1.0 / (1.0 - departure)
+        moved_m2K_W = -(1.0 - kept) * room.above_m2K_W
+        surface, pipes = _thinner_above(room, kept), room.heated_floor
+    else:
+        thickest_m2K_W = THICKEST_M / room.beside_pipes[0].conductivity_W_mK
+        moved_m2K_W = min(thickest_m2K_W, water * (1.0 - exp(-departure)))
+        if moved_m2K_W < LEAST_M2K_W:
+            return room
+        surface = _layer_above(room, moved_m2K_W)
+        pipes = changed(room.heated_floor, pipes_after_layer=room.heated_floor.pipes_after_layer + 1)
+    factor = room.circuit.exchange_factor * water / (water - moved_m2K_W)
+    floor, design_m2K_W = room.floor, room.design_cover_m2K_W
+    return changed(
+        room,
+        surfaces=tuple(surface if s is floor else s for s in room.surfaces),
+        heated_floor=pipes,
+        circuit=changed(room.circuit, design_cover_m2K_W=design_m2K_W, exchange_factor=min(100.0, max(0.01, factor))),
+    )
+
+
+def _layer_above(room: RoomDescription, resistance_m2K_W: float) -> Surface:
+    """Return the floor with a layer without mass just above the pipes."""
     floor, after = room.floor, room.heated_floor.pipes_after_layer
     above = floor.layers[after - 1]
     own = Layer(
-        thickness_m=moved_m2K_W * above.conductivity_W_mK,
+        thickness_m=resistance_m2K_W * above.conductivity_W_mK,
         conductivity_W_mK=above.conductivity_W_mK,
         density_kg_m3=0.0,
         heat_capacity_J_kgK=above.heat_capacity_J_kgK,
     )
-    layers = (*floor.layers[:after], own, *floor.layers[after:])
-    circuit = changed(room.circuit, design_cover_m2K_W=room.design_cover_m2K_W)
-    factor = min(100.0, circuit.exchange_factor * stronger)
-    return changed(
-        room,
-        surfaces=tuple(changed(floor, layers=layers) if s is floor else s for s in room.surfaces),
-        heated_floor=changed(room.heated_floor, pipes_after_layer=after + 1),
-        circuit=changed(circuit, exchange_factor=factor),
-    )
+    return changed(floor, layers=(*floor.layers[:after], own, *floor.layers[after:]))
 
 
-def _water_m2K_W(room: RoomDescription) -> float:
+def _thinner_above(room: RoomDescription, kept: float) -> Surface:
+    """Return the floor with less resistance above the pipes, and as much mass."""
+    floor, after = room.floor, room.heated_floor.pipes_after_layer
+    thinner = [
+        changed(
+            layer,
+            thickness_m=kept * layer.thickness_m,
+            density_kg_m3=min(HEAVIEST_KG_M3, layer.density_kg_m3 / kept),
+        )
+        for layer in floor.layers[:after]
+    ]
+    return changed(floor, layers=(*thinner, *floor.layers[after:]))
+
+
+def water_m2K_W(room: RoomDescription) -> float:
     """Return the resistance between water and the plane of the pipes at full flow."""
     flow_L_s = np.array([full_flow_L_h(room.circuit, room.floor.area_m2) / 3600.0])
     exchange = exchange_W_m2K(room.circuit, room.cover_m2K_W, room.screed_W_mK, flow_L_s)

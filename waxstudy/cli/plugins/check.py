@@ -61,6 +61,8 @@ def _parts(title: str, outcomes: Sequence[Outcome]) -> list[object]:
     for outcome in outcomes:
         stages.add_row(outcome.stage, outcome.status, outcome.claim)
     failed = [outcome for outcome in outcomes if outcome.status == "failed"]
-    said = [f"{o.stage}: {message}" for o in outcomes if o.status in ("failed", "exempt") for message in o.messages]
+    # what could not run for want of an engine is told too, but not what only waits for a stage that failed
+    shown = ("failed", "exempt") if failed else ("failed", "exempt", "not run")
+    said = [f"{o.stage}: {message}" for o in outcomes if o.status in shown for message in o.messages]
     summary = f"{len(failed)} of {len(outcomes)} stages failed" if failed else "it keeps its contract"
     return [title, "", stages, "", *said, *([""] if said else []), summary]

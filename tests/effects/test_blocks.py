@@ -1,0 +1,174 @@
+"""Each effect of the chain does to its own block what its name says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.effects.believed import CONTINUOUS, IDEAL, MODULATED, REAL, Words, belief, output, with_effect
+from waxstudy.plugin import FloatArray
+
+STEP_S = 5.0
+
+
+def pulses(*lengths_s: float) -> FloatArray:
+    """Off, on, off and so on, each for so long."""
+    return np.concatenate([np.full(round(length / STEP_S), n % 2.0) for n, length in enumerate(lengths_s)])
+
+
+def first_s(outputs: FloatArray, level: float, since_s: float) -> float:
+    """Time from a moment until an output first reaches a level."""
+    after = outputs[round(since_s / STEP_S) :]
+    return STEP_S * (int(np.argmax(after >= level)) + 1)
+
+
+def cycles(outputs: FloatArray) -> int:
+    return int(np.sum(np.diff(outputs) > 0.5))
+
+
+# --- sensor ------------------------------------------------------------------------------------------
+
+RISING_C = 20.0 + 0.01 * np.arange(200)
+
+
+@pytest.mark.parametrize("chain", [IDEAL, REAL, MODULATED])
+def test_a_sensor_delay_is_the_whole_delay_whatever_sensor_was_believed(chain: Words) -> None:
+    late = output(with_effect("sensor-delay", belief(chain), delay_s=300.0), "sensor", RISING_C)
+    assert late[100:] == pytest.approx(RISING_C[40:-60])
+
+
+def test_a_sensor_lag_comes_on_top_of_the_believed_delay() -> None:
+    jump_C = np.concatenate((np.full(10, 20.0), np.full(500, 21.0)))
+    lagging = with_effect("sensor-lag", belief(REAL), time_constant_s=600.0)
+    reading_C = output(lagging, "sensor", jump_C)
+    arrived = 10 + round(120.0 / STEP_S)
+    assert (reading_C[:arrived] == 20.0).all()
+    assert reading_C[arrived + round(600.0 / STEP_S) - 1] == pytest.approx(21.0 - np.exp(-1.0), abs=1e-9)
+
+
+def test_a_positive_bias_makes_the_sensor_read_too_warm_also_after_a_lag() -> None:
+    believed, off = belief(MODULATED), with_effect("sensor-bias", belief(MODULATED), bias_K=0.7)
+    assert output(off, "sensor", RISING_C) - output(believed, "sensor", RISING_C) == pytest.approx(0.7)
+
+
+def test_a_reading_stays_a_possible_reading_at_any_bias() -> None:
+    off = with_effect("sensor-bias", belief(), bias_K=10.0)
+    assert list(output(off, "sensor", [-100.0, 145.0, 150.0])) == [-90.0, 150.0, 150.0]
+
+
+# --- controller and modulator --------------------------------------------------------------------------
+
+ERROR_K = 0.8 * np.sin(np.arange(4000) / 100.0)
+
+
+def test_a_wider_dead_band_switches_later() -> None:
+    narrow, wide = (with_effect("dead-band", belief(), dead_band_K=width_K) for width_K in (0.2, 1.4))
+    assert cycles(output(narrow, "controller", ERROR_K)) == cycles(output(wide, "controller", ERROR_K)) >= 5
+    assert first_s(output(wide, "controller", ERROR_K), 1.0, 0.0) > first_s(
+        output(narrow, "controller", ERROR_K), 1.0, 0.0
+    )
+
+
+def test_beyond_the_swing_of_the_error_a_dead_band_switches_never() -> None:
+    assert not output(with_effect("dead-band", belief(), dead_band_K=1.7), "controller", ERROR_K).any()
+
+
+def test_pi_tuning_multiplies_the_output_by_the_gain() -> None:
+    weak, strong = (with_effect("pi-tuning", belief(CONTINUOUS), gain=gain, integration_time_s=1e5) for gain in (1, 4))
+    error_K = np.full(10, 0.1)
+    assert output(strong, "controller", error_K) == pytest.approx(4.0 * output(weak, "controller", error_K), rel=1e-6)
+
+
+def test_modulation_makes_pulses_of_the_same_mean() -> None:
+    pulsed = with_effect("modulation", belief(CONTINUOUS), period_s=900.0, min_pulse_s=0.0)
+    outputs = output(pulsed, "modulator", np.full(7200, 0.3))
+    assert set(outputs) == {0.0, 1.0}
+    assert outputs.mean() == pytest.approx(0.3, abs=0.003)
+    assert cycles(outputs) == 7200 * STEP_S / 900.0 - 1
+
+
+def test_a_pwm_period_is_the_time_from_pulse_to_pulse() -> None:
+    pulsed = with_effect("pwm-period", belief(MODULATED), period_s=1200.0)
+    assert cycles(output(pulsed, "modulator", np.full(7200, 0.5))) == 7200 * STEP_S / 1200.0 - 1
+
+
+def test_a_min_pulse_leaves_out_what_is_shorter() -> None:
+    patient = with_effect("min-pulse", belief(MODULATED), min_pulse_s=600.0)
+    assert not output(patient, "modulator", np.full(3000, 0.16)).any()
+    assert output(patient, "modulator", np.full(3000, 0.17)).any()
+
+
+# --- actuator ------------------------------------------------------------------------------------------
+
+
+def test_a_wax_motor_waits_and_then_opens_in_its_times() -> None:
+    times = {"dead_time_s": 200.0, "rise_time_s": 100.0, "hold_time_s": 50.0, "fall_time_s": 80.0}
+    opening = output(with_effect("wax-motor", belief(), **times), "actuator", pulses(600.0, 1200.0, 600.0))
+    assert first_s(opening, 1e-9, 600.0) == 205.0
+    assert first_s(opening, 1.0 - 1e-9, 600.0) == 300.0
+    assert first_s(1.0 - opening, 1e-9, 1800.0) == 55.0
+    assert first_s(1.0 - opening, 1.0 - 1e-9, 1800.0) == 130.0
+
+
+def dead_times_s(name: str, chain: Words, **values: float) -> tuple[float, float]:
+    """Dead time after a short pause, and after a long one."""
+    signal = pulses(60.0, 1800.0, 900.0, 1800.0, 7200.0, 1800.0)
+    opening = output(with_effect(name, belief(chain), **values), "actuator", signal)
+    return first_s(opening, 1e-9, 2760.0), first_s(opening, 1e-9, 11760.0)
+
+
+def test_constant_times_do_not_depend_on_the_pause_and_variable_times_do() -> None:
+    short_s, long_s = dead_times_s("constant-times", REAL, dead_time_s=180.0)
+    assert short_s == long_s == 185.0
+    short_s, long_s = dead_times_s("variable-times", MODULATED)
+    assert short_s < long_s - 60.0
+
+
+@pytest.mark.parametrize("chain", [REAL, MODULATED, {**IDEAL, "actuator": {"use": "linear-ramp"}}])
+def test_a_slow_actuator_takes_all_times_as_often_as_its_factor(chain: Words) -> None:
+    usual, slow = belief(chain), with_effect("slow-actuator", belief(chain), factor=2.0)
+    signal = pulses(60.0, 900.0, 500.0, 700.0)
+    assert output(slow, "actuator", np.repeat(signal, 2), 10.0 / 2)[1::2] == pytest.approx(
+        output(usual, "actuator", signal), abs=0.03
+    )
+
+
+def test_limited_travel_stops_the_opening_there() -> None:
+    opening = output(with_effect("limited-travel", belief(REAL), opening=0.6), "actuator", pulses(60.0, 1800.0))
+    assert opening.max() == 0.6
+
+
+# --- valve ---------------------------------------------------------------------------------------------
+
+OPENINGS = np.linspace(0.0, 1.0, 101)
+
+
+def test_quick_opening_passes_more_than_a_linear_valve_once_it_opens() -> None:
+    curve = {"h_min": 0.1, "h_mid": 0.4, "v_mid": 0.7, "authority": 0.5}
+    quick = output(with_effect("quick-opening", belief(), **curve), "valve", OPENINGS)
+    assert (quick[OPENINGS <= 0.1] == 0.0).all()
+    assert (quick[30:100] > OPENINGS[30:100]).all()
+
+
+def test_the_lower_the_authority_the_more_flows_half_open() -> None:
+    flows = [
+        output(with_effect("low-authority", belief(REAL), authority=authority), "valve", [0.4])[0]
+        for authority in (1.0, 0.3, 0.05)
+    ]
+    assert flows == sorted(flows)
+
+
+def test_a_let_by_of_0_015_passes_5_87_L_h_of_122_at_an_authority_of_0_097() -> None:
+    closed = output(with_effect("let-by", belief(REAL), fraction=0.015), "valve", [0.0])
+    assert closed[0] * 122.0 == pytest.approx(5.87, abs=0.005)
+
+
+def test_without_an_authority_a_let_by_is_the_flow_fraction() -> None:
+    flows = output(with_effect("let-by", belief(), fraction=0.02), "valve", OPENINGS)
+    assert flows == pytest.approx(np.maximum(OPENINGS, 0.02))
+
+
+def test_a_valve_that_sticks_open_passes_what_it_would_at_that_opening() -> None:
+    usual = output(belief(REAL), "valve", OPENINGS)
+    stuck = output(with_effect("stuck-open", belief(REAL), opening=0.3), "valve", OPENINGS)
+    assert stuck == pytest.approx(np.maximum(usual, usual[30]))
