@@ -13,7 +13,7 @@ from waxstudy.gap.closed_loop import closed_loop
 from waxstudy.gap.fit import EffectType, Fitted, Fitter, Values
 from waxstudy.gap.impact import impact
 from waxstudy.gap.interval import parameter_intervals, shrink
-from waxstudy.gap.judge import FIT, SELECT, SHRINK, parts_of
+from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, parts_of
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.regimes import regimes
@@ -31,7 +31,7 @@ from waxstudy.gap.result import (
 from waxstudy.gap.select import Selection, select
 from waxstudy.gap.testable import next_measurements, separating, too_short, uncovered, unshown
 from waxstudy.gap.unexplained import stage_of, unexplained
-from waxstudy.plugin import Belief, Effect
+from waxstudy.plugin import Belief, Effect, Inputs
 from waxstudy.plugin.registry import installed
 
 QUICK = 0.35  # of the fits' effort
@@ -68,7 +68,7 @@ def diagnose(dataset: Dataset, *, seed: int = 1, quick: bool = False, tick: Tell
 
 def record_of(dataset: Dataset) -> Record:
     """Return the record of a dataset, its setpoint as believed where none is recorded."""
-    values = {name: dataset.values[name].to_numpy(dtype=float) for name in dataset.values}
+    values = {str(name): column.to_numpy(dtype=float) for name, column in dataset.values.items()}
     if "setpoint_C" not in values and dataset.setpoint_C is not None:
         values["setpoint_C"] = np.full(len(dataset.time), dataset.setpoint_C)
     first = dataset.time[0]
@@ -76,7 +76,7 @@ def record_of(dataset: Dataset) -> Record:
     return Record(dataset.interval_s, start_s, values, dataset.noise, dataset.assumed)
 
 
-def _inputs(record: Record):  # type: ignore[no-untyped-def]
+def _inputs(record: Record) -> Inputs | None:
     return record.inputs if record.has_inputs else None
 
 
@@ -177,7 +177,7 @@ def _without(selection: Selection, effect: EffectType) -> Fitted:
     return again or selection.before
 
 
-def _errors(fitted: Fitted, channel: str):  # type: ignore[no-untyped-def]
+def _errors(fitted: Fitted, channel: str) -> Errors:
     return next(each for each in fitted.errors if each.channel == channel)
 
 

@@ -264,7 +264,7 @@ class _Problem:
             if gained < LITTLE and is_fresh:
                 break
             # the slopes of the departures hardly change: they are taken again where that has become too little
-            is_fresh = gained < ENOUGH
+            is_fresh = bool(gained < ENOUGH)
             fresh = range(len(x)) if is_fresh else range(self.count, len(x))
             slopes[:, list(fresh)] = self.slopes(x, missed, fresh)
         return best

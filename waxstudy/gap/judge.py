@@ -139,7 +139,7 @@ class Judge:
         return _Switches(windows, np.maximum(own_s, max(least_s, typical_s)))
 
     def _off_s(self, differs: FloatArray, windows: np.ndarray) -> FloatArray:
-        return np.bincount(windows, weights=differs, minlength=windows.max() + 1) * self.record.interval_s
+        return np.asarray(np.bincount(windows, weights=differs, minlength=windows.max() + 1) * self.record.interval_s)
 
     def _driven(self, channel: str, shaken: Sequence[Predicted]) -> FloatArray:
         """Return how far the noise of a link's drive moves a channel (n,), smoothed over time."""
@@ -256,7 +256,7 @@ def _windows(record: Record, channel: str) -> np.ndarray:
     values = record.filled(channel)
     edges = np.flatnonzero(np.diff(values) != 0) + 1
     if len(edges) < 2:
-        return record.day - record.day[0]
+        return np.asarray(record.day - record.day[0])
     middles = (edges[1:] + edges[:-1]) // 2
     return np.searchsorted(middles, np.arange(len(record)), side="right")
 

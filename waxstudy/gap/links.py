@@ -86,7 +86,7 @@ class Drift:
         if self.random is None:
             return values
         at = np.arange(len(values)) + self.random.integers(-1, 2, len(values))
-        return values[np.clip(at, 0, len(values) - 1)]
+        return np.asarray(values[np.clip(at, 0, len(values) - 1)])
 
     def jump(self, record: Record) -> FloatArray:
         """Return after which part of each interval a switch jumps: halfway, or anywhere."""

@@ -89,7 +89,7 @@ class Record:
         missing = ~np.isfinite(self.values[channel])
         changed = np.zeros(len(self), dtype=bool)
         filled, after = self.filled(channel), max(1, round(AFTER_GAP_S / self.interval_s))
-        ends = np.flatnonzero(missing[:-1] & ~missing[1:])
+        ends: list[int] = np.flatnonzero(missing[:-1] & ~missing[1:]).tolist()
         for end in ends:
             start = end
             while start >= 0 and missing[start]:
@@ -115,7 +115,7 @@ class Record:
         for channel in ("heating_signal", "control_output", "flow_L_h", "displacement"):
             if self.has(channel):
                 values = self.filled(channel)
-                on = values > ON * np.nanmax(values) if np.nanmax(values) > 0 else values > 0
+                on: np.ndarray = values > ON * max(float(values.max()), 0.0)
                 starts = np.flatnonzero(on[1:] & ~on[:-1]) + 1
                 if len(starts) >= 6:
                     return np.searchsorted(_before(on, starts), np.arange(len(self)), side="right")

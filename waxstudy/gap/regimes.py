@@ -51,7 +51,7 @@ def of_chain(record: Record, belief: Belief) -> Mapping[str, np.ndarray]:
     return dict(zip(PHASES, phases, strict=True)) | _after_long_pause(record, on)
 
 
-def _after_long_pause(record: Record, on: np.ndarray) -> Mapping[str, np.ndarray]:
+def _after_long_pause(record: Record, on: np.ndarray) -> dict[str, np.ndarray]:
     """Return the heating that follows a long pause."""
     at = np.arange(len(on))
     last_on = np.maximum.accumulate(np.where(on, at, -1))
