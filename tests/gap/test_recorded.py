@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.gap.realities import PERFECT, SETPOINT_C, belief, reality, record, study
+from tests.gap.realities import PERFECT, belief, reality, record, study
 from waxstudy.gap.links import Link, built, links, room_response
 from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Room
 from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond
