@@ -34,7 +34,7 @@ from waxstudy.gap.unexplained import stage_of, unexplained
 from waxstudy.plugin import Belief, Effect, Inputs
 from waxstudy.plugin.registry import installed
 
-QUICK = 0.35  # of the fits' effort
+QUICK = 0.25  # of the fits' effort
 Tell = Callable[[str, float], None]
 
 

@@ -18,7 +18,7 @@ from waxstudy.simulation.modes import DrivenRoom, drive
 SUN, EXTRA = "solar_W", "extra_W"
 IRRADIANCE = "irradiance"  # what a room's inputs from the sun are called by, and a facade
 DAY_S = 86400.0
-LONGEST_STEP_S = 120.0  # of the explicit exchange between water and floor
+LONGEST_STEP_S = 150.0  # of the explicit exchange between water and floor
 
 
 def recorded_room(room: LinearRoom, inputs: Inputs) -> LinearRoom:
