@@ -16,7 +16,9 @@ HEAVY = ("numpy", "pandas", "scipy", "numba", "pydantic", "pluggy", "pyarrow", "
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--help"], ["-h"], ["run", "--help"], ["report", "-h"], ["--version"]], ids=" ".join
+    "arguments",
+    [["--help"], ["-h"], ["run", "--help"], ["report", "-h"], ["diagnose", "-h"], ["--version"]],
+    ids=" ".join,
 )
 def test_help_is_printed_without_heavy_imports(arguments: list[str]) -> None:
     program = (

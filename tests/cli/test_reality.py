@@ -90,3 +90,47 @@ def test_a_place_that_cannot_be_written_is_told(entry: Entry, small_study: Path)
     done = entry("reality", small_study, "--case", "O_0", "--days", 1, "--out", "file/room")
     assert (done.code, done.stdout) == (FAILED, "")
     assert "cannot be written" in done.stderr
+
+
+EFFECTS = {
+    "unknown effect": (["--effect", "let-bu"], USAGE, "no effect 'let-bu'; did you mean 'let-by'?"),
+    "unknown parameter": (["--effect", "let-by", "--set", "fractoin=1"], USAGE, "did you mean 'fraction'?"),
+    "out of bounds": (["--effect", "let-by", "--set", "fraction=2"], USAGE, "effect 'let-by': fraction: Input should"),
+    "no number": (["--effect", "let-by", "--set", "fraction=a"], USAGE, "'fraction=a' is not a parameter, '='"),
+    "a parameter of none": (["--set", "fraction=0.1"], USAGE, "no parameter 'fraction'"),
+    "twice": (["--effect", "let-by", "--effect", "let-by"], USAGE, "effect 'let-by' is asked for twice"),
+    "of two": (
+        ["--effect", "infiltration", "--effect", "solar-factor", "--set", "factor=2"],
+        USAGE,
+        "more than one effect has it; write infiltration.factor or solar-factor.factor",
+    ),
+    "hindered": (["--effect", "pwm-period"], INVALID, "effect 'pwm-period': no modulator with a period is believed"),
+}
+
+
+@pytest.mark.parametrize("mistake", EFFECTS)
+def test_an_effect_that_cannot_be_is_refused_and_nothing_is_written(
+    entry: Entry, small_study: Path, mistake: str
+) -> None:
+    options, code, said = EFFECTS[mistake]
+    done = entry("reality", small_study, "--case", "O_0", *options, "--days", 1, "--out", "room")
+    assert (done.code, done.stdout) == (code, "")
+    assert said in done.stderr
+    assert [path.name for path in Path().iterdir()] == [small_study.name]
+
+
+def test_effects_go_into_the_reality_and_the_truth(entry: Entry, small_study: Path) -> None:
+    asked = ("--effect", "infiltration", "--effect", "solar-factor", "--effect", "let-by")
+    values = ("--set", "fraction=0.02", "--set", "infiltration.factor=8", "--set", "solar-factor.factor=0.6")
+    done = entry("reality", small_study, "--case", "O_0", *asked, *values, "--days", 1, "--out", "room")
+    assert (done.code, done.stderr) == (0, "")
+    assert json.loads(Path("room-truth.json").read_text())["effects"] == [
+        {"name": "infiltration", "parameters": {"factor": 8.0}},
+        {"name": "solar-factor", "parameters": {"factor": 0.6}},
+        {"name": "let-by", "parameters": {"fraction": 0.02}},
+    ]
+
+
+def test_an_effect_without_figures_is_told_to_have_its_defaults(entry: Entry, small_study: Path) -> None:
+    done = entry("reality", small_study, "--case", "O_0", "--effect", "sensor-bias", "--days", 1, "--out", "room")
+    assert (done.code, done.stderr) == (0, "warning: effect 'sensor-bias' has its defaults: bias_K = 0\n")

@@ -83,7 +83,7 @@ def response(of: Belief) -> dict[str, FloatArray]:
     assert issubclass(of.room.component, Room)
     assert of.inputs
     assert of.inputs.flow_L_h is not None
-    return respond(driven_by(of.room.component.build(of.room.parameters), of.inputs), of.inputs.flow_L_h, 20.0)
+    return respond(driven_by(of.room.component.build(of.room.parameters), of.inputs), of.inputs, of.inputs.flow_L_h)
 
 
 def with_inputs(of: Belief, **channels: FloatArray | None) -> Belief:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.gap.realities import PERFECT, SETPOINT_C, belief, reality, record, study
+from tests.gap.realities import PERFECT, belief, reality, record, study
 from waxstudy.gap.links import Link, built, links, room_response
 from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Room
 from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond
@@ -32,7 +32,7 @@ def inputs(**channels: FloatArray | float) -> Inputs:
 
 
 def air_C(given: Inputs, flow_L_h: float = 60.0) -> FloatArray:
-    return respond(driven_by(room(), given), np.full(HOURS * 12, flow_L_h), 20.0)["air_C"]
+    return respond(driven_by(room(), given), given, np.full(HOURS * 12, flow_L_h))["air_C"]
 
 
 @pytest.mark.parametrize("case", ["IDEAL", "REAL"])
@@ -99,14 +99,14 @@ def test_extra_heat_goes_to_the_air_and_is_not_needed() -> None:
 
 
 def test_without_flow_there_is_no_heat_of_the_water_and_no_return() -> None:
-    found = respond(driven_by(room(), inputs()), np.zeros(HOURS * 12), SETPOINT_C)
+    found = respond(driven_by(room(), inputs()), inputs(), np.zeros(HOURS * 12))
     assert np.isnan(found["return_C"]).all()
     assert (found["water_heat_W"] == 0.0).all()
 
 
 def test_the_water_gives_the_heat_by_which_it_cools() -> None:
     built_room, flow = room(), np.full(HOURS * 12, 80.0)
-    found = respond(driven_by(built_room, inputs()), flow, SETPOINT_C)
+    found = respond(driven_by(built_room, inputs()), inputs(), flow)
     cooled_W = flow / 3600.0 * built_room.water_J_L_K * (30.0 - found["return_C"])
     assert cooled_W == pytest.approx(found["water_heat_W"])
     assert found["water_heat_W"].min() > 10.0
@@ -114,7 +114,7 @@ def test_the_water_gives_the_heat_by_which_it_cools() -> None:
 
 def test_the_step_of_the_water_changes_little() -> None:
     coarse, fine = (
-        respond(driven_by(room(), inputs(), step_s), np.where(np.arange(HOURS * 12) % 60 < 20, 122.0, 0.0), 20.0)
+        respond(driven_by(room(), inputs(), step_s), inputs(), np.where(np.arange(HOURS * 12) % 60 < 20, 122.0, 0.0))
         for step_s in (None, 10.0)
     )
     assert coarse["air_C"] == pytest.approx(fine["air_C"], abs=0.01)

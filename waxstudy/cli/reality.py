@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from waxstudy.cli.errors import USAGE, CommandError
+from waxstudy.cli.errors import INVALID, USAGE, CommandError
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.run import failures, warn
 from waxstudy.cli.study import load_study
@@ -19,11 +20,14 @@ from waxstudy.cli.study import load_study
 if TYPE_CHECKING:
     from waxstudy.dataset.measure import Instruments
     from waxstudy.dataset.write import Telling
+    from waxstudy.plugin import Choice, Component
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 BELIEVED = "Case that the modeller believes in  [default: the case itself]"
 INTERVAL = "Sampling interval, a multiple of the study's step_s."
+EFFECT = "Effect that the reality has and the modeller does not believe in; repeatable."
+SET = "Parameter of an effect; of two that share its name, EFFECT.KEY=VALUE; repeatable."
 SHIFT = "Added to the study's setpoint_C, -5 to 5 K  [default: 0]"
 MISSING = "Share of the samples of measured channels that are lost, in gaps."
 
@@ -56,10 +60,23 @@ def _by_channel(ctx: click.Context, param: click.Parameter, texts: Sequence[str]
     return found
 
 
+def _by_key(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for text in texts:
+        key, _, figure = text.partition("=")
+        try:
+            found[key] = float(figure)
+        except ValueError:
+            raise click.BadParameter(f"'{text}' is not a parameter, '=' and a number", ctx, param) from None
+    return found
+
+
 @click.command("reality", cls=Command)
 @click.argument("study_file", metavar="STUDY.toml", type=click.Path(exists=True, path_type=Path))
 @click.option("--case", required=True, metavar="ID", help="Case that is the reality.")
 @click.option("--believed", metavar="ID", help=BELIEVED)
+@click.option("--effect", "names", multiple=True, metavar="NAME", help=EFFECT)
+@click.option("--set", "values", multiple=True, callback=_by_key, metavar="KEY=VALUE", help=SET)
 @click.option("--week", "weeks", multiple=True, metavar="NAME", help="Week; repeatable  [default: the first]")
 @click.option("--days", type=click.IntRange(min=1), help="Only the first days of the weeks  [default: all]")
 @click.option("--setpoint-shift", "shift_K", type=Finite(-5.0, 5.0), default=0.0, metavar="K", help=SHIFT)
@@ -75,6 +92,8 @@ def command(
     study_file: Path,
     case: str,
     believed: str | None,
+    names: Sequence[str],
+    values: dict[str, float],
     weeks: Sequence[str],
     days: int | None,
     shift_K: float,
@@ -100,8 +119,10 @@ def command(
     _refuse_unknown(("case", [case, believed], study.cases), ("week", weeks, study.weeks), *_channels(instruments))
     _refuse_noise_of_known(instruments)
     setpoint_C = study.comfort.setpoint_C + shift_K
+    effects = chosen(names, values)
     with failures(study_file, out):
-        _make(out, Telling(study, study.cases[case], study.cases[believed], weeks, setpoint_C), days, instruments)
+        telling = Telling(study, study.cases[case], study.cases[believed], weeks, setpoint_C, effects)
+        _make(out, telling, days, instruments)
     if as_json:
         print_out(json.dumps({"dataset": str(out), "truth": str(truth)}) + "\n")
     else:
@@ -109,16 +130,66 @@ def command(
 
 
 def _make(out: Path, telling: Telling, days: int | None, instruments: Instruments) -> None:
+    from waxstudy.dataset.effects import EffectError, with_effects
     from waxstudy.dataset.reality import RealityError, reality_loop, simulate
     from waxstudy.dataset.write import write
 
+    study, case, weeks, setpoint_C = telling.study, telling.case, telling.weeks, telling.setpoint_C
     try:
-        loop = reality_loop(telling.study, telling.case, telling.weeks, days)
+        loop = reality_loop(study, case, weeks, days)
         for warning in loop.warnings:
             warn(warning)
-        write(out, telling, simulate(loop, telling.study, telling.setpoint_C), instruments)
+        if telling.effects:
+            case, reality = with_effects(study, case, weeks, days, setpoint_C, telling.effects)
+        else:
+            reality = simulate(loop, study, setpoint_C)
+        write(out, replace(telling, case=case), reality, instruments)
     except RealityError as error:
         raise CommandError(str(error), USAGE) from error
+    except EffectError as error:
+        raise CommandError(str(error), INVALID) from error
+
+
+def chosen(names: Sequence[str], values: Mapping[str, float]) -> list[Choice]:
+    """Return effects with their parameters; raise `CommandError`."""
+    from waxstudy.plugin.registry import installed
+
+    if repeated := next((name for name in names if names.count(name) > 1), ""):
+        raise CommandError(f"effect '{repeated}' is asked for twice", USAGE)
+    registry = installed()
+    _refuse_unknown(("effect", names, registry.names("effect")))
+    models = {name: registry.components["effect", name].component.Parameters.model_fields for name in names}
+    given: dict[str, dict[str, float]] = {name: {} for name in names}
+    for key, value in values.items():
+        name, parameter = _place(key, models)
+        given[name][parameter] = value
+    effects = [_checked(registry.components["effect", name].component, given[name]) for name in names]
+    for effect in effects:
+        if not given[effect.component.name]:
+            said = ", ".join(f"{key} = {value:g}" for key, value in dict(effect.parameters).items())
+            warn(f"effect '{effect.component.name}' has its defaults: {said}")
+    return effects
+
+
+def _place(key: str, models: Mapping[str, Iterable[str]]) -> tuple[str, str]:
+    """Return the effect and the parameter that a key of --set means."""
+    spelled = {f"{name}.{parameter}": (name, parameter) for name in models for parameter in models[name]}
+    plain = [place for place in spelled.values() if place[1] == key]
+    if len(plain) > 1:
+        whole = " or ".join(f"{name}.{parameter}" for name, parameter in plain)
+        raise CommandError(f"--set {key}: more than one effect has it; write {whole}", USAGE)
+    known = spelled | {parameter: (name, parameter) for name, parameter in spelled.values()}
+    _refuse_unknown(("parameter", [key], known))
+    return known[key]
+
+
+def _checked(effect: type[Component], values: Mapping[str, float]) -> Choice:
+    from waxstudy.plugin import Choice
+
+    try:
+        return Choice.of(effect, values)
+    except ValueError as error:
+        raise CommandError(f"effect '{effect.name}': {error}", USAGE) from error
 
 
 Words = tuple[str, Iterable[str], Iterable[str]]  # what they are, those given, those known

@@ -98,7 +98,7 @@ def _room(choice: Choice, inputs: Inputs | None, fraction: FloatArray | None) ->
     room = choice.component.build(choice.parameters)
     shown = {} if fraction is None else {"flow_L_h": fraction * room.full_flow_L_h}
     if inputs is not None and inputs.flow_L_h is not None:
-        found = respond(driven_by(room, inputs), inputs.flow_L_h, SETPOINT_C)
+        found = respond(driven_by(room, inputs), inputs, inputs.flow_L_h)
         shown |= {name: values for name, values in found.items() if name != "return_C"}
     return shown
 

@@ -42,6 +42,7 @@ class Dataset:
     nominal: Mapping[str, Choice]  # chain blocks by kind, as Case.blocks
     setpoint_C: float | None  # believed; the channel setpoint_C, if there, wins
     room: Choice | None
+    room_tolerance: float  # factor on the priors of what is uncertain of the room
     noise: Mapping[str, float]  # standard deviation by channel
     warnings: tuple[str, ...]  # what the user must know
     assumptions: tuple[str, ...]  # what was assumed, one sentence each
@@ -73,6 +74,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         nominal=described.nominal,
         setpoint_C=described.setpoint_C,
         room=described.room,
+        room_tolerance=described.about.room_tolerance,
         noise=described.noise,
         warnings=tuple(dict.fromkeys(notes.warnings)),
         assumptions=tuple(dict.fromkeys(notes.assumptions)),

@@ -12,7 +12,7 @@ from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, WeatherRecord
 from waxstudy.plugin.registry import told
 from waxstudy.results.kpis import MemberWeek, key_figures
 from waxstudy.simulation import ensemble
-from waxstudy.simulation.engine import DAY_S, Loop
+from waxstudy.simulation.engine import DAY_S, Loop, Week
 from waxstudy.simulation.interpreted import checked
 from waxstudy.simulation.modes import drive
 from waxstudy.simulation.outside import OutsideLoop
@@ -60,11 +60,23 @@ def reality_loop(study: Study, case: Case, weeks: Sequence[str], days: int | Non
     return loop_of(study, case, together)
 
 
-def simulate(loop: Loop | OutsideLoop, study: Study, setpoint_C: float) -> Reality:
-    """Run the first member of the study's ensemble through the loop; raise `SimulationError`."""
+def simulate(
+    loop: Loop | OutsideLoop, study: Study, setpoint_C: float, believed: Loop | OutsideLoop | None = None
+) -> Reality:
+    """Run the first member of the study's ensemble through the loop; raise `SimulationError`.
+
+    What drives the room is recorded as the loop `believed` has it, by default as it is.
+    """
     (simulated,) = loop.weeks(setpoint_C, ensemble.starts(study.ensemble)[:1], trace=True)
+    return happened(loop, simulated, study, setpoint_C, believed or loop)
+
+
+def happened(
+    loop: Loop | OutsideLoop, simulated: Week, study: Study, setpoint_C: float, believed: Loop | OutsideLoop
+) -> Reality:
+    """Return what a simulated week shows, without its first day."""
     week = member_week(loop, simulated, setpoint_C, study)
-    channels = week.channels | _of_surroundings(loop) | _readings(loop, week.channels)
+    channels = week.channels | surroundings(believed) | _readings(loop, week.channels)
     channels["setpoint_C"] = np.full(len(simulated.trace), setpoint_C)
     day = round(DAY_S / loop.driven.step_s)
     kept = {name: values[day:] for name, values in channels.items()}
@@ -96,8 +108,8 @@ def _first_days(record: WeatherRecord, days: int | None) -> WeatherRecord:
     return replace(record, outdoor_C=record.outdoor_C[:count], irradiance_W_m2=irradiance, sky_C=sky_C)
 
 
-def _of_surroundings(loop: Loop | OutsideLoop) -> dict[str, FloatArray]:
-    """Return outdoor temperature, the sun's heat, and the inputs that the room has a known name for.
+def surroundings(loop: Loop | OutsideLoop) -> dict[str, FloatArray]:
+    """Return what drives the room: supply, outdoor air, the sun's heat, and inputs that it has a known name for.
 
     The sun's heat is what the room's input matrix makes of the irradiance: all that reaches its nodes [W].
     """
@@ -107,6 +119,7 @@ def _of_surroundings(loop: Loop | OutsideLoop) -> dict[str, FloatArray]:
         inputs, _ = room.drive(driven.weather)
         without_sun, _ = room.drive(replace(driven.weather, irradiance_W_m2=dark))
     found = {
+        "supply_C": driven.supply_C,
         "outdoor_C": driven.weather.outdoor_C,
         "solar_gain_W": (inputs - without_sun) @ room.input_matrix.sum(axis=0),
     }

@@ -29,6 +29,14 @@ class DatasetTable(Parameters):
     inputs: tuple[str, ...] = parameter(
         (), unit="", description="channels that are assumed rather than measured", source=USER, strict=False
     )
+    room_tolerance: float = parameter(
+        1.0,
+        unit="1",
+        description="factor on how far the room may lie from what is known of it; above 1 for a rough guess",
+        source=USER,
+        ge=0.1,
+        le=20.0,
+    )
     file: str | None = parameter(
         None, unit="", description="data file, if it is not data.csv or data.parquet beside dataset.toml", source=USER
     )

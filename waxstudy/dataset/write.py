@@ -17,20 +17,24 @@ from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.measure import Instruments, measure
 from waxstudy.dataset.reality import Reality
 from waxstudy.results.atomic import whole_file, whole_folder
-from waxstudy.study.model import Case, Study
+from waxstudy.study.model import Case, Choice, Study
 
 ORIGIN = f"a room simulated by waxstudy {__version__} with its own control chain, as instruments would show it"
 
 
 @dataclass(frozen=True)
 class Telling:
-    """What is told of a reality: the case that it is, the one that the modeller believes, and in which weeks."""
+    """What is told of a reality: the case that it is, the one that the modeller believes, and in which weeks.
+
+    `effects` are those that the reality has besides; of them, the case has what is in its chain.
+    """
 
     study: Study
     case: Case
     believed: Case
     weeks: Sequence[str]
     setpoint_C: float
+    effects: Sequence[Choice] = ()
 
     def nominal(self) -> dict[str, Any]:
         return _configuration(self.believed) | {"setpoint_C": self.setpoint_C}
@@ -94,10 +98,12 @@ def described(name: str, telling: Telling, names: Sequence[str], instruments: In
 def truth_of(name: str, telling: Telling, reality: Reality, instruments: Instruments) -> dict[str, Any]:
     """Return what the dataset is to be judged by."""
     study = telling.study
+    effects = [{"name": e.component.name, "parameters": e.parameters.model_dump()} for e in telling.effects]
     return {
         "dataset": name,
         "case": telling.case.id,
         "believed": telling.believed.id,
+        **({"effects": effects} if effects else {}),
         "steps": telling.steps(),
         "differences": telling.differences(),
         "true_configuration": _configuration(telling.case),

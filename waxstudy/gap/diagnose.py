@@ -99,7 +99,7 @@ def _selections(work: _Work, cut: Sequence[Link], tick: Tell) -> Iterator[Select
             tick(name, done / total)
 
         tick(link.name, done / total)
-        fitter = Fitter(link, work.record, work.belief, work.thorough)
+        fitter = Fitter(link, work.record, work.belief, work.thorough, work.dataset.room_tolerance)
         yield select(fitter, effects, work.seed + place, step)
         done = first + len(effects) + 1
 
@@ -130,7 +130,7 @@ def _assembled(
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
         next_measurements=list(next_measurements(cut, found, untestable, work.record)),
-        warnings=list(work.dataset.warnings),
+        warnings=[*work.dataset.warnings, *_withdrawn(selections)],
         assumptions=[*work.dataset.assumptions, *_readings(selections)],
         departures=_departures(selections),
         parts=_parts(work),
@@ -291,6 +291,11 @@ def _waterfall(selection: Selection) -> Iterator[Step]:
 
 def _readings(selections: Sequence[Selection]) -> list[str]:
     return [s.before.reading.words for s in selections if s.before.reading.words and len(s.fitter.link.readings) > 1]
+
+
+def _withdrawn(selections: Sequence[Selection]) -> list[str]:
+    names = [found.effect.name for selection in selections for found in selection.withdrawn]
+    return [f"{name} fitted the first days, but the last days do not confirm it: it is not claimed" for name in names]
 
 
 def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:

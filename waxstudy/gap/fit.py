@@ -50,10 +50,12 @@ class Fitted:
 class Fitter:
     """Fits hypotheses to one link, always from the same belief."""
 
-    def __init__(self, link: Link, record: Record, belief: Belief, thorough: float = 1.0) -> None:
+    def __init__(
+        self, link: Link, record: Record, belief: Belief, thorough: float = 1.0, room_tolerance: float = 1.0
+    ) -> None:
         self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
         self.judge = Judge(link, record, belief)
-        self.unknowns = unknowns(belief, record) if link.with_room else []
+        self.unknowns = unknowns(belief, record, room_tolerance) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
 
     # --- one hypothesis at given values ---

@@ -41,7 +41,7 @@ def _response(record: Record, belief: Belief, channel: str, signal: FloatArray) 
     assert belief.inputs
     inputs, parts = coarsened(belief.inputs, record.interval_s)
     flow = signal if channel == "flow_L_h" else _flow(record, belief, channel, signal)
-    found = respond(driven_by(built(belief.room), inputs), means(flow, parts), float(np.mean(inputs.air_C)))
+    found = respond(driven_by(built(belief.room), inputs), inputs, means(flow, parts))
     return found["water_heat_W"], found["air_C"]
 
 

@@ -172,20 +172,30 @@ class Link:
 
 
 def links(record: Record, belief: Belief) -> list[Link]:
-    """Return the links that a record can be cut into; a missing channel merges its neighbours into one."""
-    found, since = [], "sensor"
+    """Return the links that a record can be cut into; a missing channel merges its neighbours into one.
+
+    Where no controller is believed or no setpoint known, the first recorded channel behind it drives what follows.
+    """
+    found: list[Link] = []
+    since: str | None = "sensor"
     driven_by = "sensor_temperature_C" if record.has("sensor_temperature_C") else record.air_channel
     for kind in CHAIN[1:]:
-        if _tapped(record, belief, kind):
+        if since is not None and record.has(SHOWN[kind]):
             stages = CHAIN[CHAIN.index(since) : CHAIN.index(kind) + 1]
-            found.append(_link(record, stages, driven_by, SHOWN[kind]))
-            since, driven_by = _next(kind), SHOWN[kind]
+            if belief.blocks and (since != "sensor" or _is_driven(record, belief)):
+                found.append(_link(record, stages, driven_by, SHOWN[kind]))
+            since, driven_by = _after(kind), SHOWN[kind]
     room = tuple(channel for channel in ROOM_CHANNELS if record.has(channel))
-    if room and belief.room and all(record.has(c) for c in ("outdoor_temperature_C", "supply_temperature_C")):
-        rest = CHAIN[CHAIN.index(since) :] if since in CHAIN else ()
+    if room and belief.room and belief.inputs and (since != "sensor" or _is_driven(record, belief)):
+        rest = CHAIN[CHAIN.index(since) :] if since is not None else ()
         link = _link(record, (*rest, *ROOM_STAGES), driven_by, *room)
         found.append(replace(link, readings=tuple(_with_sun(link.readings, belief.room, record))))
     return found
+
+
+def _is_driven(record: Record, belief: Belief) -> bool:
+    """Whether a controller is believed and its setpoint known."""
+    return "controller" in belief.blocks and record.has("setpoint_C")
 
 
 def _link(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str) -> Link:
@@ -195,6 +205,12 @@ def _link(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str)
     return Link(stages, driven_by, (*seen, *judged), readings=(AFTER, BEFORE, RAW))
 
 
+def _after(kind: str) -> str | None:
+    """Return the kind of block that gets what one of a kind gives, None behind the valve."""
+    place = CHAIN.index(kind) + 1
+    return CHAIN[place] if place < len(CHAIN) else None
+
+
 def _with_sun(readings: tuple[Reading, ...], room: Choice, record: Record) -> Iterator[Reading]:
     """Yield each reading with each way to mean the sun's heat, where there is any."""
     assert issubclass(room.component, Room)
@@ -202,18 +218,6 @@ def _with_sun(readings: tuple[Reading, ...], room: Choice, record: Record) -> It
     for reading in readings:
         for words, factor in (factors or {"": 1.0}).items():
             yield replace(reading, words=" ".join(filter(None, (reading.words, words))), solar_factor=factor)
-
-
-def _next(kind: str) -> str:
-    place = CHAIN.index(kind) + 1
-    return CHAIN[place] if place < len(CHAIN) else "emitter"
-
-
-def _tapped(record: Record, belief: Belief, kind: str) -> bool:
-    """Whether the record shows what comes out of the blocks up to a kind."""
-    if kind == "controller" and not record.has("control_output"):
-        return False
-    return record.has(SHOWN[kind])
 
 
 def _chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
@@ -243,7 +247,7 @@ def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, solar_fa
     coarse = replace(coarse, solar_W=solar_factor * coarse.solar_W)
     driven = driven_by(built(belief.room), coarse)
     flow = means(flow_L_h, parts)
-    found = respond(driven, flow, float(np.mean(coarse.air_C)))
+    found = respond(driven, coarse, flow)
     merged = max(1, round(JUDGED_S / coarse.interval_s))
     shown = {}
     for channel, output in OF_ROOM.items():

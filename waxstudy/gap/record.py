@@ -123,9 +123,8 @@ class Record:
 
     @property
     def can_be_cut(self) -> bool:
-        """Whether there is a room temperature and a setpoint, which every cut begins from."""
-        temperatures = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")
-        return self.has("setpoint_C") and any(self.has(name) for name in temperatures)
+        """Whether there is a room temperature, which every cut begins from."""
+        return any(map(self.has, ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")))
 
     @property
     def has_inputs(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from math import inf
 from typing import Any, Literal
 
 import pandas as pd
@@ -44,6 +45,22 @@ class StageGap:
     autocorrelation: float  # of the error, from one sample to the next
     separate_by: str = ""  # the channel that would tell merged stages apart
 
+    @property
+    def over_floor(self) -> float:
+        """The gap in units of its noise floor; infinite above a floor of nothing."""
+        return _over(self.gap, self.noise_floor)
+
+    def regime_over_floor(self, regime: Regime) -> float:
+        return _over(regime.gap, self.noise_floor)
+
+    def described(self) -> dict[str, Any]:
+        regimes = [{**asdict(each), "over_floor": self.regime_over_floor(each)} for each in self.regimes]
+        return {**_of(self), "over_floor": self.over_floor, "regimes": regimes}
+
+
+def _over(gap: float, floor: float) -> float:
+    return gap / floor if floor > 0.0 else (inf if gap > 0.0 else 0.0)
+
 
 @dataclass(frozen=True)
 class FoundEffect:
@@ -73,6 +90,11 @@ class Unexplained:
     p: float
     is_room_form: bool = False  # the form of the room's model, which alone is no finding
     is_covered: bool = False  # within what the believed model's published uncertainty covers
+    channel: str = ""  # that it is judged by
+
+    @property
+    def is_finding(self) -> bool:
+        return not (self.is_room_form or self.is_covered)
 
 
 @dataclass(frozen=True)
@@ -146,18 +168,14 @@ class Diagnosis:
     traces: pd.DataFrame = field(repr=False, default_factory=pd.DataFrame)
 
     def described(self) -> dict[str, Any]:
-        """The diagnosis as JSON has it, without its traces."""
-        return {name: value for name, value in _plain(self).items() if name != "traces"}
-
-
-def _plain(diagnosis: Diagnosis) -> dict[str, Any]:
-    values = {name: value for name, value in vars(diagnosis).items() if name != "traces"}
-    return {name: _of(value) for name, value in values.items()}
+        """The diagnosis as JSON has it, without its traces; figures may be no number or infinite."""
+        values = {name: _of(value) for name, value in vars(self).items() if name != "traces"}
+        return {**values, "stages": [stage.described() for stage in self.stages]}
 
 
 def _of(value: Any) -> Any:
     if hasattr(value, "__dataclass_fields__"):
-        return asdict(value)
+        return {name: _of(each) for name, each in vars(value).items()}
     if isinstance(value, Mapping):
         return {key: _of(each) for key, each in value.items()}
     if isinstance(value, list | tuple):

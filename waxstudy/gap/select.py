@@ -9,7 +9,7 @@ import numpy as np
 
 from waxstudy.gap.fit import EffectType, Fitted, Fitter
 from waxstudy.gap.floor import Floor
-from waxstudy.gap.judge import FIT, SELECT
+from waxstudy.gap.judge import FIT, SELECT, SHRINK
 from waxstudy.gap.stray import is_covered
 from waxstudy.plugin import FloatArray
 
@@ -21,6 +21,7 @@ LEAST_GAIN = 10.0  # whitened
 MOST_EFFECTS = 3
 ALIKE = 9.0  # difference of loss at which two effects cannot be told apart, in units of what is left
 DRAWS = 400
+CONFIRMED = 0.25  # of the square of a gap that an effect must take away on days that nobody looked at
 PAIRED = 3  # effects that others are tried beside, where none is enough alone
 
 Tick = Callable[[str], None]
@@ -74,6 +75,7 @@ class Selection:
     found: tuple[Found, ...]
     tried: tuple[Candidate, ...]  # of the first round
     floor: Floor
+    withdrawn: tuple[Found, ...] = ()  # accepted, but not confirmed by the last part
 
     @property
     def before(self) -> Fitted:
@@ -111,7 +113,13 @@ class _Search:
                 break
             current = best.fitted
         models = self.models(found)
-        return Selection(self.fitter, models, tuple(found), tuple(first), Floor.of(self.fitter, models[-1]))
+        withdrawn: list[Found] = []
+        while doubtful := unconfirmed(found, models):
+            withdrawn.append(doubtful)
+            found.remove(doubtful)
+            models = self.models(found)
+        floor = Floor.of(self.fitter, models[-1])
+        return Selection(self.fitter, models, tuple(found), tuple(first), floor, tuple(withdrawn))
 
     def models(self, found: Sequence[Found]) -> tuple[Fitted, ...]:
         """Return the believed model and those with one more effect each, fitted to both first parts."""
@@ -178,6 +186,16 @@ class _Search:
     def found(self, best: Candidate, candidates: Sequence[Candidate], current: Fitted) -> Found:
         group = alike(best, candidates)
         return Found(best, group, inclusion(group, candidates, current, self.random))
+
+
+def unconfirmed(found: Sequence[Found], models: Sequence[Fitted]) -> Found | None:
+    """Return an effect that hardly shrinks its channel's gap on the last part, the last such, or None."""
+    for each, before, after in zip(reversed(found), reversed(models[:-1]), reversed(models[1:]), strict=True):
+        old, new = (next(e for e in m.errors if e.channel == each.candidate.channel) for m in (before, after))
+        had, left = old.gap(SHRINK), new.gap(SHRINK)
+        if (old.judged & (old.part == SHRINK)).any() and left**2 > (1.0 - CONFIRMED) * had**2:
+            return each
+    return None
 
 
 def shared(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[str, float, float]:

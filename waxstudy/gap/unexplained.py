@@ -37,7 +37,8 @@ def _described(selection: Selection, errors: Errors, floor: float, p: float) -> 
     stage = stage_of(selection, errors.channel)
     is_room = selection.fitter.link.with_room
     form = is_room and errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0)
-    return Unexplained(stage, errors.gap(), floor, p, form, not is_room and is_covered(selection, errors))
+    covered = not is_room and is_covered(selection, errors)
+    return Unexplained(stage, errors.gap(), floor, p, form, covered, errors.channel)
 
 
 def _p(errors: Errors, threshold: float, random: np.random.Generator) -> float:

@@ -12,7 +12,8 @@ from waxstudy.plugin import Belief, Inputs, Room, Uncertainty
 # chosen: how well gains are known that nobody measured, as logarithms of a factor
 ASSUMED_GAINS, ASSUMED_SUN = 0.15, 0.12
 MEASURED_GAINS, MEASURED_SUN = 0.05, 0.07
-GAINS, SUN = "internal gains", "solar gain"
+GAINS, SUN, START = "internal gains", "solar gain", "start"
+START_K = 0.5  # nobody knows the weather before the record
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Unknown:
     apply: Callable[[Belief, float], Belief]
 
 
-def unknowns(belief: Belief, record: Record) -> list[Unknown]:
+def unknowns(belief: Belief, record: Record, tolerance: float = 1.0) -> list[Unknown]:
     """Return what the room says of itself, and how well its gains are known."""
     found = []
     room = belief.room
@@ -39,7 +40,8 @@ def unknowns(belief: Belief, record: Record) -> list[Unknown]:
     if record.has("solar_gain_W"):
         sd = ASSUMED_SUN if "solar_gain_W" in record.assumed else MEASURED_SUN
         found.append(Unknown(SUN, sd, _scaled(lambda inputs, factor: replace(inputs, solar_W=factor * inputs.solar_W))))
-    return found
+    found.append(Unknown(START, START_K, _started))
+    return [replace(unknown, sd=tolerance * unknown.sd) for unknown in found]
 
 
 def _of_room(uncertainty: Uncertainty) -> Unknown:
@@ -48,6 +50,11 @@ def _of_room(uncertainty: Uncertainty) -> Unknown:
         return replace(belief, room=uncertainty.apply(belief.room, departure))
 
     return Unknown(uncertainty.name, uncertainty.sd, apply)
+
+
+def _started(belief: Belief, departure: float) -> Belief:
+    assert belief.inputs
+    return replace(belief, inputs=replace(belief.inputs, start_K=departure))
 
 
 def _scaled(edit: Callable[[Inputs, float], Inputs]) -> Callable[[Belief, float], Belief]:

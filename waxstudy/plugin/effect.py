@@ -30,6 +30,7 @@ class Inputs:
     flow_L_h: FloatArray | None = None  # through the circuit, where it was recorded
     neighbour_C: FloatArray | None = None
     extra_W: FloatArray | None = None  # heat that an effect gives to the air
+    start_K: float = 0.0  # how much warmer all of the room is at the start than the first day, repeated, would make it
 
     @property
     def hour(self) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -95,7 +95,7 @@ class PageTable:
 def _grouped(content: Content) -> tuple[list[PageTable], list[PageTable], list[PageTable]]:
     """The tables in the order of `render.tables`: one per week, then those of the other side, then activation."""
     other = content.against.name if content.against else None
-    shown = [page_table(content.run, table, other) for table in tables(content)]
+    shown = [page_table(table, starts_of(content.run), other) for table in tables(content)]
     weeks = len(content.run.weeks)
     after = weeks + (len(content.against.tables()) if content.against else 0)
     groups = shown[:weeks], shown[weeks:after], shown[after:]
@@ -103,12 +103,16 @@ def _grouped(content: Content) -> tuple[list[PageTable], list[PageTable], list[P
     return comparison, against, activation
 
 
-def page_table(run: Run, table: Table, published: str | None = None) -> PageTable:
-    """Return a table as it is shown; columns whose heading is `published` are dim."""
+def starts_of(run: Run) -> set[str]:
+    """The cases that ladders start with."""
+    return {ladder.cases[0] for ladder in run.ladders}
+
+
+def page_table(table: Table, starts: Collection[str] = (), published: str | None = None) -> PageTable:
+    """Return a table as it is shown: a line above the rows that `starts` names, columns headed `published` dim."""
     title, headings, rows = table
     columns = list(zip(*rows, strict=True)) or [()] * len(headings)
     styles = [_style(heading, column, published) for heading, column in zip(headings, columns, strict=True)]
-    starts = {ladder.cases[0] for ladder in run.ladders}
     return PageTable(
         _heading(title),
         [Cell(text, style) for text, style in zip(headings, styles, strict=True)],

@@ -79,22 +79,23 @@ def driven_by(room: LinearRoom, inputs: Inputs, step_s: float | None = None) -> 
     return drive(recorded_room(room, inputs), weather_of(inputs), inputs.interval_s / parts, tolerance_K=0.0)
 
 
-def respond(driven: DrivenRoom, flow_L_h: FloatArray, start_C: float) -> dict[str, FloatArray]:
+def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[str, FloatArray]:
     """Return what a room does with a recorded flow (n,): `ROOM_OUTPUTS` at the end of each interval, and the heat.
 
     `water_heat_W` is the mean over the interval, `return_C` its mean, NaN without flow. The first day is repeated for a
-    week before, from `start_C` everywhere.
+    week before, then all of the room is `inputs.start_K` warmer.
     """
     room, n = driven.room, len(driven.supply_C)
     fraction = np.clip(np.asarray(flow_L_h, dtype=float) / room.full_flow_L_h, 0.0, None)
     exchange = np.array(room.floor_conductance_W_K(fraction), dtype=float)
-    modes = driven.to_modes @ np.full(len(room.nodes), start_C)
+    modes = driven.to_modes @ np.full(len(room.nodes), float(np.mean(inputs.air_C)))
     out = np.zeros((n, len(ROOM_OUTPUTS) + 1))
     first = min(n, round(DAY_S / driven.weather.interval_s))
     parts = driven.steps_per_interval
     run = compiled()
     for _ in range(7):
         _run(run, driven, exchange, modes, parts, out, first)
+    modes += driven.to_modes @ np.full(len(room.nodes), inputs.start_K)
     _run(run, driven, exchange, modes, parts, out, n)
     found = {name: out[:, place] for place, name in enumerate(ROOM_OUTPUTS)} | {"water_heat_W": out[:, -1]}
     stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K

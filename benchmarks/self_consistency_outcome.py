@@ -1,0 +1,137 @@
+"""One record of `benchmarks.self_consistency`: made, diagnosed, and held against what is true of it."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from benchmarks.self_consistency_records import Made, study
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.effects import applied, with_effects
+from waxstudy.dataset.measure import Instruments
+from waxstudy.dataset.read import Dataset, read_dataset
+from waxstudy.dataset.write import Telling, write
+from waxstudy.gap.diagnose import diagnose, installed_effects, record_of
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.judge import Errors, Judge
+from waxstudy.gap.links import Link, Reading, links
+from waxstudy.gap.record import Record
+from waxstudy.gap.result import Diagnosis
+from waxstudy.plugin import Belief, Choice, Effect
+
+THOROUGH = 4.0  # times the points that a diagnosis looks at first: an alike effect must not be missed here
+NOTHING = dict.fromkeys(CHANNELS, 0.0)
+
+
+def outcome(made: Made) -> dict[str, Any]:
+    """Return what is true of a record and what the diagnosis says of it."""
+    seen, free = datasets(made)
+    begin = time.perf_counter()
+    diagnosis = diagnose(seen)
+    told = {
+        "name": made.name,
+        "case": made.case,
+        "effect": made.effect,
+        "severity": made.severity,
+        "true": dict(made.values),
+        "verdict": diagnosis.verdict,
+        "found": [found_as_told(found.name, diagnosis) for found in diagnosis.effects],
+        "unexplained": [u.stage for u in diagnosis.unexplained if not (u.is_room_form or u.is_covered)],
+        "seconds": time.perf_counter() - begin,
+    }
+    return told | (judged(made, seen, free, diagnosis) if made.effect else {})
+
+
+def found_as_told(name: str, diagnosis: Diagnosis) -> dict[str, Any]:
+    found = next(each for each in diagnosis.effects if each.name == name)
+    parameters = {key: [each.value, each.low, each.high] for key, each in found.parameters.items()}
+    return {"name": name, "group": list(found.group), "parameters": parameters}
+
+
+def datasets(made: Made) -> tuple[Dataset, Dataset]:
+    """Return a reality as instruments show it, and without noise."""
+    ours, weeks, setpoint_C = study(), list(made.weeks), study().comfort.setpoint_C + made.shift_K
+    case, reality = with_effects(ours, ours.cases[made.case], weeks, None, setpoint_C, made.effects)
+    telling = Telling(ours, case, ours.cases[made.case], weeks, setpoint_C, made.effects)
+    with tempfile.TemporaryDirectory() as place:
+        for name, instruments in (
+            ("seen", Instruments(seed=made.seed)),
+            ("free", Instruments(noise=NOTHING, resolution=NOTHING)),
+        ):
+            write(Path(place) / name, telling, reality, instruments)
+        return read_dataset(Path(place) / "seen"), read_dataset(Path(place) / "free")
+
+
+def judged(made: Made, seen: Dataset, free: Dataset, diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the size of the true gap, and whether the diagnosis is right.
+
+    Right is one effect or group: it holds the true one, and no other that the record without noise tells from it.
+    """
+    size = Size.of(made.effects, seen, free)
+    groups = [found.group for found in diagnosis.effects]
+    others = [name for group in groups for name in group if name != made.effect]
+    told_apart = [name for name in others if size.tells_apart(name)]
+    right = len(groups) == 1 and made.effect in groups[0] and not told_apart
+    told = {"channel": size.channel, "gap": size.gap, "floor": size.floor, "beyond": size.beyond}
+    return told | {"told_apart": told_apart, "right": right}
+
+
+@dataclass(frozen=True)
+class Size:
+    """A true gap beside its noise floor, of the channel where it stands out most.
+
+    The gap is what the belief misses of the record without noise, driven by it; the floor what the truth itself misses
+    of the noisy record, driven by that. Both at the link where the effect acts, the first six hours left out.
+    """
+
+    channel: str
+    gap: float
+    floor: float
+    floors: Mapping[str, float]
+    link: Link
+    record: Record  # without noise
+    belief: Belief
+
+    @classmethod
+    def of(cls, effects: Sequence[Choice], seen: Dataset, free: Dataset) -> Size:
+        noisy = record_of(seen)
+        record = replace(record_of(free), stated_noise=noisy.noise)  # judged with the same weights
+        belief, noisy_belief = (Belief(free.nominal, free.room, each.inputs) for each in (record, noisy))
+        effect = effects[0].component
+        assert issubclass(effect, Effect)
+        link = next(each for each in links(noisy, noisy_belief) if effect.stage in each.stages)
+        truth = applied(effects, belief)
+        reading = min(link.readings, key=lambda each: sum(e.loss() for e in missed(link, record, truth, each)))
+        floors = gaps(missed(link, noisy, applied(effects, noisy_belief), reading))
+        true_gaps = gaps(missed(link, record, belief, reading))
+        channel = max(true_gaps, key=lambda name: true_gaps[name] / floors[name])
+        return cls(channel, true_gaps[channel], floors[channel], floors, link, record, belief)
+
+    @property
+    def beyond(self) -> float:
+        """Largest gap over its floor once what nobody knows of the room is fitted; at other links nothing is."""
+        left = gaps(Fitter(self.link, self.record, self.belief).base.errors)
+        return max(left[channel] / self.floors[channel] for channel in left)
+
+    def tells_apart(self, name: str) -> bool:
+        """Whether an effect, fitted to the record without noise, leaves more of some channel than noise would."""
+        effect = next((each for each in installed_effects() if each.name == name), None)
+        if effect is None or effect.stage not in self.link.stages:
+            return True
+        fitter = Fitter(self.link, self.record, self.belief, thorough=THOROUGH)
+        fitted = fitter.fit(effect, fitter.base)
+        left = gaps(fitted.errors) if fitted else {}
+        return not left or any(left[channel] > self.floors[channel] for channel in left)
+
+
+def missed(link: Link, record: Record, belief: Belief, reading: Reading) -> list[Errors]:
+    return Judge(link, record, belief).errors(link.predict(record, belief, reading))
+
+
+def gaps(errors: Iterable[Errors]) -> dict[str, float]:
+    """Return the gap of each channel; a floor of nothing at all would make any gap a large one."""
+    return {each.channel: max(each.gap(), 1e-9) for each in errors}

@@ -1,0 +1,276 @@
+"""Made-up diagnoses, one of each verdict, as a record of two weeks with all channels would give."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.gap.result import (
+    BeforeAfter,
+    Diagnosis,
+    FoundEffect,
+    Interval,
+    Measurement,
+    Regime,
+    StageGap,
+    Step,
+    Tried,
+    Unexplained,
+    Untestable,
+)
+
+DAYS, PER_DAY = 4, 1440
+
+
+def traces(letting_by_L_h: float = 4.0) -> pd.DataFrame:
+    """Cycles of an actuator behind a valve that lets water by, more on the third day."""
+    random = np.random.default_rng(5)
+    time = pd.date_range("2024-01-15 00:01", periods=DAYS * PER_DAY, freq="min")
+    hour = np.arange(len(time)) / 60.0
+    displacement = np.clip(1.5 * np.sin(2.0 * np.pi * hour / 5.0), 0.0, 1.0)
+    believed = 58.0 * displacement**0.4
+    by = letting_by_L_h * np.where(hour // 24 == 2, 2.0, 1.0)
+    flow = np.where(displacement > 0.0, believed, 0.0) + by * (displacement < 0.3)
+    seen = displacement + random.normal(0.0, 0.01, len(hour))
+    values = {
+        "flow_L_h": (
+            flow + random.normal(0.0, 1.0, len(hour)),
+            believed,
+            believed + letting_by_L_h * (displacement < 0.3),
+        ),
+        "displacement": (seen, np.roll(displacement, 6), np.roll(displacement, 1)),
+        "heating_signal": (
+            (displacement > 0.5) * 1.0,
+            (np.roll(displacement, 2) > 0.5) * 1.0,
+            (displacement > 0.5) * 1.0,
+        ),
+    }
+    columns = {
+        f"{channel}_{what}": column
+        for channel, columns in values.items()
+        for what, column in zip(("measured", "before", "after"), columns, strict=True)
+    }
+    frame = pd.DataFrame(columns, index=pd.DatetimeIndex(time, name="time"))
+    frame["air_temperature_C_measured"] = np.where(np.arange(len(time)) % 15 == 14, 21.0 + np.sin(hour / 4.0), np.nan)
+    frame["air_temperature_C_before"] = frame["air_temperature_C_measured"] + 0.05
+    frame["air_temperature_C_after"] = frame["air_temperature_C_measured"] + 0.04
+    return frame
+
+
+SIGNAL = StageGap(
+    "sensor+controller",
+    "heating_signal",
+    "s",
+    31.4,
+    31.4,
+    28.7,
+    {"heat_percent": 0.12, "air_K": 0.004},
+    (Regime("switching on", 30.1, 0.46), Regime("switching off", 32.9, 0.54)),
+    0.08,
+    "control_output",
+)
+MOTOR = StageGap(
+    "actuator",
+    "displacement",
+    "1",
+    0.0312,
+    0.0312,
+    0.0118,
+    {"heat_percent": -0.43, "air_K": 0.012},
+    (
+        Regime("rise", 0.0521, 0.51),
+        Regime("fall", 0.0388, 0.33),
+        Regime("dead", 0.0221, 0.07),
+        Regime("after a long pause", 0.0431, 0.061),
+        Regime("undercool", 0.0121, 0.04),
+        Regime("hold", 0.0119, 0.03),
+        Regime("overheat", 0.0117, 0.02),
+    ),
+    0.93,
+)
+VALVE = StageGap(
+    "valve",
+    "flow_L_h",
+    "L/h",
+    5.234,
+    1.318,
+    1.083,
+    {"heat_percent": 6.82, "air_K": 0.231},
+    (
+        Regime("undercool", 16.91, 0.83),
+        Regime("fall", 8.42, 0.14),
+        Regime("rise", 3.42, 0.02),
+        Regime("overheat", 1.22, 0.006),
+        Regime("hold", 1.19, 0.004),
+    ),
+    0.97,
+)
+ROOM = StageGap(
+    "emitter+room",
+    "air_temperature_C",
+    "K",
+    0.0831,
+    0.0812,
+    0.0711,
+    {"heat_percent": 0.31, "air_K": 0.0831},
+    (Regime("heating", 0.0802, 0.4), Regime("sun", 0.1011, 0.35), Regime("night", 0.0713, 0.25)),
+    0.88,
+    "return_temperature_C",
+)
+LET_BY = FoundEffect(
+    "let-by",
+    "valve",
+    "The valve lets 7.1 % of its flow through when it is closed.",
+    ("let-by",),
+    {"fraction": Interval(0.0712, 0.0688, 0.0741)},
+    0.985,
+    0.0025,
+    "flow_L_h",
+    5.187,
+    1.402,
+    1.083,
+    Interval(0.9297, 0.9012, 0.9544),
+)
+REST = [
+    ("let-by", "valve", 21_412.0, 0.0025, 0.97),
+    ("stuck-open", "valve", 20_987.0, 0.0025, 0.95),
+    ("quick-opening", "valve", 812.4, 0.041, 0.11),
+    ("max-flow", "valve", -12.1, 0.62, -0.04),
+    ("wax-motor", "actuator", 611.0, 0.0025, 0.43),
+    ("slow-actuator", "actuator", 402.5, 0.0125, 0.31),
+    ("limited-travel", "actuator", -3.0, 0.92, 0.0),
+    ("sensor-delay", "sensor", 4.2, 0.31, 0.04),
+    ("sensor-lag", "sensor", 3.9, 0.33, 0.03),
+    ("dead-band", "controller", 1.1, 0.55, 0.01),
+    ("solar-factor", "room", 7.7, 0.11, 0.08),
+    ("thermal-mass", "room", 5.1, 0.16, 0.05),
+    ("infiltration", "room", 4.0, 0.21, -0.41),
+]
+NO_PUMP = "the supply was at one temperature throughout"
+EFFECT = Diagnosis(
+    dataset="room-7",
+    verdict="effect",
+    summary="The valve lets water by when it is closed; this explains 93 % of what the flow is off by.",
+    stages=(SIGNAL, MOTOR, VALVE, ROOM),
+    effects=(LET_BY,),
+    unexplained=(Unexplained("actuator", 0.0312, 0.0118, 0.0025, is_covered=True, channel="displacement"),),
+    untestable=(
+        Untestable("pipe-delay", NO_PUMP),
+        Untestable("supply-offset", "return_temperature_C was not recorded"),
+        Untestable("floor-cover", "return_temperature_C was not recorded"),
+        Untestable("neighbour-heat", "neighbour_temperature_C was not recorded"),
+    ),
+    tried=tuple(Tried(*each) for each in REST),
+    closed_loop={
+        "heat_kWh_m2": BeforeAfter(2.312, 2.071, 2.304),
+        "air_mean_C": BeforeAfter(21.113, 20.987, 21.104),
+        "air_mae_K": BeforeAfter(0.0, 0.1277, 0.0113),
+        "cycles_per_day": BeforeAfter(4.643, 5.286, 4.714),
+        "open_h_per_day": BeforeAfter(10.21, 11.84, 10.33),
+        "setpoint_shift_K": BeforeAfter(0.0, 0.1301, 0.0089),
+        "heat_percent": BeforeAfter(0.0, -10.424, -0.346),
+    },
+    waterfall=(Step("flow_L_h", "L/h", "", 5.187), Step("flow_L_h", "L/h", "let-by", 1.402)),
+    next_measurements=(Measurement("return_temperature_C at the circuit", ("supply-offset", "floor-cover")),),
+    warnings=("flow_L_h: 0.3 % of the samples are missing.",),
+    assumptions=(
+        "The solar gain was estimated, not measured.",
+        "The sensor temperature was logged as the controller reads it.",
+    ),
+    departures={"internal gains": 0.41, "solar gain": -1.13, "infiltration": 0.02, "heat capacity": 2.61},
+    parts={
+        "fit": ("2024-01-15", "2024-01-20"),
+        "select": ("2024-01-20", "2024-01-24"),
+        "shrinkage": ("2024-01-25", "2024-01-28"),
+    },
+    seed=1,
+    is_quick=False,
+    traces=traces(),
+)
+MOTOR_FOUND = FoundEffect(
+    "wax-motor",
+    "actuator",
+    "The actuator behaves like a wax motor.",
+    ("wax-motor", "constant-times"),
+    {
+        "dead_time_s": Interval(121.0, 96.0, 143.0),
+        "rise_time_s": Interval(201.0, 181.0, 226.0),
+        "hold_time_s": Interval(62.0, math.nan, math.nan),
+        "fall_time_s": Interval(388.0, 341.0, 431.0),
+    },
+    0.91,
+    0.0025,
+    "displacement",
+    0.0312,
+    0.0141,
+    0.0118,
+    Interval(0.923, 0.81, 1.04),
+)
+TOGETHER = replace(LET_BY, group=("let-by", "stuck-open"))
+GROUP = replace(
+    EFFECT,
+    verdict="group",
+    summary="The valve never closes fully, which let-by and stuck-open explain alike; the actuator is a wax motor.",
+    effects=(TOGETHER, MOTOR_FOUND),
+    unexplained=(),
+    waterfall=(
+        *EFFECT.waterfall,
+        Step("displacement", "1", "", 0.0312),
+        Step("displacement", "1", "wax-motor", 0.0141),
+        Step("displacement", "1", "limited-travel", 0.0149),
+    ),
+    next_measurements=(
+        Measurement("displacement of the valve's stem while it is closed", ("let-by", "stuck-open")),
+        Measurement("a pause of an hour between two heating cycles", ("wax-motor", "constant-times")),
+    ),
+)
+UNKNOWN = replace(
+    EFFECT,
+    verdict="unknown",
+    summary="The room is 0.42 K off while the sun shines, and no effect of the library explains it.",
+    stages=(SIGNAL, MOTOR, replace(VALVE, gap=1.12, gap_after=1.12), replace(ROOM, gap=0.421, gap_after=0.421)),
+    effects=(),
+    unexplained=(
+        Unexplained("emitter+room", 0.421, 0.0711, 0.0025, channel="air_temperature_C"),
+        Unexplained("actuator", 0.0312, 0.0118, 0.0125, is_covered=True),
+    ),
+    tried=tuple(Tried(name, stage, gain, 0.2, min(share, 0.2)) for name, stage, gain, _, share in REST),
+    waterfall=(),
+)
+NONE = replace(
+    EFFECT,
+    verdict="none",
+    summary="What is believed and what was measured agree within the noise.",
+    stages=(SIGNAL, replace(MOTOR, gap=0.0121), replace(VALVE, gap=1.12), ROOM),
+    effects=(),
+    unexplained=(Unexplained("emitter+room", 0.0831, 0.0711, 0.0075, is_room_form=True),),
+    tried=tuple(Tried(name, stage, 1.0, 0.4, 0.02) for name, stage, *_ in REST),
+    waterfall=(),
+    next_measurements=(),
+    warnings=(),
+    closed_loop={},
+)
+UNTESTABLE = replace(
+    EFFECT,
+    verdict="untestable",
+    summary="With one channel, nothing of the loop can be judged: what drives it was not recorded.",
+    stages=(),
+    effects=(),
+    unexplained=(),
+    tried=(),
+    untestable=tuple(Untestable(name, f"{stage}: the channel before it was not recorded") for name, stage, *_ in REST),
+    waterfall=(),
+    closed_loop={},
+    departures={},
+    parts={},
+    next_measurements=(
+        Measurement("heating_signal", ("wax-motor", "slow-actuator")),
+        Measurement("flow_L_h", ("let-by",)),
+    ),
+    warnings=("The record lasts 22 hours; two weeks are needed to tell effects apart.",),
+    traces=pd.DataFrame(),
+)
+ALL = {each.verdict: each for each in (EFFECT, GROUP, UNKNOWN, NONE, UNTESTABLE)}

@@ -1,0 +1,343 @@
+"""A diagnosis as people read it: every verdict says what it found, and every figure of it can be traced."""
+
+from __future__ import annotations
+
+import doctest
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from tests.conftest import ROOT
+from tests.report.diagnoses import ALL, EFFECT, GROUP, LET_BY, MOTOR_FOUND, NONE, ROOM, UNKNOWN, UNTESTABLE, VALVE
+from tests.report.test_page import Page, browse, needs_browser
+from waxstudy.gap.result import Diagnosis, Untestable
+from waxstudy.report.diagnosis import words
+from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
+from waxstudy.report.diagnosis.page import as_html
+from waxstudy.report.diagnosis.summary import VERDICTS as VERDICT_WORDS
+from waxstudy.report.diagnosis.summary import as_terminal, lines
+from waxstudy.report.render import json_text
+
+VERDICTS = pytest.mark.parametrize("diagnosis", ALL.values(), ids=ALL)
+FIGURE = re.compile(r"(?<![\w.-])[-+]?\d+(?:\.\d+)?(?![\w.]|-\d)")
+COUNTED = re.compile(r"\d+ (?:more|other) ?")  # how many of a list are not shown
+COLOURS = re.compile(r"\x1b\[[0-9;]*m")
+
+
+def texts(value: Any) -> Iterator[str]:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from (key, *texts(item))
+    elif isinstance(value, list | tuple):
+        for item in value:
+            yield from texts(item)
+    elif isinstance(value, str):
+        yield value
+
+
+def figures(value: Any) -> Iterator[float]:
+    """Every number, and how many entries every list and table has."""
+    if isinstance(value, dict | list | tuple):
+        yield float(len(value))
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from figures(item)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield float(value)
+
+
+def is_traced(token: str, data: Any) -> bool:
+    """Whether a printed figure is one of the JSON, rounded as it is printed; a share may be in per cent."""
+    places = len(token.partition(".")[2])
+    half = 0.5 * 10.0**-places * 1.0001
+    return any(abs(float(token) - value) <= half for v in figures(data) for value in (v, 100.0 * v))
+
+
+def described(diagnosis: Diagnosis) -> Any:
+    return json.loads(json_text(diagnosis.described()))
+
+
+def untraced(text: str, data: Any) -> list[str]:
+    """Return the figures of a text that its JSON does not hold."""
+    told = {token for sentence in texts(data) for token in FIGURE.findall(sentence)}
+    counted = COUNTED.sub("", text)
+    return [token for token in FIGURE.findall(counted) if token not in told and not is_traced(token, data)]
+
+
+def page_text(text: str) -> str:
+    """The words of the page but for the last section, which explains it and has figures of its own."""
+    words = " ".join(Page(text[: text.index('<section id="reading">')] + "</main></body></html>").words)
+    return re.sub(r"with 95 % intervals|and 95 % interval", "", words)
+
+
+@VERDICTS
+def test_every_figure_of_the_summary_is_in_the_json(diagnosis: Diagnosis) -> None:
+    text = as_terminal(diagnosis, 120, colour=False)
+    assert len(FIGURE.findall(text)) > 1
+    assert untraced(text, described(diagnosis)) == []
+
+
+@VERDICTS
+def test_every_figure_of_the_page_is_in_the_json(diagnosis: Diagnosis) -> None:
+    text = page_text(as_html(diagnosis))
+    assert len(FIGURE.findall(text)) > 3
+    assert untraced(text, described(diagnosis)) == []
+
+
+def test_a_figure_that_is_not_in_the_json_would_be_noticed() -> None:
+    assert untraced("off by 5.23 L/h, of 5.24 and 93 %", described(EFFECT)) == ["5.24"]
+
+
+@VERDICTS
+def test_the_json_is_strict_and_says_everything_but_the_traces(diagnosis: Diagnosis) -> None:
+    data = json.loads(json_text(diagnosis.described()), parse_constant=lambda word: pytest.fail(word))
+    assert set(data) == set(vars(diagnosis)) - {"traces"}
+    assert data["verdict"] == diagnosis.verdict
+    assert [stage["over_floor"] for stage in data["stages"]] == [stage.over_floor for stage in diagnosis.stages]
+
+
+def test_an_interval_that_nobody_knows_is_null_in_the_json_and_left_out_in_words() -> None:
+    data = json.loads(json_text(GROUP.described()))
+    hold = data["effects"][1]["parameters"]["hold_time_s"]
+    assert hold == {"value": 62.0, "low": None, "high": None}
+    assert "hold time 62 s, fall time 388 s (341 to 431)" in flat(GROUP)
+
+
+# --- the summary -------------------------------------------------------------------------------------
+
+
+def flat(diagnosis: Diagnosis) -> str:
+    return " ".join(as_terminal(diagnosis, 120, colour=False).split())
+
+
+@VERDICTS
+def test_the_summary_takes_about_ten_lines_within_the_terminal(diagnosis: Diagnosis) -> None:
+    shown = as_terminal(diagnosis, 120, colour=False).splitlines()
+    assert len(lines(diagnosis)) <= 10 + 3 * max(0, len(diagnosis.effects) - 1)
+    assert max(map(len, shown)) <= 120
+    narrow = as_terminal(diagnosis, 60, colour=False).splitlines()
+    assert max(map(len, narrow)) <= 60
+    assert " ".join(" ".join(shown).split()[:20]) in " ".join(" ".join(narrow).split())
+
+
+@VERDICTS
+def test_the_first_two_lines_say_dataset_verdict_and_what_it_means(diagnosis: Diagnosis) -> None:
+    first, *rest = as_terminal(diagnosis, 120, colour=False).splitlines()
+    assert first.startswith("room-7: ")
+    assert " ".join(rest).startswith(diagnosis.summary)
+
+
+def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> None:
+    for told in (
+        "valve: flow is off by 5.23 L/h, 4.8 times its noise floor; as believed, heat is off by +6.8 %, air by 0.23 K",
+        "2 other channels judged: off by at most 1.2 times the noise floor",
+        "let-by: The valve lets 7.1 % of its flow through when it is closed. Fraction 0.0712 (0.0688 to 0.0741).",
+        "Found again in 98 % of resampled records; p = 0.0025.",
+        "let-by takes away 93 % (90 to 95) of the gap of flow on held-out days; in all 5.19 → 1.40 L/h, floor 1.08",
+        "heat off by -10 → -0.35 %",
+        "cycles 5.3 → 4.7 a day (measured 4.6)",
+        "actuator: displacement 0.0312, floor 0.0118, p = 0.0025: within the believed model's published uncertainty",
+        "4 effects; supply-offset, floor-cover: return_temperature_C was not recorded",
+        "return_temperature_C at the circuit; it would settle supply-offset, floor-cover",
+        "flow_L_h: 0.3 % of the samples are missing.",
+    ):
+        assert told in flat(EFFECT)
+
+
+def test_members_of_a_group_are_told_as_such() -> None:
+    assert "effects found that this record cannot tell apart" in flat(GROUP)
+    assert "This record cannot tell it from stuck-open." in flat(GROUP)
+    assert "This record cannot tell it from constant-times." in flat(GROUP)
+
+
+def test_a_gap_without_a_cause_claims_none() -> None:
+    assert "gap without a known cause" in flat(UNKNOWN)
+    assert "emitter and room: air temperature 0.421 K, floor 0.0711, p = 0.0025" in flat(UNKNOWN)
+    assert "cause" not in dict(lines(UNKNOWN))
+    assert "how far" not in dict(lines(UNKNOWN))
+
+
+def test_the_form_of_the_room_s_model_is_no_finding() -> None:
+    assert "no effect found" in flat(NONE)
+    assert "0.0831 K, floor 0.0711, p = 0.0075: the form of the room's model, alone no finding" in flat(NONE)
+
+
+def test_what_could_not_be_judged_is_not_called_free_of_gaps() -> None:
+    assert "not testable with this record" in flat(UNTESTABLE)
+    assert "nothing that stands out" not in flat(UNTESTABLE)
+    assert "No gap is left" not in page_text(as_html(UNTESTABLE))
+    assert "nothing that stands out of the noise" in flat(replace(NONE, unexplained=()))
+
+
+def test_without_days_kept_apart_the_summary_does_not_speak_of_them() -> None:
+    short = replace(EFFECT, parts={name: days for name, days in EFFECT.parts.items() if name != "shrinkage"})
+    assert "on held-out days" not in flat(short)
+    assert "where its fit has not seen" in flat(short)
+
+
+def test_colours_change_nothing_but_the_looks() -> None:
+    coloured = as_terminal(EFFECT, 120, colour=True)
+    assert "\x1b[1m" in coloured
+    plain = [line.rstrip() for line in COLOURS.sub("", coloured).splitlines()]
+    assert plain == as_terminal(EFFECT, 120, colour=False).splitlines()
+
+
+def test_a_gap_above_no_floor_is_many_times_it_and_none_is_none() -> None:
+    stages = (replace(VALVE, noise_floor=0.0), replace(ROOM, gap=0.0, noise_floor=0.0))
+    found = replace(EFFECT, stages=stages)
+    assert "flow is off by 5.23 L/h;" in flat(found)
+    assert json.loads(json_text(found.described()))["stages"][0]["over_floor"] is None
+    assert stages[1].over_floor == 0.0
+
+
+# --- what is shown first -----------------------------------------------------------------------------
+
+
+def test_found_stages_come_first_then_unexplained_ones_then_none() -> None:
+    assert [stage.channel for stage in main_stages(EFFECT)] == ["flow_L_h", "displacement"]
+    assert [stage.channel for stage in main_stages(UNKNOWN)] == ["air_temperature_C", "displacement"]
+    quiet = replace(NONE, unexplained=())
+    assert [stage.over_floor for stage in main_stages(quiet)] == [max(s.over_floor for s in quiet.stages)]
+
+
+def test_the_worst_day_is_the_one_with_the_largest_error_and_midnight_ends_a_day() -> None:
+    worst, typical = shown_days(EFFECT, "flow_L_h")
+    assert (worst.what, worst.date) == ("worst day", "2024-01-17")  # on which twice as much water is let by
+    assert typical.date != worst.date
+    assert str(worst.traces.index[-1]) == "2024-01-18 00:00:00"
+    assert len(worst.traces) == 1440
+
+
+def test_a_day_of_a_few_samples_is_not_shown() -> None:
+    scrap = EFFECT.traces.iloc[: 2 * 1440 + 60].copy()
+    scrap.iloc[2 * 1440 :, scrap.columns.get_loc("flow_L_h_before")] = 1e3
+    dates = {day.date for day in shown_days(replace(EFFECT, traces=scrap), "flow_L_h")}
+    assert "2024-01-17" in set(by_day(scrap))
+    assert dates == {"2024-01-15", "2024-01-16"}
+
+
+def test_a_record_of_one_day_shows_that_day_once() -> None:
+    (day,) = shown_days(replace(EFFECT, traces=EFFECT.traces.iloc[:1440]), "flow_L_h")
+    assert day.what == "only day"
+
+
+# --- the page ----------------------------------------------------------------------------------------
+
+
+@VERDICTS
+def test_the_page_has_its_parts_in_the_order_that_a_reader_needs(diagnosis: Diagnosis) -> None:
+    headings = Page(as_html(diagnosis)).headings
+    order = ("Diagnosis of", "Where", "Cause", "How far", "What stays open", "Measure next", "Record", "How to read")
+    places = [next(i for i, heading in enumerate(headings) if heading.startswith(start)) for start in order]
+    assert places == sorted(places)
+
+
+@VERDICTS
+def test_nothing_of_the_page_is_fetched_or_executed_and_every_id_is_its_own(diagnosis: Diagnosis) -> None:
+    text = as_html(diagnosis)
+    page = Page(text)
+    assert "http" not in text
+    assert {tag for tag, _, _ in page.attributes} & {"script", "link", "iframe", "object", "img"} == set()
+    ids = page.values("id")
+    assert len(ids) == len(set(ids))
+    references = re.findall(r"url\(#([^)]*)\)", text)
+    references += [value.removeprefix("#") for value in page.values("href") + page.values("xlink:href")]
+    assert set(references) <= set(ids)
+
+
+DRAWN = {"effect": 5, "group": 5, "unknown": 4, "none": 4, "untestable": 0}
+
+
+@VERDICTS
+def test_what_can_be_drawn_is_drawn_and_the_rest_gives_its_reason(diagnosis: Diagnosis) -> None:
+    text = as_html(diagnosis)
+    assert text.count("<svg") == DRAWN[diagnosis.verdict]
+    assert len(re.findall(r"Not drawn: [a-z][^<]+\.</p>", text)) == 5 - DRAWN[diagnosis.verdict]
+
+
+def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
+    rows = [tuple(row) for row in Page(as_html(GROUP)).texts]
+    assert ("valve", "flow", "5.23 L/h", "1.08 L/h", "4.8", "1.32 L/h", "+6.8 %", "0.23 K", "0.97") in rows
+    assert ("valve", "flow", "undercool", "16.9 L/h", "16", "83 %") in rows
+    assert ("fraction", "0.0712 (0.0688 to 0.0741)") in rows
+    assert ("let-by", "flow", "5.19 L/h", "1.40 L/h", "1.08 L/h", "93 % (90 to 95)", "98 %", "0.0025") in rows
+    assert ("heat", "2.31", "2.07", "2.30", "kWh/m² a week") in rows
+    assert ("stuck-open", "valve", "95 %", "20987", "0.0025", "cannot be told from one that was found") in rows
+    assert ("slow-actuator", "actuator", "31 %", "402", "0.013", "not found") in rows
+    assert ("return_temperature_C was not recorded", "supply-offset, floor-cover") in rows
+    assert ("solar gain", "-1.1") in rows
+    assert ("shrinkage", "2024-01-25", "2024-01-28") in rows
+
+
+def test_merged_stages_name_the_channel_that_would_tell_them_apart() -> None:
+    told = " ".join(page_text(as_html(EFFECT)).split())
+    assert "Sensor and controller are judged as one." in told
+    assert "What would tell them apart is not in the record: control_output" in told
+
+
+def test_foreign_words_are_shown_and_never_become_markup() -> None:
+    odd = replace(EFFECT, dataset="<b>a&b</b>", untestable=(Untestable("<i>x</i>", "1 < 2"),))
+    text = as_html(odd)
+    assert "<b>a&" not in text
+    assert "<i>x" not in text
+    assert "&lt;b&gt;a&amp;b" in text
+    assert "<b>a&b</b>" in as_terminal(odd, 120, colour=False)
+
+
+def test_the_page_is_small_and_the_same_every_time() -> None:
+    text = as_html(GROUP)
+    assert as_html(GROUP) == text
+    assert len(text.encode()) < 2_000_000
+
+
+def test_a_room_effect_and_one_without_parameters_are_shown_too() -> None:
+    effect = replace(LET_BY, name="plain", stage="room", channel="air_temperature_C", parameters={})
+    text = as_html(replace(EFFECT, effects=(effect,), traces=EFFECT.traces.drop(columns="flow_L_h_before")))
+    assert "Not drawn" not in text.replace("Not drawn: no effect was found", "")
+
+
+@pytest.mark.parametrize("frame", [pd.DataFrame(), EFFECT.traces.iloc[:0]], ids=["no traces", "no rows"])
+def test_without_traces_the_page_is_drawn_but_for_the_days(frame: pd.DataFrame) -> None:
+    text = as_html(replace(EFFECT, traces=frame))
+    assert re.findall(r"Not drawn: ([^<]+)</p>", text) == ["no channel was judged on a whole day."]
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [1200, 600])
+def test_the_page_never_scrolls_sideways(width: int, tmp_path: Path) -> None:
+    script = "<script>document.title = [document.documentElement.scrollWidth, window.innerWidth].join(' ')</script>"
+    copy = tmp_path / "copy.html"
+    copy.write_text(as_html(GROUP).replace("</body>", script + "</body>"), encoding="utf-8")
+    found = re.search(r"<title>(\d+) (\d+)</title>", browse(tmp_path, copy, width, "--dump-dom"))
+    assert found
+    assert int(found[1]) <= int(found[2]) == width
+
+
+@pytest.mark.parametrize("module", [words])
+def test_the_examples_of_how_figures_are_written_hold(module: ModuleType) -> None:
+    tried = doctest.testmod(module)
+    assert tried.attempted == 10
+    assert tried.failed == 0
+
+
+def keys(value: Any) -> Iterator[str]:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from (key, *keys(item))
+    elif isinstance(value, list):
+        for item in value:
+            yield from keys(item)
+
+
+def test_the_page_on_diagnoses_names_every_key_of_the_json_and_every_verdict() -> None:
+    page = (ROOT / "docs" / "diagnose.md").read_text(encoding="utf-8")
+    free = {*EFFECT.departures, *EFFECT.closed_loop, *LET_BY.parameters, *MOTOR_FOUND.parameters}
+    data = json.loads(json_text(GROUP.described()))
+    assert [key for key in dict.fromkeys(keys(data)) if key not in free and f"`{key}`" not in page] == []
+    assert all(f"| `{verdict}` | {words} |" in page for verdict, words in VERDICT_WORDS.items())

@@ -1,0 +1,126 @@
+"""`waxstudy diagnose`"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from waxstudy.cli.errors import FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
+from waxstudy.cli.output import Command, print_out, stdout
+from waxstudy.cli.run import failures
+
+if TYPE_CHECKING:
+    from waxstudy.gap.result import Diagnosis
+
+# the matrices are small: threads of the linear algebra library would only wait for each other
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: nothing is written]"
+Tick = Callable[[str, float], None]
+
+
+@click.command("diagnose", cls=Command)
+@click.argument("dataset", metavar="DATASET", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help=OUT)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the summary.")
+@click.option("--quick", is_flag=True, help="Fewer trials, for a first answer.")
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of resampling.")
+@click.option("--quiet", is_flag=True, help="No progress.")
+def command(dataset: Path, out: Path | None, as_json: bool, quick: bool, seed: int, quiet: bool) -> None:
+    """Find where a record and what is believed disagree, which effect causes it, and how far the gap shrinks.
+
+    DATASET is a folder with dataset.toml and data.csv. With --out, the last line printed is the folder.
+    """
+    if not set(THREADS) & set(os.environ):
+        os.environ.update(dict.fromkeys(THREADS, "1"))
+    if out is not None:
+        _refuse_unwritable(out)
+    try:
+        with _progress(quiet) as tick:
+            diagnosis = _diagnosis(dataset, seed, quick, tick)
+        if out is not None:
+            _write(diagnosis, out)
+    except KeyboardInterrupt:
+        message = "interrupted; no file is half written, the same command begins anew"
+        raise CommandError(message, INTERRUPTED, label="") from None
+    print_out(_json(diagnosis) if as_json else _summary(diagnosis, out))
+
+
+def _diagnosis(dataset: Path, seed: int, quick: bool, tick: Tick) -> Diagnosis:
+    """Read a dataset and diagnose it; turn what is wrong into a message and an exit code."""
+    from waxstudy.dataset.read import read_dataset
+    from waxstudy.gap.diagnose import diagnose
+    from waxstudy.study.problems import StudyError
+
+    try:
+        with failures(dataset / "dataset.toml", dataset):
+            return diagnose(read_dataset(dataset), seed=seed, quick=quick, tick=tick)
+    except StudyError as error:
+        raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
+
+
+def _json(diagnosis: Diagnosis) -> str:
+    from waxstudy.report.render import json_text
+
+    return json_text(diagnosis.described())
+
+
+def _summary(diagnosis: Diagnosis, out: Path | None) -> str:
+    from waxstudy.report.diagnosis.summary import as_terminal
+
+    width = shutil.get_terminal_size((120, 24)).columns
+    text = as_terminal(diagnosis, width, colour=stdout().isatty())
+    return text if out is None else f"{text}{out}\n"
+
+
+# --- files -------------------------------------------------------------------------------------------
+
+
+def _refuse_unwritable(out: Path) -> None:
+    """Say before the work, not after it, that its results could not be written."""
+    there = next(path for path in (out, *out.absolute().parents) if path.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        raise CommandError(f"{out}: the results could not be written: {there} is no folder to write to", USAGE)
+
+
+def _write(diagnosis: Diagnosis, out: Path) -> None:
+    """Write the three files whole; diagnosis.json, which says what the others belong to, comes last."""
+    from waxstudy.report.diagnosis.page import as_html
+    from waxstudy.results.atomic import whole_file
+
+    page, text = as_html(diagnosis), _json(diagnosis)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with ExitStack() as files:
+            names = ("diagnosis.json", "report.html", "traces.parquet")
+            described, report, traces = (files.enter_context(whole_file(out / name)) for name in names)
+            diagnosis.traces.to_parquet(traces)
+            report.write_text(page, encoding="utf-8")
+            described.write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise CommandError(f"{out}: the results cannot be written: {reason}", FAILED) from error
+
+
+# --- progress ----------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _progress(quiet: bool) -> Iterator[Tick]:
+    """A bar on stderr, on a terminal only."""
+    if quiet or not sys.stderr.isatty():
+        yield lambda what, share: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+    columns = (BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("reading", total=1.0)
+        yield lambda what, share: bar.update(task, completed=share, description=what)

@@ -1,0 +1,125 @@
+"""A reality with effects of the library that the modeller does not believe in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from waxstudy.dataset.march import march
+from waxstudy.dataset.reality import ROOM_INPUTS, Reality, happened, reality_loop, simulate, surroundings
+from waxstudy.plugin import Belief, Choice, Effect, Inputs, OutsideRoom, WeatherRecord
+from waxstudy.plugin.registry import told
+from waxstudy.simulation import ensemble
+from waxstudy.simulation.engine import Loop
+from waxstudy.simulation.modes import drive
+from waxstudy.simulation.outside import OutsideLoop
+from waxstudy.simulation.run import loop_of
+from waxstudy.study.model import Case, Study
+
+INTERVAL_S = 60.0  # of the inputs that an effect edits
+
+
+class EffectError(ValueError):
+    """An effect cannot be part of this reality; the message says why."""
+
+
+def with_effects(
+    study: Study, case: Case, weeks: Sequence[str], days: int | None, setpoint_C: float, effects: Sequence[Choice]
+) -> tuple[Case, Reality]:
+    """Return a case with effects in its chain, and what happens in its room with all of them.
+
+    What is recorded of supply, sun, gains and air outside is what is believed, without the effects. Raises as
+    `reality_loop` and `march` do, and `EffectError`.
+    """
+    believed = reality_loop(study, case, weeks, days)
+    belief = Belief(case.blocks, study.room, believed_inputs(believed, setpoint_C))
+    true = applied(effects, belief)
+    assert true.room
+    case, study = replace(case, blocks=true.blocks), replace(study, room=true.room)
+    loop = reality_loop(study, case, weeks, days)
+    if true.inputs is belief.inputs:
+        return case, simulate(loop, study, setpoint_C, believed)
+    return case, _with_inputs(loop, study, case, belief, effects, setpoint_C, believed)
+
+
+def _with_inputs(
+    loop: Loop | OutsideLoop,
+    study: Study,
+    case: Case,
+    belief: Belief,
+    effects: Sequence[Choice],
+    setpoint_C: float,
+    believed: Loop | OutsideLoop,
+) -> Reality:
+    """Return what happens under inputs that the effects change, by the minute."""
+    assert belief.inputs
+
+    def change(inputs: Inputs) -> Inputs:
+        changed = applied(effects, replace(belief, inputs=inputs)).inputs
+        assert changed
+        return changed
+
+    with told("[room]"):
+        weather = _in_intervals(loop.driven.weather, belief.inputs.interval_s)
+        by_minute = loop_of(study, case, drive(loop.driven.room, weather, study.step_s))
+    assert isinstance(by_minute, Loop)
+    true, week = march(by_minute, belief.inputs, change, setpoint_C, ensemble.starts(study.ensemble)[0])
+    return happened(true, week, study, setpoint_C, believed)
+
+
+def applied(effects: Sequence[Choice], belief: Belief) -> Belief:
+    """Return a belief with all effects, one after the other; raise `EffectError`, or `PluginError`."""
+    for chosen in effects:
+        effect = chosen.component
+        assert issubclass(effect, Effect)
+        what = f"effect '{effect.name}'"
+        with told(what, EffectError):
+            if hindrance := effect.hindrance(belief):
+                raise EffectError(f"{what}: {hindrance}")
+            try:
+                made = effect.apply(belief, chosen.parameters)
+            except ValueError as error:
+                raise EffectError(f"{what}: {error}") from error
+        if made.inputs is not belief.inputs and belief.room and issubclass(belief.room.component, OutsideRoom):
+            raise EffectError(
+                f"{what}: it changes what drives the room, which room '{belief.room.component.name}' keeps to its own "
+                "engine; take a fast room"
+            )
+        belief = made
+    return belief
+
+
+def believed_inputs(loop: Loop | OutsideLoop, setpoint_C: float) -> Inputs:
+    """Return what is believed to drive a room, by the minute or nearly so; its own air and flow are still to be had."""
+    length = _steps_per_input(loop)
+    values = {name: series[::length] for name, series in surroundings(loop).items()}
+    count = len(values["outdoor_C"])
+    return Inputs(
+        interval_s=length * loop.driven.step_s,
+        start_s=0.0,
+        outdoor_C=values["outdoor_C"],
+        supply_C=values["supply_C"],
+        solar_W=values["solar_gain_W"],
+        gains_W=values.get(ROOM_INPUTS["gains_W"], np.zeros(count)),
+        air_C=np.full(count, setpoint_C),
+        ventilation_C=values.get(ROOM_INPUTS["ventilation_supply_C"]),
+        flow_L_h=np.zeros(count),
+        neighbour_C=values.get(ROOM_INPUTS["neighbour_C"]),
+    )
+
+
+def _steps_per_input(loop: Loop | OutsideLoop) -> int:
+    """Return the least number of steps that lasts a minute and divides the weather's interval."""
+    most, least = loop.driven.steps_per_interval, INTERVAL_S / loop.driven.step_s - 1e-9
+    return next((n for n in range(1, most) if n >= least and most % n == 0), most)
+
+
+def _in_intervals(record: WeatherRecord, interval_s: float) -> WeatherRecord:
+    """Return the same weather in shorter intervals."""
+    parts = round(record.interval_s / interval_s)
+    irradiance = {name: np.repeat(values, parts) for name, values in record.irradiance_W_m2.items()}
+    sky_C = None if record.sky_C is None else np.repeat(record.sky_C, parts)
+    outdoor_C = np.repeat(record.outdoor_C, parts)
+    return replace(record, interval_s=interval_s, outdoor_C=outdoor_C, irradiance_W_m2=irradiance, sky_C=sky_C)

@@ -1,0 +1,45 @@
+"""What nobody knows exactly of the room: how far the record moves it from what is believed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from waxstudy.gap.result import Diagnosis
+from waxstudy.report.diagnosis.words import signed
+from waxstudy.report.figures.places import Lacking
+from waxstudy.report.figures.style import BLACK, COLOURS, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TITLE = "What was adjusted of the room"
+CAPTION = (
+    "Departures of the room, its sun and its gains from what is believed, in standard deviations of how well each is "
+    "known beforehand. Within the grey band they are nothing to speak of; far outside, the room is not as described."
+)
+USUAL_SD = 2.0
+
+
+@styled
+def figure_departures(diagnosis: Diagnosis) -> Figure:
+    """Departures [standard deviations]; raise `Lacking` where no room took part."""
+    if not diagnosis.departures:
+        raise Lacking("no room took part")
+    names, values = list(diagnosis.departures), list(diagnosis.departures.values())
+    figure, axes = panels(1, 1, 0.8 + 0.3 * len(names))
+    panel = axes[0, 0]
+    panel.axvspan(-USUAL_SD, USUAL_SD, color="#e6e6e6", zorder=0.5)
+    panel.axvline(0.0, color=BLACK, linewidth=0.8)
+    for place, value in enumerate(values):
+        panel.plot([0.0, value], [place, place], color=COLOURS[1], linewidth=2.2)
+        panel.plot(value, place, "o", color=COLOURS[1], markersize=6)
+        offset, side = ((7, 0), "left") if value >= 0.0 else ((-7, 0), "right")
+        text = {"textcoords": "offset points", "va": "center", "ha": side}
+        panel.annotate(signed(value), (value, place), offset, **text)
+    most = 1.25 * max(2.5, *(abs(value) for value in values))
+    panel.set_xlim(-most, most)
+    panel.set_yticks(range(len(names)), names)
+    panel.set_ylim(len(names) - 0.5, -0.5)
+    panel.grid(axis="y", visible=False)
+    panel.set_xlabel("departure, standard deviations of what was known beforehand")
+    return figure

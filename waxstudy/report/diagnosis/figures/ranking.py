@@ -1,0 +1,78 @@
+"""The ranking: every effect that was fitted, by how much of a gap it explains."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from waxstudy.gap.result import Diagnosis, Tried
+from waxstudy.report.diagnosis.words import percent, probability, stage_words
+from waxstudy.report.figures.places import Lacking
+from waxstudy.report.figures.style import BLACK, GREY, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+TITLE = "Every effect that was tried"
+CAPTION = (
+    "Share of the gap above the noise floor that each effect explains, alone, on days that its fit has not seen; at "
+    "the bar its p over all effects tried (family-wise). Black: found. Hatched: in the group of one that was found, "
+    "and not to be told from it with this record. White: nothing that could not be chance, or too little."
+)
+MOST = 24
+BEST, ALIKE, OTHER = "found", "cannot be told from one that was found", "not found"
+LOOKS: Mapping[str, Any] = {
+    BEST: {"facecolor": BLACK, "edgecolor": BLACK},
+    ALIKE: {"facecolor": "white", "edgecolor": BLACK, "hatch": "/////"},
+    OTHER: {"facecolor": "white", "edgecolor": GREY},
+}
+RANGE = (-25.0, 125.0)  # %; beyond, the figure at the bar tells
+
+
+@styled
+def figure_ranking(diagnosis: Diagnosis) -> Figure:
+    """Shares explained [%] of the effects tried; raise `Lacking` where none could be."""
+    if not diagnosis.tried:
+        raise Lacking("no effect could be tried")
+    shown = ranked(diagnosis)[:MOST]
+    figure, axes = panels(1, 1, 1.0 + 0.27 * len(shown))
+    panel = axes[0, 0]
+    for place, each in enumerate(shown):
+        _bar(panel, place, each, role(diagnosis, each))
+    panel.axvline(0.0, color=BLACK, linewidth=0.8)
+    panel.set_yticks(range(len(shown)), [f"{each.name}  ({stage_words(each.stage)})" for each in shown])
+    panel.set_ylim(len(shown) - 0.4, -0.6)
+    panel.set_xlim(*RANGE)
+    panel.grid(axis="y", visible=False)
+    panel.set_xlabel("share of the gap above the noise floor that is explained, %")
+    _legend(figure, [role(diagnosis, each) for each in shown])
+    return figure
+
+
+def ranked(diagnosis: Diagnosis) -> list[Tried]:
+    """The found ones, those like them, then the rest; each by the share explained."""
+    roles = [BEST, ALIKE, OTHER]
+    return sorted(diagnosis.tried, key=lambda each: (roles.index(role(diagnosis, each)), -each.share))
+
+
+def role(diagnosis: Diagnosis, tried: Tried) -> str:
+    """Whether an effect was found, cannot be told from one that was, or neither."""
+    if any(tried.name == effect.name for effect in diagnosis.effects):
+        return BEST
+    return ALIKE if any(tried.name in effect.group for effect in diagnosis.effects) else OTHER
+
+
+def _bar(panel: Axes, place: int, tried: Tried, role: str) -> None:
+    share = min(max(100.0 * tried.share, RANGE[0]), RANGE[1] - 15.0)
+    panel.barh(place, share, 0.66, linewidth=0.9, **LOOKS[role])
+    text = f"p {probability(tried.p)}"
+    text += "" if share == 100.0 * tried.share else f" (explains {percent(tried.share)})"
+    panel.annotate(text, (max(share, 0.0), place), (5, 0), textcoords="offset points", va="center", fontsize=9.0)
+
+
+def _legend(figure: Figure, roles: list[str]) -> None:
+    from matplotlib.patches import Patch
+
+    handles = [Patch(label=name, linewidth=0.9, **look) for name, look in LOOKS.items() if name in roles]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

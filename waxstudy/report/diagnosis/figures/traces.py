@@ -1,0 +1,87 @@
+"""Measured, before and after: the worst and the typical day of the channels that matter most."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from waxstudy.gap.result import Diagnosis, StageGap
+from waxstudy.plugin import FloatArray
+from waxstudy.report.diagnosis.focus import Day, main_stages, shown_days
+from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
+from waxstudy.report.figures.places import Lacking
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, panels, styled
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+TITLE = "The worst and a typical day"
+CAPTION = (
+    "Measured, as believed, and with the effects found, if any, on the day on which what is believed misses the first "
+    "channel most, and on a typical day (the middle of all days, ordered by that). Each channel is driven by what was "
+    "measured before it in the loop."
+)
+LOOKS: Mapping[str, tuple[str, Any]] = {
+    "measured": ("measured", {"color": BLACK, "linewidth": 0.9}),
+    "before": ("as believed", {"color": COLOURS[5], "linewidth": 1.7, "linestyle": DASHED}),
+    "after": ("with the effects found", {"color": COLOURS[1], "linewidth": 1.5}),
+}
+LEVELS = 2  # values of a channel that only switches
+
+
+@styled
+def figure_traces(diagnosis: Diagnosis) -> Figure:
+    """Traces of up to three channels over two days; raise `Lacking` where there is nothing to compare."""
+    stages = [s for s in main_stages(diagnosis) if f"{s.channel}_before" in diagnosis.traces]
+    days = shown_days(diagnosis, stages[0].channel) if stages else []
+    if not days:
+        raise Lacking("no channel was judged on a whole day")
+    figure, axes = panels(len(stages), len(days), 1.1 + 2.3 * len(stages), sharex=True, sharey="row")
+    for row, stage in zip(axes, stages, strict=True):
+        for panel, day in zip(row, days, strict=True):
+            _draw(panel, day, stage.channel)
+        row[0].set_ylabel(_label(stage))
+    for panel, day in zip(axes[0], days, strict=True):
+        panel.set_title(f"{day.what}, {day.date}")
+    for panel in axes[-1]:
+        panel.set_xlabel("time of the day, h")
+        panel.set_xticks(range(0, 25, 3))
+        panel.set_xlim(0, 24)
+    _legend(figure, axes)
+    figure.align_ylabels()
+    return figure
+
+
+def _legend(figure: Figure, axes: Any) -> None:
+    """What any panel shows: not every channel is changed by the effects."""
+    handles = {str(line.get_label()): line for panel in axes.flat for line in panel.get_lines()}
+    figure.legend(handles=list(handles.values()), loc="outside lower center", ncols=len(handles), handlelength=3.0)
+
+
+def _label(stage: StageGap) -> str:
+    unit = named(stage.channel)[1]  # that of the channel; the gap of one that switches is in seconds
+    return f"{textwrap.fill(channel_words(stage.channel), 20)}, {axis_unit(unit)}"
+
+
+def _draw(panel: Axes, day: Day, channel: str) -> None:
+    is_changed = not day.traces[f"{channel}_before"].equals(day.traces[f"{channel}_after"])
+    for what, (label, look) in LOOKS.items():
+        if what == "after" and not is_changed:
+            continue
+        known = day.traces[f"{channel}_{what}"].dropna()
+        steps = "steps-pre" if known.nunique() <= LEVELS else "default"
+        panel.plot(_hours(known), known.to_numpy(), label=label, drawstyle=steps, **look)
+
+
+def _hours(known: pd.Series[float]) -> FloatArray:
+    """Hours of the day; midnight ends it."""
+    import pandas as pd
+
+    stamps = pd.DatetimeIndex(known.index)
+    hours = np.asarray((stamps - stamps.normalize()) / pd.Timedelta(1, "h"), dtype=float)
+    return np.where(hours == 0.0, 24.0, hours)

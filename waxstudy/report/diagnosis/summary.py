@@ -1,0 +1,209 @@
+"""A diagnosis in about ten lines, for a plant engineer at five o'clock."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from waxstudy.gap.result import BeforeAfter, Diagnosis, FoundEffect, Measurement, StageGap, Unexplained
+from waxstudy.report.diagnosis.focus import by_reason, main_stages, other_stages, unit_left
+from waxstudy.report.diagnosis.words import (
+    OF_LOOP,
+    channel_words,
+    interval,
+    loop_words,
+    named,
+    number,
+    percent,
+    percent_interval,
+    probability,
+    rough,
+    signed,
+    stage_words,
+    times,
+    with_unit,
+)
+from waxstudy.report.words import counted
+
+VERDICTS = {
+    "effect": "effect found",
+    "group": "effects found that this record cannot tell apart",
+    "unknown": "gap without a known cause",
+    "untestable": "not testable with this record",
+    "none": "no effect found",
+}
+Line = tuple[str, str]  # label, text
+MOST_NAMES = 3
+MOST_LINES = 3  # of one label
+
+
+def lines(diagnosis: Diagnosis) -> list[Line]:
+    """Return the summary, line by line; a label is blank where it is that of the line above."""
+    found: list[Line] = []
+    for label, texts in _parts(diagnosis):
+        found += [(label if i == 0 else "", text) for i, text in enumerate(texts)]
+    return found
+
+
+def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
+    yield "where", [*(_where(stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
+    yield "cause", [_cause(effect) for effect in diagnosis.effects]
+    yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
+    yield "unexplained", _few(_left(diagnosis)) or _nothing_left(diagnosis)
+    yield "not tested", _not_tested(diagnosis)
+    yield "measure next", _few([_next(each) for each in diagnosis.next_measurements])
+    yield "warnings", _few(list(diagnosis.warnings))
+
+
+def _few(texts: Sequence[str]) -> list[str]:
+    if len(texts) <= MOST_LINES:
+        return list(texts)
+    return [*texts[: MOST_LINES - 1], f"and {len(texts) - MOST_LINES + 1} more"]
+
+
+def _where(stage: StageGap) -> str:
+    words = f"{stage_words(stage.stage)}: {channel_words(stage.channel)} is off by "
+    words += with_unit(number(stage.gap), stage.unit) or "nothing"
+    if stage.noise_floor > 0.0:
+        words += f", {times(stage.over_floor)} times its noise floor"
+    impact = impact_words(stage)
+    return f"{words}; {impact}" if impact else words
+
+
+def impact_words(stage: StageGap) -> str:
+    """What a stage's gap does to heat and air, as far as it was computed."""
+    heat, air = stage.impact.get("heat_percent", math.nan), stage.impact.get("air_K", math.nan)
+    told = [f"heat is off by {signed(heat)} %"] if math.isfinite(heat) else []
+    told += [f"air {'' if told else 'is off '}by {rough(air)} K"] if math.isfinite(air) else []
+    return f"as believed, {', '.join(told)}" if told else ""
+
+
+def _others(diagnosis: Diagnosis) -> list[str]:
+    others = other_stages(diagnosis)
+    if not others:
+        return []
+    most = times(others[0].over_floor)
+    return [f"{counted(len(others), 'other channel')} judged: off by at most {most} times the noise floor"]
+
+
+def _cause(effect: FoundEffect) -> str:
+    values = [f"{named(name)[0]} {interval(v, named(name)[1])}" for name, v in effect.parameters.items()]
+    words = f"{effect.name}: {effect.sentence}"
+    words += f" {_capital(', '.join(values))}." if values else ""
+    if others := alternatives(effect):
+        words += f" This record cannot tell it from {' or '.join(others)}."
+    return f"{words} {how_sure(effect)}"
+
+
+def alternatives(effect: FoundEffect) -> list[str]:
+    """The other members of an effect's group."""
+    return [name for name in effect.group if name != effect.name]
+
+
+def how_sure(effect: FoundEffect) -> str:
+    found = f"{percent(effect.inclusion)} of resampled records" if math.isfinite(effect.inclusion) else ""
+    return f"Found again in {found}; p = {probability(effect.p)}." if found else f"p = {probability(effect.p)}."
+
+
+def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
+    unit = next((s.unit for s in diagnosis.stages if s.channel == effect.channel), "")
+    before, after, floor = (number(v) for v in (effect.gap_before, effect.gap_after, effect.noise_floor))
+    return (
+        f"{effect.name} takes away {percent_interval(effect.shrink)} of the gap of {channel_words(effect.channel)} "
+        f"{held_out(diagnosis)}; in all {before} → {with_unit(after, unit)}, floor {floor}"
+    )
+
+
+def held_out(diagnosis: Diagnosis) -> str:
+    """Where shrinkage was judged."""
+    return "on held-out days" if diagnosis.parts.get("shrinkage") else "where its fit has not seen"
+
+
+def _loop(diagnosis: Diagnosis) -> list[str]:
+    """The closed loop in one line, where something was found that changes it."""
+    if not diagnosis.effects or not diagnosis.closed_loop:
+        return []
+    told = []
+    for key, figure in in_order(diagnosis.closed_loop)[:MOST_LINES]:
+        words, unit = loop_words(key)
+        measured = f" (measured {rough(figure.measured)})" if figure.measured else ""
+        told.append(f"{words} {rough(figure.before)} → {with_unit(rough(figure.after), unit)}{measured}")
+    return [f"closed loop: {', '.join(told)}"]
+
+
+def in_order(loop: Mapping[str, BeforeAfter]) -> list[tuple[str, BeforeAfter]]:
+    """Figures of the closed loop, those that an engineer asks for first."""
+    order = list(OF_LOOP)
+    return sorted(loop.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order))
+
+
+def _left(diagnosis: Diagnosis) -> list[str]:
+    """Unexplained gaps, findings first; of what is no finding, one channel of each stage."""
+    rest: dict[tuple[str, str], list[Unexplained]] = {}
+    for left in diagnosis.unexplained:
+        if not left.is_finding:
+            rest.setdefault((left.stage, "; ".join(remarks(left))), []).append(left)
+    told = [_gap_left(diagnosis, left) for left in diagnosis.unexplained if left.is_finding]
+    for (_, remark), alike in rest.items():
+        more = f" and {counted(len(alike) - 1, 'more channel')}" if len(alike) > 1 else ""
+        told.append(f"{_gap_left(diagnosis, alike[0])}{more}: {remark}")
+    return told
+
+
+def _gap_left(diagnosis: Diagnosis, left: Unexplained) -> str:
+    gap = with_unit(number(left.gap), unit_left(diagnosis, left))
+    channel = f" {channel_words(left.channel)}" if left.channel else ""
+    return f"{stage_words(left.stage)}:{channel} {gap}, floor {number(left.noise_floor)}, p = {probability(left.p)}"
+
+
+def remarks(left: Unexplained) -> list[str]:
+    """What keeps an unexplained gap from being a finding."""
+    form = "the form of the room's model, alone no finding"
+    covered = "within the believed model's published uncertainty"
+    return [words for words, holds in ((form, left.is_room_form), (covered, left.is_covered)) if holds]
+
+
+def _nothing_left(diagnosis: Diagnosis) -> list[str]:
+    return [] if not diagnosis.stages else ["nothing that stands out of the noise"]
+
+
+def _not_tested(diagnosis: Diagnosis) -> list[str]:
+    if not diagnosis.untestable:
+        return []
+    reason, names = by_reason(diagnosis.untestable)[0]
+    return [f"{counted(len(diagnosis.untestable), 'effect')}; {_some(names)}: {reason}"]
+
+
+def _some(names: Sequence[str]) -> str:
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return ", ".join(names[:MOST_NAMES]) + more
+
+
+def _next(measurement: Measurement) -> str:
+    names = [stage_words(name) for name in measurement.splits]
+    return f"{measurement.what}; it would settle {_some(names)}" if names else measurement.what
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def as_terminal(diagnosis: Diagnosis, width: int, colour: bool) -> str:
+    """The summary for a terminal of a given width."""
+    from rich.console import Console
+    from rich.table import Table
+
+    out = io.StringIO()
+    console = Console(
+        file=out, width=width, force_terminal=colour, no_color=not colour, highlight=False, markup=False, emoji=False
+    )
+    console.print(f"{diagnosis.dataset}: {VERDICTS[diagnosis.verdict]}", style="bold")
+    console.print(diagnosis.summary)
+    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid.add_column(no_wrap=True, style="dim")
+    grid.add_column()
+    for label, text in lines(diagnosis):
+        grid.add_row(label, text)
+    console.print(grid)
+    return "".join(f"{line.rstrip()}\n" for line in out.getvalue().splitlines())
