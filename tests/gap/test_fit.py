@@ -1,0 +1,196 @@
+"""Claims about fitting: what was put into a record is found again, and nothing where nothing was put."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.gap.realities import EFFECTS, belief, effects, planted, record
+from waxstudy.gap.fit import Fitted, Fitter, Space
+from waxstudy.gap.interval import parameter_intervals
+from waxstudy.gap.judge import FIT, SELECT
+from waxstudy.gap.links import Link, links
+from waxstudy.gap.record import Record
+from waxstudy.plugin import Belief, Prior
+
+BOTH = (FIT, SELECT)
+# what is believed and what is put in: of a chain's first stages into its closed loop, else into its link
+IN_LOOP: Mapping[str, tuple[str, Mapping[str, float]]] = {
+    "sensor-delay": ("IDEAL", {"delay_s": 420.0}),
+    "sensor-bias": ("IDEAL", {"bias_K": 0.5}),
+    "dead-band": ("IDEAL", {"dead_band_K": 0.9}),
+    "pwm-period": ("PWM", {"period_s": 1800.0}),
+}
+IN_LINK: Mapping[str, tuple[str, Mapping[str, float]]] = {
+    "slow-actuator": ("REAL", {"factor": 1.5}),
+    "limited-travel": ("REAL", {"opening": 0.7}),
+    "let-by": ("REAL", {"fraction": 0.02}),
+    "stuck-open": ("REAL", {"opening": 0.3}),
+    "max-flow": ("REAL", {"factor": 0.8}),
+    "supply-offset": ("REAL", {"offset_K": -2.0}),
+    "thermal-mass": ("REAL", {"factor": 2.0}),
+}
+PLANTED = {**IN_LOOP, **IN_LINK}
+EACH = pytest.mark.parametrize("name", PLANTED)
+
+
+@cache
+def ready(case: str) -> tuple[Record, Belief, tuple[Link, ...]]:
+    seen = record(case, days=6)
+    believed = belief(case, seen)
+    return seen, believed, tuple(links(seen, believed))
+
+
+def link_of(name: str, cut: Sequence[Link]) -> Link:
+    return next(each for each in cut if EFFECTS[name].stage in each.stages)
+
+
+@cache
+def found(name: str) -> tuple[Fitter, Fitted]:
+    """An effect put into the record of what is believed, and fitted again."""
+    case, values = PLANTED[name]
+    true = ((name, tuple(values.items())),)
+    seen, believed, cut = ready(case)
+    link = link_of(name, cut)
+    seen = record(case, days=6, effects=true) if name in IN_LOOP else planted(link, seen, believed, true)
+    fitter = Fitter(link, seen, belief(case, seen) if name in IN_LOOP else believed, thorough=0.5)
+    fitted = fitter.fit(EFFECTS[name], fitter.base, BOTH)
+    assert fitted
+    return fitter, fitted
+
+
+@EACH
+def test_an_effect_that_was_put_in_is_found_within_its_interval(name: str) -> None:
+    fitter, fitted = found(name)
+    truth = PLANTED[name][1]
+    ((effect, values),) = fitted.effects
+    for parameter, interval in parameter_intervals(fitter, fitted)[effect].items():
+        assert interval.value == values[parameter]
+        assert interval.low <= interval.value <= interval.high
+        slack = 0.02 * abs(truth[parameter])
+        assert interval.low - slack <= truth[parameter] <= interval.high + slack
+        assert interval.value == pytest.approx(truth[parameter], rel=0.2)
+
+
+@EACH
+def test_an_effect_that_was_put_in_takes_most_of_the_loss_away(name: str) -> None:
+    fitter, fitted = found(name)
+    assert sum(map(fitted.loss, BOTH)) < 0.5 * sum(map(fitter.base.loss, BOTH))
+
+
+@EACH
+def test_what_is_found_lies_within_the_bounds_it_was_looked_for_in(name: str) -> None:
+    ((effect, values),) = found(name)[1].effects
+    for parameter, prior in effect.priors.items():
+        assert prior.low <= values[parameter] <= prior.high
+
+
+# sensors and controllers are judged by switches that noise moves: their neutral is checked by what they gain
+@pytest.mark.parametrize("name", ["slow-actuator", "limited-travel", "let-by", "max-flow", "supply-offset"])
+def test_where_nothing_was_put_in_neutral_is_found(name: str) -> None:
+    seen, believed, cut = ready("REAL")
+    effect = EFFECTS[name]
+    link = link_of(name, cut)
+    fitter = Fitter(link, planted(link, seen, believed), believed, thorough=0.5)
+    fitted = fitter.fit(effect, fitter.base, BOTH)
+    assert fitted
+    ((_, values),) = fitted.effects
+    neutral = effect.neutral(believed)
+    assert neutral
+    for parameter, prior in effect.priors.items():
+        step = prior.noticeable - 1.0 if prior.is_log else prior.noticeable
+        assert values[parameter] == pytest.approx(neutral[parameter], abs=2.0 * step)
+
+
+@pytest.mark.parametrize("name", ["let-by", "supply-offset"])
+def test_the_same_record_gives_the_same_fit(name: str) -> None:
+    fitter, fitted = found(name)
+    again = Fitter(fitter.link, fitter.record, fitter.belief, thorough=0.5)
+    ((effect, values),) = fitted.effects
+    other = again.fit(effect, again.base, BOTH)
+    assert other
+    assert dict(other.effects)[effect] == values
+    assert np.array_equal(other.departures, fitted.departures)
+
+
+def test_an_effect_that_cannot_apply_is_not_fitted() -> None:
+    seen, believed, cut = ready("IDEAL")
+    effect = EFFECTS["slow-actuator"]
+    assert effect.hindrance(believed)
+    link = next(each for each in cut if each.stages == ("actuator",))
+    fitter = Fitter(link, seen, believed)
+    assert fitter.fit(effect, fitter.base) is None
+
+
+def test_a_second_effect_is_fitted_together_with_the_first() -> None:
+    seen, believed, cut = ready("REAL")
+    truth = effects(let_by={"fraction": 0.03}, max_flow={"factor": 0.8})
+    link = next(each for each in cut if each.stages == ("valve",))
+    fitter = Fitter(link, planted(link, seen, believed, truth), believed)
+    first = fitter.fit(EFFECTS["max-flow"], fitter.base, BOTH)
+    assert first
+    both = fitter.fit(EFFECTS["let-by"], first, BOTH)
+    assert both
+    values = {effect.name: dict(each) for effect, each in both.effects}
+    assert values["max-flow"]["factor"] == pytest.approx(0.8, rel=0.02)
+    assert values["let-by"]["fraction"] == pytest.approx(0.03, rel=0.1)
+
+
+def test_a_room_s_departures_take_up_what_its_priors_allow() -> None:
+    """A standard deviation of each is fitted away."""
+    seen, believed, cut = ready("REAL")
+    link = cut[-1]
+    plain = Fitter(link, seen, believed, thorough=0.5)
+    moved = planted(link, seen, plain.edited((), plain.sd))
+    fitter = Fitter(link, moved, believed, thorough=0.5)
+    believed_only = fitter.at((), np.zeros(len(fitter.sd)), fitter.base.reading)
+    assert believed_only
+    before, after = (
+        next(e for e in m.errors if e.channel == "air_temperature_C") for m in (believed_only, fitter.base)
+    )
+    assert before.gap() > 0.1
+    assert after.gap() < 0.05
+    assert (np.abs(fitter.base.departures) < 3.0 * fitter.sd).all()
+
+
+# --- the cube --------------------------------------------------------------------------------------------
+
+
+@given(st.sampled_from(sorted(EFFECTS)), st.lists(st.floats(0.0, 1.0), min_size=12, max_size=12))
+def test_a_place_in_the_cube_and_values_are_each_other_s_inverse(name: str, places: list[float]) -> None:
+    space = Space(EFFECTS[name])
+    x = np.array(places[: len(space.names)])
+    assert space.inside(space.values(x)) == pytest.approx(x, abs=1e-9)
+
+
+@given(st.sampled_from(sorted(EFFECTS)), st.floats(-5.0, 5.0))
+def test_whatever_the_place_the_values_are_within_their_bounds(name: str, at: float) -> None:
+    space = Space(EFFECTS[name])
+    for parameter, value in space.values(np.full(len(space.names), at)).items():
+        prior: Prior = EFFECTS[name].priors[parameter]
+        slack = 1e-9 * abs(value)
+        assert prior.low - slack <= value <= prior.high + slack
+
+
+@pytest.mark.parametrize("case", ["IDEAL", "REAL", "PWM", "PI"])
+def test_fits_start_within_the_bounds(case: str) -> None:
+    _, believed, _ = ready(case)
+    for effect in EFFECTS.values():
+        if not effect.hindrance(believed):
+            for values in effect.starts(believed):
+                x = Space(effect).inside(values)
+                assert ((x >= 0.0) & (x <= 1.0)).all(), (effect.name, values)
+
+
+@pytest.mark.parametrize("name", sorted(EFFECTS))
+def test_a_first_look_spreads_its_points_over_the_whole_range(name: str) -> None:
+    space = Space(EFFECTS[name])
+    points = np.array([space.inside(each) for each in space.points(1.0)])
+    assert len(np.unique(points, axis=0)) == len(points) >= 17
+    assert (points.max(axis=0) > 0.9).all()
+    assert (points.min(axis=0) < 0.1).all()

@@ -1,0 +1,190 @@
+"""Claims about judging: what counts as an error, how much, and on which days."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.gap.realities import belief, plain, record
+from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, Judge, losses, parts_of, softened
+from waxstudy.gap.links import Link, Predicted, links
+from waxstudy.gap.record import Record
+from waxstudy.plugin import Belief
+
+DAY = 1440
+
+
+def empty(days: float, interval_s: float = 60.0, cycles_per_day: int = 8) -> Record:
+    count = round(days * 86_400.0 / interval_s)
+    at = np.arange(count) * interval_s / 86_400.0
+    return plain({"heating_signal": np.where(at * cycles_per_day % 1.0 < 0.3, 1.0, 0.0)}, interval_s)
+
+
+# --- parts -----------------------------------------------------------------------------------------------
+
+
+@given(st.floats(6.0, 60.0), st.sampled_from([60.0, 300.0, 900.0]), st.booleans())
+@settings(max_examples=30)
+def test_shrinkage_is_on_the_last_three_days_or_more_and_on_no_day_of_the_search(
+    days: float, interval_s: float, in_turn: bool
+) -> None:
+    part = parts_of(empty(days, interval_s), in_turn)
+    kept = np.flatnonzero(part == SHRINK)
+    assert len(kept) * interval_s >= 3 * 86_400.0 - interval_s
+    assert kept[-1] == len(part) - 1
+    assert np.array_equal(kept, np.arange(kept[0], len(part)))
+    for searched in (FIT, SELECT):
+        assert np.mean(part == searched) > 0.15
+
+
+@given(st.floats(6.0, 30.0))
+@settings(max_examples=20)
+def test_the_chain_is_fitted_before_it_is_judged(days: float) -> None:
+    part = parts_of(empty(days))
+    assert np.flatnonzero(part == FIT)[-1] < np.flatnonzero(part == SELECT)[0]
+
+
+def test_a_room_is_fitted_and_judged_on_days_in_turn() -> None:
+    part = parts_of(empty(14), days_in_turn=True)
+    days = part[: 9 * DAY].reshape(9, DAY)
+    assert (days == days[:, :1]).all()
+    assert days[:, 0].tolist() == [FIT, SELECT] * 4 + [FIT]
+
+
+@pytest.mark.parametrize("in_turn", [True, False])
+def test_a_short_record_has_blocks_in_turn_and_keeps_none_back(in_turn: bool) -> None:
+    seen = empty(4)
+    part = parts_of(seen, in_turn)
+    assert set(part.tolist()) == {FIT, SELECT}
+    blocks = seen.day if in_turn else seen.cycle
+    for number in np.unique(blocks):
+        assert len(set(part[blocks == number].tolist())) == 1
+
+
+# --- switches --------------------------------------------------------------------------------------------
+
+SWITCH = Link(("modulator",), "control_output", ("heating_signal",))
+
+
+def switching(days: int = 8) -> tuple[Record, Judge]:
+    signal = empty(days).values["heating_signal"]
+    seen = plain({"control_output": signal, "heating_signal": signal, "setpoint_C": np.full(len(signal), 21.0)})
+    return seen, Judge(SWITCH, seen, Belief({}))
+
+
+@given(st.integers(1, 26), st.booleans())
+@settings(max_examples=20)
+def test_a_switch_that_comes_late_or_early_costs_its_seconds(minutes: int, is_early: bool) -> None:
+    seen, judge = switching()
+    shifted = np.roll(seen.values["heating_signal"], -minutes if is_early else minutes)
+    (errors,) = judge.errors({"heating_signal": shifted})
+    assert errors.unit == "s"
+    # up to half of the shortest pulse, beyond which it is nearer to another switch
+    assert errors.error[errors.judged][1:-1] == pytest.approx(60.0 * minutes)
+    # 8 days of 8 cycles of two switches, but for the first six hours
+    assert errors.judged.sum() == pytest.approx(128 - 4, abs=2)
+
+
+def test_a_prediction_that_is_the_record_misses_nothing() -> None:
+    seen, judge = switching()
+    (errors,) = judge.errors({"heating_signal": seen.values["heating_signal"]})
+    assert errors.gap() == errors.loss() == 0.0
+
+
+def test_a_switch_that_never_comes_costs_the_whole_pulse() -> None:
+    seen, judge = switching()
+    (errors,) = judge.errors({"heating_signal": np.zeros(len(seen))})
+    pulse_s = 0.3 * 86_400.0 / 8
+    assert errors.error[errors.judged].sum() == pytest.approx(pulse_s * 8 * 7.75, rel=0.02)
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=9))
+def test_a_softened_error_grows_with_the_error_and_is_it_where_it_is_small(errors: list[float]) -> None:
+    ordered = np.sort(np.abs(errors))
+    soft = softened(ordered)
+    assert (np.diff(soft) >= 0.0).all()
+    assert (soft <= ordered + 1e-7).all()
+    assert softened(np.array([0.1]))[0] == pytest.approx(0.1, rel=1e-3)
+
+
+def test_far_out_twice_the_error_is_twice_the_loss_and_not_four_times() -> None:
+    one, two = softened(np.array([300.0, 600.0])) ** 2
+    assert two / one == pytest.approx(2.0, rel=0.01)
+
+
+# --- all channels ----------------------------------------------------------------------------------------
+
+
+@cache
+def judged(case: str = "REAL", missing: float = 0.0) -> list[tuple[Judge, Predicted, list[Errors]]]:
+    """Every link of a record that is believed rightly."""
+    seen = record(case, days=6, missing=missing)
+    believed = belief(case, seen)
+    found = []
+    for link in links(seen, believed):
+        judge = Judge(link, seen, believed)
+        predicted = link.predict(seen, believed, link.readings[0])
+        found.append((judge, predicted, judge.errors(predicted)))
+    return found
+
+
+@pytest.mark.parametrize("missing", [0.0, 0.2])
+def test_losses_of_parts_and_of_blocks_add_up_to_the_whole(missing: float) -> None:
+    for _, _, errors in judged(missing=missing):
+        for each in errors:
+            parts = [each.loss(part) for part in (FIT, SELECT, SHRINK)]
+            assert sum(parts) == pytest.approx(each.loss())
+        for part in (FIT, SELECT, SHRINK):
+            by_block = losses(errors, part)
+            assert sum(by_block.values()) == pytest.approx(sum(each.loss(part) for each in errors))
+
+
+@pytest.mark.parametrize("missing", [0.0, 0.2])
+def test_where_nothing_is_judged_there_is_no_error(missing: float) -> None:
+    for _, _, errors in judged(missing=missing):
+        for each in errors:
+            assert (each.error[~each.judged] == 0.0).all()
+            assert (each.whitened[~each.judged] == 0.0).all()
+            assert np.isfinite(each.whitened).all()
+            assert 0.3 < each.judged.mean() <= 1.0 or each.channel == "return_temperature_C"
+
+
+def test_what_is_lost_or_not_settled_is_not_judged() -> None:
+    for judge, _, errors in judged(missing=0.2):
+        seen = judge.record
+        for each in errors:
+            if len(each.sample) == len(seen):
+                assert not (each.judged & ~np.isfinite(seen.values[each.channel])).any()
+            assert seen.settled[each.sample[each.judged]].all() or each.unit == "s"
+
+
+@pytest.mark.parametrize("missing", [0.0, 0.2])
+def test_a_right_belief_misses_no_more_than_the_noise(missing: float) -> None:
+    for judge, _, errors in judged(missing=missing):
+        for each in errors:
+            # what flowed in a gap is not known, and the room remembers it
+            if each.unit == "s" or (missing and judge.link.with_room):
+                continue
+            assert each.gap() < 2.5 * max(judge.record.noise[each.channel], 0.005), each.channel
+
+
+def test_the_gap_is_in_the_channel_s_unit() -> None:
+    """A temperature that is half a kelvin off misses half a kelvin."""
+    judge, predicted, _ = judged()[-1]
+    for channel in ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C"):
+        off = {**predicted, channel: judge.measured(channel) + 0.5}
+        (found,) = [each for each in judge.errors(off) if each.channel == channel]
+        assert found.unit == "K"
+        assert found.gap() == pytest.approx(0.5)
+
+
+def test_each_error_has_the_block_and_part_of_its_sample() -> None:
+    for judge, _, errors in judged():
+        for each in errors:
+            block = judge.record.day if judge.link.with_room else judge.record.cycle
+            assert np.array_equal(each.part, judge.parts[each.sample])
+            assert np.array_equal(each.block, block[each.sample])

@@ -1,0 +1,130 @@
+"""Claims about how a record is cut: whatever is recorded, each stage lies in one link, and each link has a drive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.gap.realities import belief, record
+from waxstudy.gap.links import AFTER, BEFORE, RAW, SHOWN, Drift, Link, links
+from waxstudy.gap.record import ROOM_CHANNELS, Record
+from waxstudy.plugin import CHAIN, STAGES, Belief
+
+OUTPUTS = [SHOWN[kind] for kind in CHAIN[1:]]
+INPUTS = ("outdoor_temperature_C", "supply_temperature_C")
+SUBSETS = st.sets(st.sampled_from([*OUTPUTS, *ROOM_CHANNELS, *INPUTS, "sensor_temperature_C"])).filter(
+    lambda chosen: chosen & {"sensor_temperature_C", "air_temperature_C", "operative_temperature_C"}
+)
+
+
+@cache
+def whole(case: str = "REAL") -> Record:
+    return record(case, days=2)
+
+
+def cut(chosen: set[str], case: str = "REAL") -> tuple[Record, Belief, Sequence[Link]]:
+    kept = {*chosen, "setpoint_C", "solar_gain_W", "internal_gain_W"}
+    values = {name: each for name, each in whole(case).values.items() if name in kept}
+    seen = Record(whole(case).interval_s, 0.0, values)
+    believed = belief(case, seen)
+    return seen, believed, links(seen, believed)
+
+
+def expected(chosen: set[str]) -> list[tuple[str, ...]]:
+    """The stages cut after each output that is recorded, the rest with the room if that can be driven and judged."""
+    stages: list[tuple[str, ...]] = []
+    rest: list[str] = []
+    for kind in CHAIN:
+        rest.append(kind)
+        if kind != "sensor" and SHOWN[kind] in chosen:
+            stages.append(tuple(rest))
+            rest = []
+    has_room = chosen.issuperset(INPUTS) and not chosen.isdisjoint(ROOM_CHANNELS)
+    return [*stages, (*rest, "emitter", "room")] if has_room else stages
+
+
+@given(SUBSETS)
+def test_a_missing_channel_merges_the_stages_on_either_side_of_it(chosen: set[str]) -> None:
+    _, _, found = cut(chosen)
+    assert [link.stages for link in found] == expected(chosen)
+
+
+@given(SUBSETS)
+def test_every_stage_is_in_one_link_at_most_and_none_is_left_out_between(chosen: set[str]) -> None:
+    _, _, found = cut(chosen)
+    stages = tuple(stage for link in found for stage in link.stages)
+    assert stages == STAGES[: len(stages)]
+
+
+@given(SUBSETS)
+def test_no_channel_is_judged_twice_and_none_that_is_not_there(chosen: set[str]) -> None:
+    seen, _, found = cut(chosen)
+    judged = [channel for link in found for channel in link.judged]
+    assert len(judged) == len(set(judged))
+    assert all(seen.has(channel) for channel in judged)
+    assert all(link.judged for link in found)
+
+
+@given(SUBSETS)
+def test_no_link_is_without_a_drive(chosen: set[str]) -> None:
+    seen, _, found = cut(chosen)
+    assert all(seen.has(link.driven_by) for link in found)
+    for before, link in pairwise(found):
+        assert link.driven_by == before.judged[-1]
+
+
+@given(SUBSETS)
+@settings(max_examples=25)
+def test_each_link_predicts_what_it_is_judged_by_for_the_whole_record(chosen: set[str]) -> None:
+    seen, believed, found = cut(chosen)
+    for link in found:
+        for reading in link.readings:
+            predicted = link.predict(seen, believed, reading)
+            assert list(predicted) == list(link.judged)
+            for channel, values in predicted.items():
+                of_room = link.with_room and channel in ROOM_CHANNELS
+                assert len(values) == (len(seen) // 15 if of_room else len(seen))
+
+
+def test_with_all_channels_each_stage_of_the_chain_is_judged_alone() -> None:
+    _, _, found = cut(set(whole().values))
+    names = [link.name for link in found]
+    assert names == ["sensor+controller", "modulator", "actuator", "valve", "emitter+room"]
+
+
+def test_only_a_sensor_s_own_log_leaves_open_what_it_is() -> None:
+    _, _, found = cut(set(whole().values))
+    assert found[0].readings == (AFTER, BEFORE, RAW)
+    _, _, found = cut(set(whole().values) - {"sensor_temperature_C"})
+    assert [len(link.readings) for link in found[:-1]] == [1] * 4
+
+
+def test_without_a_room_there_are_links_of_the_chain_alone() -> None:
+    seen, believed, _ = cut(set(whole().values))
+    found = links(seen, Belief(believed.blocks))
+    assert [link.stages[-1] for link in found] == list(CHAIN[1:])
+
+
+def test_a_blocks_absence_passes_on_what_it_is_given() -> None:
+    """An ideal actuator is none: its displacement is the signal, thrown halfway through the interval."""
+    seen, believed, found = cut(set(whole("IDEAL").values), "IDEAL")
+    actuator = next(link for link in found if link.stages == ("actuator",))
+    predicted = actuator.predict(seen, believed)["displacement"]
+    assert np.array_equal(predicted, seen.values["heating_signal"])
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_shaking_a_drive_moves_a_prediction_and_the_same_numbers_move_it_alike(seed: int) -> None:
+    seen, believed, found = cut(set(whole().values))
+    for link in [each for each in found if not each.with_room and each.stages != ("modulator",)]:
+        channel = link.judged[-1]
+        still = link.predict(seen, believed)[channel]
+        one, other = (link.predict(seen, believed, drift=Drift(np.random.default_rng(seed)))[channel] for _ in range(2))
+        assert np.array_equal(one, other)
+        assert not np.array_equal(one, still)
