@@ -46,6 +46,9 @@ class Fitted:
     def names(self) -> tuple[str, ...]:
         return tuple(effect.name for effect, _ in self.effects)
 
+    def unit(self, channel: str) -> str:
+        return next(each.unit for each in self.errors if each.channel == channel)
+
 
 class Fitter:
     """Fits hypotheses to one link, always from the same belief."""

@@ -226,10 +226,11 @@ def _chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
 
 
 def full_flow_L_h(record: Record, belief: Belief) -> float:
-    """Return the flow with the valve open: the room's, or the largest that was recorded."""
+    """Return the flow with the valve open: the room's, or the usual one of the largest that were recorded."""
     if belief.room is not None:
         return built(belief.room).full_flow_L_h
-    return float(np.nanquantile(record.values["flow_L_h"], 0.99))
+    flow = record.values["flow_L_h"]
+    return float(np.nanmedian(flow[flow > 0.8 * np.nanquantile(flow, 0.99)]))
 
 
 @lru_cache(maxsize=256)

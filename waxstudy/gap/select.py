@@ -16,6 +16,7 @@ from waxstudy.plugin import FloatArray
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_GAP = 1.1  # over the floor
+LEAST_SMOOTHED_GAP = 2.0
 LEAST_PART = 0.15  # that one of them must explain alone
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 LEAST_GAIN = 10.0  # whitened
@@ -51,11 +52,20 @@ class Candidate:
     @property
     def is_part(self) -> bool:
         """Whether it may be one of two effects that explain a gap together."""
-        return self.is_seen and self.over >= LEAST_GAP and self.share >= LEAST_PART and not self.is_covered
+        return self.is_seen and self.over >= self.least_gap and self.share >= LEAST_PART and not self.is_covered
+
+    @property
+    def least_gap(self) -> float:
+        """Gap over the floor below which nothing is claimed: more for a control output that runs on.
+
+        Its drive is smoothed, and where it is cut off at 0 or 1 that looks like another tuning.
+        """
+        is_smoothed = self.channel == "control_output" and self.fitted.unit(self.channel) != "s"
+        return LEAST_SMOOTHED_GAP if is_smoothed else LEAST_GAP
 
     @property
     def is_accepted(self) -> bool:
-        is_gap = self.over >= LEAST_GAP and min(self.share, self.plain_share) >= LEAST_SHARE
+        is_gap = self.over >= self.least_gap and min(self.share, self.plain_share) >= LEAST_SHARE
         return self.is_seen and is_gap and not self.is_covered
 
 

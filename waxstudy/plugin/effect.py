@@ -31,6 +31,7 @@ class Inputs:
     neighbour_C: FloatArray | None = None
     extra_W: FloatArray | None = None  # heat that an effect gives to the air
     start_K: float = 0.0  # how much warmer all of the room is at the start than the first day, repeated, would make it
+    start_floor_K: float = 0.0  # and its heated floor besides
 
     @property
     def hour(self) -> FloatArray:

@@ -83,7 +83,7 @@ def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[st
     """Return what a room does with a recorded flow (n,): `ROOM_OUTPUTS` at the end of each interval, and the heat.
 
     `water_heat_W` is the mean over the interval, `return_C` its mean, NaN without flow. The first day is repeated for a
-    week before, then all of the room is `inputs.start_K` warmer.
+    week before, then the room is `inputs.start_K` warmer, its floor by `inputs.start_floor_K` more.
     """
     room, n = driven.room, len(driven.supply_C)
     fraction = np.clip(np.asarray(flow_L_h, dtype=float) / room.full_flow_L_h, 0.0, None)
@@ -95,7 +95,7 @@ def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[st
     run = compiled()
     for _ in range(7):
         _run(run, driven, exchange, modes, parts, out, first)
-    modes += driven.to_modes @ np.full(len(room.nodes), inputs.start_K)
+    modes += driven.to_modes @ (inputs.start_K + inputs.start_floor_K * (1.0 - room.air_nodes))
     _run(run, driven, exchange, modes, parts, out, n)
     found = {name: out[:, place] for place, name in enumerate(ROOM_OUTPUTS)} | {"water_heat_W": out[:, -1]}
     stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
