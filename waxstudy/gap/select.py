@@ -10,6 +10,7 @@ import numpy as np
 from waxstudy.gap.fit import EffectType, Fitted, Fitter
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK
+from waxstudy.gap.links import SUPPLY
 from waxstudy.gap.stray import is_covered
 from waxstudy.plugin import FloatArray
 
@@ -19,6 +20,7 @@ LEAST_GAP = 1.1  # over the floor
 LEAST_SMOOTHED_GAP = 2.0
 LEAST_PART = 0.15  # that one of them must explain alone
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
+EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
 LEAST_GAIN = 10.0  # whitened
 MOST_EFFECTS = 3
 ALIKE = 9.0  # difference of loss at which two effects cannot be told apart, in units of what is left
@@ -66,7 +68,9 @@ class Candidate:
     @property
     def is_accepted(self) -> bool:
         is_gap = self.over >= self.least_gap and min(self.share, self.plain_share) >= LEAST_SHARE
-        return self.is_seen and is_gap and not self.is_covered
+        # a heating curve is claimed to be shifted only where nothing else is left of its gap
+        is_whole = self.channel != SUPPLY or self.left <= EXPLAINED
+        return self.is_seen and is_gap and is_whole and not self.is_covered
 
 
 @dataclass(frozen=True)

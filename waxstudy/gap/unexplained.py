@@ -25,6 +25,8 @@ ROOM_FORM_K = {
 
 def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
     """Yield the channels of a link whose gap stays over its floor in 99 % of the ways to draw its cycles or days."""
+    if selection.fitter.link.is_supply:
+        return  # the curve is only looked at for a shift
     random = np.random.default_rng([seed, 3])
     for errors in selection.after.errors:
         floor = selection.floor.plain[errors.channel]

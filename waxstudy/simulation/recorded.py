@@ -68,6 +68,12 @@ def _driven(room: LinearRoom, kept: list[int], inputs: Inputs, weather: WeatherR
     return np.column_stack((columns, inputs.solar_W, extra)), inputs.supply_C
 
 
+def believed_supply_C(room: LinearRoom, inputs: Inputs) -> FloatArray:
+    """Return the supply temperature that the room's own heating curve would give (n,)."""
+    dark = {name: np.zeros(len(inputs.outdoor_C)) for name in room.facades}
+    return room.drive(replace(weather_of(inputs), irradiance_W_m2=dark))[1]
+
+
 def weather_of(inputs: Inputs) -> WeatherRecord:
     """Return the weather record that stands for recorded inputs."""
     return WeatherRecord(inputs.interval_s, "2000-01-01", inputs.outdoor_C, {}, sky_C=inputs.outdoor_C)
