@@ -130,7 +130,7 @@ class Fitter:
         if fitted is None:
             return IMPOSSIBLE
         prior = float(np.sum((fitted.departures / self.sd) ** 2)) if len(self.sd) else 0.0
-        return sum(fitted.loss(part) for part in parts) + prior
+        return sum(fitted.loss(part) for part in parts) + prior + fitted.reading.handicap
 
     def fit(self, effect: EffectType, given: Fitted, parts: Sequence[int] = (FIT,)) -> Fitted | None:
         """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""

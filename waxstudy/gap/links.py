@@ -46,11 +46,12 @@ class Reading:
     is_before: bool = False  # the sensor's temperature was logged before what the sensor does to it
     is_raw: bool = False  # the controller reads the noise that was logged
     solar_factor: float = 1.0  # the sun's heat over what was recorded of it
+    handicap: float = 0.0  # loss by which it must be better than the others
 
 
 AFTER = Reading("The sensor temperature was logged as the controller reads it.")
 BEFORE = Reading("The sensor temperature was logged before the sensor's delay or lag.", is_before=True)
-RAW = Reading("The controller reads the sensor temperature with the noise that was logged.", is_raw=True)
+RAW = Reading("The controller reads the sensor temperature with the noise that was logged.", is_raw=True, handicap=60.0)
 PLAIN = Reading()
 
 
