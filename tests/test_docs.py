@@ -14,6 +14,7 @@ from tests.conftest import ROOT, Waxstudy
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 TUTORIAL = ROOT / "docs" / "plugin-tutorial.md"  # has a test and an environment of its own
+DIAGNOSIS = ROOT / "docs" / "diagnosis-tutorial.md"  # its output is compared
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -21,8 +22,9 @@ def blocks(page: Path, language: str) -> list[str]:
 
 
 def commands(program: str) -> list[str]:
-    """Every command of a program in the shell blocks of all pages, without its comment, in order."""
-    lines = [line for page in PAGES if page != TUTORIAL for block in blocks(page, "sh") for line in block.splitlines()]
+    """Every command of a program in the shell blocks of the pages, without its comment, in order."""
+    told = [block for page in PAGES if page not in (TUTORIAL, DIAGNOSIS) for block in blocks(page, "sh")]
+    lines = [line for block in told for line in block.replace("\\\n", "").splitlines()]
     return [line.split("  #")[0].strip() for line in lines if line.startswith(program)]
 
 
@@ -42,6 +44,26 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(waxstudy: Waxstudy, 
     for block in blocks(ROOT / "docs" / "attribution.md", "python"):
         subprocess.run([sys.executable, "-c", block], cwd=tmp_path, check=True)
     assert (tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+@pytest.mark.slow
+def test_the_diagnosis_tutorial_prints_the_verdicts_and_causes_that_it_shows(
+    waxstudy: Waxstudy, tmp_path: Path
+) -> None:
+    shutil.copytree(ROOT / "studies", tmp_path / "studies")
+    text = DIAGNOSIS.read_text(encoding="utf-8")
+    pairs = re.findall(r"^```sh\n(.*?)^```\n```\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    assert len(pairs) == len(blocks(DIAGNOSIS, "sh"))
+    for block, expected in pairs:
+        done = [waxstudy(*line.split()[1:]) for line in block.splitlines()]
+        assert [each.returncode for each in done] == [0] * len(done), done[-1].stderr
+        assert told("".join(each.stdout for each in done)) == told(expected)
+
+
+def told(printed: str) -> list[str]:
+    """What must not change: verdicts, what they mean, and what is written where; not figures nor how lines are cut."""
+    lines = [line for line in printed.splitlines() if re.match(r"data/|results/|\S+: |[A-Z]", line)]
+    return [re.sub(r"\d+\.\d+", "0", line) for line in lines]
 
 
 @pytest.mark.parametrize("command", sorted(set(commands("make")) | {"make golden", "make bench"}))
