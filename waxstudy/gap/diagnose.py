@@ -264,7 +264,7 @@ def _verdict(found: Sequence[FoundEffect], remains: Sequence[Unexplained], selec
         return "group"
     if any(not (each.is_room_form or each.is_covered) for each in remains):
         return "unknown"
-    return "none" if selections else "untestable"
+    return "none" if any(not each.fitter.link.is_supply for each in selections) else "untestable"
 
 
 def _summary(
