@@ -30,7 +30,7 @@ PIECE = 8  # quarters of an hour over which such errors hang together
 STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4
 SMOOTHED = ("sensor_temperature_C", "control_output")
-RIDGE = 0.15  # share of full scale by which a moving valve may be missed, beside the noise
+RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
 
 
 @dataclass(frozen=True)

@@ -82,8 +82,6 @@ class Prior:
     high: float
     noticeable: float  # a factor above 1 where `is_log`, else in the parameter's unit
     is_log: bool = False
-    # departure that the believed model's published uncertainty covers; as `noticeable`, 0 where there is none
-    tolerance: float = 0.0
 
 
 @dataclass(frozen=True)
