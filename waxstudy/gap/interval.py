@@ -14,6 +14,7 @@ from waxstudy.plugin import FloatArray, Prior
 
 DRAWS = 1000
 WIDTH = 0.02  # of a parameter's range, over which slopes are taken
+LEAST_WIDTH = 0.001  # over which it is seen whether anything changes at all
 RANGE = (2.5, 97.5)
 
 
@@ -106,10 +107,27 @@ def _described(
                 spread = sum(absorbed.get(each, 0.0) ** 2 for each in effect.absorbs) ** 0.5
                 half = float(np.hypot(half, 1.96 * spread / np.log(prior.high / prior.low)))
             low, high = x.copy(), x.copy()
-            low[place], high[place] = x[place] - half, x[place] + half
+            low[place] -= max(half, _still(fitter, fitted, effect, place, -1))
+            high[place] += max(half, _still(fitter, fitted, effect, place, 1))
             found[effect][name] = Interval(values[name], space.values(low)[name], space.values(high)[name])
             at += 1
     return found
+
+
+def _still(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int, way: int) -> float:
+    """Return how far one way a parameter may go before anything recorded would change, as a share of its range."""
+    space, values, now = Space(effect), dict(fitted.effects), whole(fitted)[0]
+    x = space.inside(values[effect])
+    width = 0.5 * LEAST_WIDTH
+    while width < 1.0:
+        width *= 2.0
+        at = x.copy()
+        at[place] += way * width
+        moved = [(each, space.values(at) if each is effect else dict(v)) for each, v in fitted.effects]
+        other = fitter.at(moved, fitted.departures, fitted.reading)
+        if other is None or not np.array_equal(whole(other)[0], now):
+            return width if width > LEAST_WIDTH else 0.0
+    return width
 
 
 def _timing(fitter: Fitter, name: str, prior: Prior, value: float, blocks: int) -> float:
