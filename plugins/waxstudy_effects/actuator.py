@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from waxstudy.plugin import Belief, Block, Choice, Effect, NoState, Parameters, Prior, parameter
@@ -46,11 +45,6 @@ FOUR_PRIORS = {
     "hold_time_s": Prior(0.0, SLOWEST_S, noticeable=20.0),
     "fall_time_s": Prior(10.0, SLOWEST_S, noticeable=1.2, is_log=True),
 }
-
-
-def published(priors: Mapping[str, Prior]) -> dict[str, Prior]:
-    """Return priors of an effect on Table 2, whose b scatter over a product's exemplars by what is noticeable here."""
-    return {name: replace(prior, tolerance=prior.noticeable) for name, prior in priors.items()}
 
 
 class WaxMotor(Effect):
@@ -96,7 +90,7 @@ class WithConstantTimes(Effect):
     api_version = "1.0"
     stage = "actuator"
     Parameters = FourTimes
-    priors = published(FOUR_PRIORS)
+    priors = FOUR_PRIORS
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -180,7 +174,7 @@ class WithVariableTimes(Effect):
     api_version = "1.0"
     stage = "actuator"
     Parameters = Coefficients
-    priors = published(COEFFICIENT_PRIORS)
+    priors = COEFFICIENT_PRIORS
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -243,7 +237,7 @@ class SlowActuator(Effect):
     api_version = "1.0"
     stage = "actuator"
     Parameters = SlowActuatorParameters
-    priors = {"factor": Prior(0.3, 4.0, noticeable=1.15, is_log=True, tolerance=1.4)}
+    priors = {"factor": Prior(0.3, 4.0, noticeable=1.15, is_log=True)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -289,7 +283,7 @@ class LimitedTravel(Effect):
     api_version = "1.0"
     stage = "actuator"
     Parameters = LimitedTravelParameters
-    priors = {"opening": Prior(0.05, 1.0, noticeable=0.05, tolerance=0.1)}
+    priors = {"opening": Prior(0.05, 1.0, noticeable=0.05)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

@@ -23,8 +23,7 @@ CONTRACT = ROOT / "docs" / "plugins.md"
 def looked_for(name: str, prior: Prior) -> str:
     """A parameter's range, as the page has it."""
     times = "x " if prior.is_log else ""
-    covered = f", covered {times}{prior.tolerance:g}" if prior.tolerance else ""
-    return f"`{name}` {prior.low:g} to {prior.high:g} ({times}{prior.noticeable:g}{covered})"
+    return f"`{name}` {prior.low:g} to {prior.high:g} ({times}{prior.noticeable:g})"
 
 
 def row(effect: type[Effect]) -> str:

@@ -57,7 +57,7 @@ def priors(subject: Subject) -> Problems:
 def _prior_problems(effect: type[Effect], name: str, prior: Prior) -> Problems:
     if effect.Parameters.model_fields[name].annotation is not float:
         yield "declare it as float: only numbers are fitted"
-    numbers = (prior.low, prior.high, prior.noticeable, prior.tolerance)
+    numbers = (prior.low, prior.high, prior.noticeable)
     if not all(isfinite(number) for number in numbers) or not prior.low < prior.high:
         yield f"it is looked for from {prior.low:g} to {prior.high:g}: that is no range"
         return
@@ -65,8 +65,8 @@ def _prior_problems(effect: type[Effect], name: str, prior: Prior) -> Problems:
         yield "on a log scale its range must begin above 0"
     if prior.is_log and prior.noticeable <= 1.0:
         yield "on a log scale `noticeable` is a factor above 1"
-    if prior.noticeable <= 0.0 or prior.tolerance < 0.0:
-        yield "`noticeable` must be above 0, and `tolerance` not below it"
+    if prior.noticeable <= 0.0:
+        yield "`noticeable` must be above 0"
     for bound in (prior.low, prior.high):
         yield from _refusal(effect, name, bound)
 

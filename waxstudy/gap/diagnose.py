@@ -31,10 +31,11 @@ from waxstudy.gap.result import (
 from waxstudy.gap.select import Selection, select
 from waxstudy.gap.testable import next_measurements, separating, too_short, uncovered, unshown
 from waxstudy.gap.unexplained import stage_of, unexplained
-from waxstudy.plugin import Belief, Effect, Inputs
+from waxstudy.plugin import STAGES, Belief, Effect, Inputs
 from waxstudy.plugin.registry import installed
+from waxstudy.study.problems import Problem, StudyError
 
-QUICK = 0.35  # of the fits' effort
+QUICK = 0.25  # of the fits' effort
 Tell = Callable[[str, float], None]
 
 
@@ -100,8 +101,17 @@ def _selections(work: _Work, cut: Sequence[Link], tick: Tell) -> Iterator[Select
 
         tick(link.name, done / total)
         fitter = Fitter(link, work.record, work.belief, work.thorough, work.dataset.room_tolerance)
+        try:
+            assert fitter.base
+        except ValueError as error:
+            raise StudyError([_impossible(work.dataset, link, str(error))]) from error
         yield select(fitter, effects, work.seed + place, step)
         done = first + len(effects) + 1
+
+
+def _impossible(dataset: Dataset, link: Link, reason: str) -> Problem:
+    where = "[room]" if link.stages[0] == "emitter" else "[nominal]"
+    return Problem(str(dataset.folder / "dataset.toml"), 0, where, "", "", reason)
 
 
 def _of(link: Link, effects: Sequence[EffectType]) -> list[EffectType]:
@@ -114,7 +124,8 @@ def _of(link: Link, effects: Sequence[EffectType]) -> list[EffectType]:
 def _assembled(
     work: _Work, cut: Sequence[Link], short: Mapping[Link, str], selections: Sequence[Selection], quick: bool
 ) -> Diagnosis:
-    found = [effect for selection in selections for effect in _found(selection, work.seed)]
+    several = {e.name: e for selection in reversed(selections) for e in _found(selection, work.seed)}
+    found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
     remains = [each for selection in selections for each in unexplained(selection, work.seed)]
     untestable = list(_untestable(work, cut, short, selections))
     verdict = _verdict(found, remains, selections)
@@ -232,7 +243,7 @@ def _untestable(
         for effect in _of(link, work.effects):
             if not effect.hindrance(work.belief):
                 yield Untestable(effect.name, reason)
-    for selection in selections:
+    for selection in (each for each in selections if not each.fitter.link.is_supply):
         yield from unshown(selection, _of(selection.fitter.link, work.effects))
 
 

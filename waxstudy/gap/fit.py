@@ -46,6 +46,9 @@ class Fitted:
     def names(self) -> tuple[str, ...]:
         return tuple(effect.name for effect, _ in self.effects)
 
+    def unit(self, channel: str) -> str:
+        return next(each.unit for each in self.errors if each.channel == channel)
+
 
 class Fitter:
     """Fits hypotheses to one link, always from the same belief."""
@@ -57,19 +60,27 @@ class Fitter:
         self.judge = Judge(link, record, belief)
         self.unknowns = unknowns(belief, record, room_tolerance) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
+        self._last: tuple[tuple[bytes, frozenset[str]], Belief] | None = None  # what was departed to last
 
     # --- one hypothesis at given values ---
 
     def edited(self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray) -> Belief:
         """Return the belief with departures of the room and with effects; raise `ValueError` where it cannot be."""
-        belief = self.belief
-        absorbed = {name for effect, _ in effects for name in effect.absorbs}
-        for unknown, value in zip(self.unknowns, departures, strict=True):
-            if unknown.name not in absorbed:
-                belief = unknown.apply(belief, float(value))
+        belief = self._departed(departures, frozenset(name for effect, _ in effects for name in effect.absorbs))
         for effect, values in effects:
             belief = effect.apply(belief, effect.Parameters(**values))
         return belief
+
+    def _departed(self, departures: FloatArray, absorbed: frozenset[str]) -> Belief:
+        """Return the belief with departures of the room, but for those that an effect takes the place of."""
+        key = (departures.tobytes(), absorbed)
+        if self._last is None or self._last[0] != key:
+            belief = self.belief
+            for unknown, value in zip(self.unknowns, departures, strict=True):
+                if unknown.name not in absorbed:
+                    belief = unknown.apply(belief, float(value))
+            self._last = key, belief
+        return self._last[1]
 
     def at(
         self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray, reading: Reading
@@ -105,7 +116,7 @@ class Fitter:
         """The belief itself, its room fitted to the first part, read in the way that fits best."""
         start = np.zeros(len(self.sd))
         best = self._best([self._room_fit((), start, reading, (FIT,)) for reading in self.link.readings])
-        for _ in range(AGAIN if self.unknowns else 0):
+        for _ in range(AGAIN if self.unknowns and self.thorough >= 1.0 else 0):
             best = self._room_fit((), best.departures, best.reading, (FIT,)) or best
         return best
 
@@ -119,7 +130,7 @@ class Fitter:
         if fitted is None:
             return IMPOSSIBLE
         prior = float(np.sum((fitted.departures / self.sd) ** 2)) if len(self.sd) else 0.0
-        return sum(fitted.loss(part) for part in parts) + prior
+        return sum(fitted.loss(part) for part in parts) + prior + fitted.reading.handicap
 
     def fit(self, effect: EffectType, given: Fitted, parts: Sequence[int] = (FIT,)) -> Fitted | None:
         """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""
@@ -131,7 +142,7 @@ class Fitter:
         if best[0] >= IMPOSSIBLE:
             return None
         _, values, reading = best
-        return self.refined((*given.effects, (effect, values)), given.departures, reading, parts)
+        return self.refined((*given.effects, (effect, values)), given.departures, reading, parts, is_rough=True)
 
     def _scanned(
         self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
@@ -183,10 +194,14 @@ class Fitter:
         departures: FloatArray,
         reading: Reading,
         parts: Sequence[int] = (FIT,),
+        is_rough: bool = False,
     ) -> Fitted | None:
-        """Return a hypothesis with all its parameters fitted together from given ones."""
+        """Return a hypothesis with all its parameters fitted together from given ones.
+
+        A rough fit takes the room's answer to its departures as it was at the base.
+        """
         if self.unknowns:
-            return self._room_fit(effects, departures, reading, parts)
+            return self._room_fit(effects, departures, reading, parts, is_rough)
         if not effects:
             return self.at(effects, departures, reading)
         spaces = [Space(effect) for effect, _ in effects]
@@ -205,6 +220,7 @@ class Fitter:
         departures: FloatArray,
         reading: Reading,
         parts: Sequence[int],
+        is_rough: bool = False,
     ) -> Fitted | None:
         """Fit departures and effects together by damped Gauss-Newton steps, the departures held by their priors.
 
@@ -213,7 +229,8 @@ class Fitter:
         if not self.unknowns:
             return self.at(effects, departures, reading)
         problem = _Problem(self, effects, reading, parts)
-        return problem.solved(problem.vector(departures), round(STEPS * self.thorough))
+        known = self._slopes if is_rough else None
+        return problem.solved(problem.vector(departures), round(STEPS * self.thorough), known)
 
 
 class _Problem:
@@ -242,12 +259,16 @@ class _Problem:
         chosen = [each.whitened * np.isin(each.part, self.parts) for each in fitted.errors]
         return np.concatenate((*chosen, x[: self.count]))
 
-    def solved(self, x: FloatArray, most: int) -> Fitted | None:
+    def solved(self, x: FloatArray, most: int, known: FloatArray | None) -> Fitted | None:
+        """Return the best fit from a start; `known` are slopes of the departures to be kept, or None."""
         best = self.at(x)
         if best is None:
             return None
         missed = self.missed(best, x)
-        slopes = self.slopes(x, missed, range(len(x)))
+        if known is None:
+            slopes = self.slopes(x, missed, range(len(x)))
+        else:
+            slopes = np.column_stack((self.kept(best, known), self.slopes(x, missed, range(self.count, len(x)))))
         damping, is_fresh = 1e-3, True
         for _ in range(most):
             step = self.step(slopes, missed, damping, x)
@@ -268,6 +289,11 @@ class _Problem:
             fresh = range(len(x)) if is_fresh else range(self.count, len(x))
             slopes[:, list(fresh)] = self.slopes(x, missed, fresh)
         return best
+
+    def kept(self, fitted: Fitted, known: FloatArray) -> FloatArray:
+        """Return slopes of the departures (per unit) as those of `missed`, per standard deviation."""
+        parts = np.concatenate([np.isin(each.part, self.parts) for each in fitted.errors])
+        return np.vstack((known * parts[:, None] * self.fitter.sd, np.eye(self.count)))
 
     def slopes(self, x: FloatArray, missed: FloatArray, places: Sequence[int]) -> FloatArray:
         columns = []

@@ -14,6 +14,7 @@ from waxstudy.simulation.recorded import driven_by, respond
 from waxstudy.simulation.replay import replay
 
 STEP_S = 5.0
+BEHIND = tuple(shown for kind, shown in SHOWN.items() if kind != "sensor")  # channels with stages behind them
 
 
 def impact(record: Record, belief: Belief, link: Link, modelled: FloatArray) -> Mapping[str, float]:
@@ -22,7 +23,7 @@ def impact(record: Record, belief: Belief, link: Link, modelled: FloatArray) -> 
     Both run through the believed stages behind it and the fitted room; nothing where the room cannot be run.
     """
     channel = link.judged[-1]
-    if belief.room is None or belief.inputs is None or channel == "sensor_temperature_C":
+    if belief.room is None or belief.inputs is None or channel not in BEHIND:
         return {}
     try:
         heat, air = zip(

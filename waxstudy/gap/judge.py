@@ -27,9 +27,10 @@ FORM_K = {
 SMOOTHING = 0.4  # of white noise is left by the smoothing, about
 CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 PIECE = 8  # quarters of an hour over which such errors hang together
+STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4
 SMOOTHED = ("sensor_temperature_C", "control_output")
-RIDGE = 0.15  # share of full scale by which a moving valve may be missed, beside the noise
+RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,7 @@ class Judge:
         if channel in SMOOTHED:
             return np.full(len(values), noise * SMOOTHING)
         if channel == "flow_L_h":
-            return np.where(values > 0.02 * np.nanmax(values), noise, 0.0)
+            return np.where(stands(values, float(np.nanmax(values))), 0.0, noise)
         return np.full(len(values), noise * (CLIPPED if channel == "displacement" else 1.0))
 
     def timing_s(self, channel: str) -> float:
@@ -191,7 +192,7 @@ class Judge:
         record, noise = self.record, self.record.noise[channel]
         full = float(np.nanmax(record.values[channel]))
         least = 0.1 * noise if channel == "flow_L_h" else noise
-        resting = np.where(record.filled(channel) > 0.02 * full, noise, max(least, 1e-3 * full))
+        resting = np.where(stands(record.filled(channel), full), max(least, 1e-3 * full), noise)
         if self.link.driven_by == "displacement":
             drive = record.drive("displacement")
             moves = np.abs(np.gradient(drive)) > 3.0 * record.noise["displacement"]
@@ -245,6 +246,14 @@ class Judge:
 class _Switches:
     windows: np.ndarray  # (n,) number of the measured switch that is nearest
     scale_s: FloatArray  # of each of them
+
+
+def stands(values: FloatArray, full: float) -> np.ndarray:
+    """Return where a meter stands still: a zero among others, not noise that is cut off at zero."""
+    from scipy.ndimage import uniform_filter1d
+
+    zero = values <= STANDS * full
+    return np.asarray(zero & (uniform_filter1d(zero.astype(float), 31) > 0.3))
 
 
 def softened(whitened: FloatArray) -> FloatArray:

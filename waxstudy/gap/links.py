@@ -12,7 +12,7 @@ import numpy as np
 from waxstudy.gap.record import ROOM_CHANNELS, Record
 from waxstudy.plugin import CHAIN, ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, Room
 from waxstudy.simulation.chain import Chain
-from waxstudy.simulation.recorded import driven_by, respond
+from waxstudy.simulation.recorded import believed_supply_C, driven_by, respond
 from waxstudy.simulation.replay import replay
 from waxstudy.study.model import Choice
 
@@ -25,6 +25,7 @@ SHOWN = {
     "valve": "flow_L_h",
 }
 ROOM_STAGES = ("emitter", "room")
+SUPPLY = "supply_temperature_C"
 OF_ROOM = {
     "air_temperature_C": "air_C",
     "operative_temperature_C": "operative_C",
@@ -45,11 +46,12 @@ class Reading:
     is_before: bool = False  # the sensor's temperature was logged before what the sensor does to it
     is_raw: bool = False  # the controller reads the noise that was logged
     solar_factor: float = 1.0  # the sun's heat over what was recorded of it
+    handicap: float = 0.0  # loss by which it must be better than the others
 
 
 AFTER = Reading("The sensor temperature was logged as the controller reads it.")
 BEFORE = Reading("The sensor temperature was logged before the sensor's delay or lag.", is_before=True)
-RAW = Reading("The controller reads the sensor temperature with the noise that was logged.", is_raw=True)
+RAW = Reading("The controller reads the sensor temperature with the noise that was logged.", is_raw=True, handicap=60.0)
 PLAIN = Reading()
 
 
@@ -110,6 +112,11 @@ class Link:
         return "+".join(self.stages)
 
     @property
+    def is_supply(self) -> bool:
+        """Whether it is the heating curve, beside the recorded supply temperature."""
+        return self.judged == (SUPPLY,)
+
+    @property
     def with_room(self) -> bool:
         return "room" in self.stages
 
@@ -118,6 +125,8 @@ class Link:
 
         Raises `SimulationError`, and `ValueError` from an impossible room.
         """
+        if self.is_supply:
+            return {SUPPLY: _curve_C(record, belief)}
         chain = [stage for stage in self.stages if stage in CHAIN]
         shown: Predicted = {}
         flow = record.filled("flow_L_h") if record.has("flow_L_h") else np.zeros(len(record))
@@ -190,7 +199,17 @@ def links(record: Record, belief: Belief) -> list[Link]:
         rest = CHAIN[CHAIN.index(since) :] if since is not None else ()
         link = _link(record, (*rest, *ROOM_STAGES), driven_by, *room)
         found.append(replace(link, readings=tuple(_with_sun(link.readings, belief.room, record))))
+        if SUPPLY not in record.assumed:
+            found.append(Link(("emitter",), "outdoor_temperature_C", (SUPPLY,)))
     return found
+
+
+def _curve_C(record: Record, belief: Belief) -> FloatArray:
+    """Return the believed heating curve's supply temperature, and what an effect adds to the recorded one."""
+    assert belief.room
+    assert belief.inputs
+    added_K = belief.inputs.supply_C - record.inputs.supply_C
+    return believed_supply_C(built(belief.room), belief.inputs) + added_K
 
 
 def _is_driven(record: Record, belief: Belief) -> bool:
@@ -226,10 +245,11 @@ def _chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
 
 
 def full_flow_L_h(record: Record, belief: Belief) -> float:
-    """Return the flow with the valve open: the room's, or the largest that was recorded."""
+    """Return the flow with the valve open: the room's, or the usual one of the largest that were recorded."""
     if belief.room is not None:
         return built(belief.room).full_flow_L_h
-    return float(np.nanquantile(record.values["flow_L_h"], 0.99))
+    flow = record.values["flow_L_h"]
+    return float(np.nanmedian(flow[flow > 0.8 * np.nanquantile(flow, 0.99)]))
 
 
 @lru_cache(maxsize=256)

@@ -10,19 +10,23 @@ import numpy as np
 from waxstudy.gap.fit import EffectType, Fitted, Fitter
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK
+from waxstudy.gap.links import SUPPLY
 from waxstudy.gap.stray import is_covered
 from waxstudy.plugin import FloatArray
 
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_GAP = 1.1  # over the floor
+LEAST_SMOOTHED_GAP = 2.0
+LEAST_PART = 0.15  # that one of them must explain alone
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
+EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
 LEAST_GAIN = 10.0  # whitened
 MOST_EFFECTS = 3
 ALIKE = 9.0  # difference of loss at which two effects cannot be told apart, in units of what is left
 DRAWS = 400
 CONFIRMED = 0.25  # of the square of a gap that an effect must take away on days that nobody looked at
-PAIRED = 3  # effects that others are tried beside, where none is enough alone
+PAIRED = 2  # effects that others are tried beside, where none is enough alone
 
 Tick = Callable[[str], None]
 
@@ -48,9 +52,25 @@ class Candidate:
         return self.p <= LEVEL and self.gain >= LEAST_GAIN
 
     @property
+    def is_part(self) -> bool:
+        """Whether it may be one of two effects that explain a gap together."""
+        return self.is_seen and self.over >= self.least_gap and self.share >= LEAST_PART and not self.is_covered
+
+    @property
+    def least_gap(self) -> float:
+        """Gap over the floor below which nothing is claimed: more for a control output that runs on.
+
+        Its drive is smoothed, and where it is cut off at 0 or 1 that looks like another tuning.
+        """
+        is_smoothed = self.channel == "control_output" and self.fitted.unit(self.channel) != "s"
+        return LEAST_SMOOTHED_GAP if is_smoothed else LEAST_GAP
+
+    @property
     def is_accepted(self) -> bool:
-        is_gap = self.over >= LEAST_GAP and min(self.share, self.plain_share) >= LEAST_SHARE
-        return self.is_seen and is_gap and not self.is_covered
+        is_gap = self.over >= self.least_gap and min(self.share, self.plain_share) >= LEAST_SHARE
+        # a heating curve is claimed to be shifted only where nothing else is left of its gap
+        is_whole = self.channel != SUPPLY or self.left <= EXPLAINED
+        return self.is_seen and is_gap and is_whole and not self.is_covered
 
 
 @dataclass(frozen=True)
@@ -172,8 +192,10 @@ class _Search:
         return fitted.loss(part) - self.fitter.drive_noise(fitted).get(part, 0.0)
 
     def pair(self, current: Fitted, candidates: Sequence[Candidate]) -> tuple[Candidate, Candidate] | None:
-        """Return two effects that explain together what neither does alone, or None."""
-        seen = sorted((c for c in candidates if c.is_seen and not c.is_covered), key=lambda c: -c.gain)
+        """Return two effects that explain together what neither does alone, or None; a quick search does not look."""
+        if self.fitter.thorough < 1.0:
+            return None
+        seen = sorted((c for c in candidates if c.is_part), key=lambda c: -c.gain)
         best: tuple[Candidate, Candidate] | None = None
         for first in seen[:PAIRED]:
             for second in self.tried(first.fitted):

@@ -25,9 +25,10 @@ def too_short(link: Link, record: Record) -> str:
     if len(blocks) < LEAST_BLOCKS:
         what = "days" if link.with_room else "cycles"
         return f"only {len(blocks)} {what} of {channel} are recorded, {LEAST_BLOCKS} are needed"
-    values = record.values[channel]
-    if np.nanmax(values) - np.nanmin(values) <= 1e-9:
-        return f"{channel} never changes in this record"
+    for name in (channel, link.driven_by):
+        values = record.values[name]
+        if np.nanmax(values) - np.nanmin(values) <= 1e-9:
+            return f"{name} never changes in this record"
     share = float(_known(record, channel).mean())
     return f"{100 * (1 - share):.0f} % of {channel} is missing" if share < 0.3 else ""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,10 +26,15 @@ ROOM_FORM_K = {
 
 def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
     """Yield the channels of a link whose gap stays over its floor in 99 % of the ways to draw its cycles or days."""
+    if selection.fitter.link.is_supply:
+        return  # the curve is only looked at for a shift
     random = np.random.default_rng([seed, 3])
     for errors in selection.after.errors:
-        floor = selection.floor.plain[errors.channel]
-        p = _p(errors, LEAST_EXCESS * floor, random)
+        floor, white = selection.floor.plain[errors.channel], selection.floor.white[errors.channel]
+        # by what each switch and sample can be known to: one that hangs on noise says little
+        weighed = errors if selection.fitter.link.with_room else replace(errors, error=errors.whitened)
+        threshold = LEAST_EXCESS * (floor if weighed is errors else white)
+        p = _p(weighed, threshold, random)
         if p <= LEVEL and errors.gap() > LEAST_EXCESS * floor:
             yield _described(selection, errors, floor, p)
 

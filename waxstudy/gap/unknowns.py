@@ -12,7 +12,7 @@ from waxstudy.plugin import Belief, Inputs, Room, Uncertainty
 # chosen: how well gains are known that nobody measured, as logarithms of a factor
 ASSUMED_GAINS, ASSUMED_SUN = 0.15, 0.12
 MEASURED_GAINS, MEASURED_SUN = 0.05, 0.07
-GAINS, SUN, START = "internal gains", "solar gain", "start"
+GAINS, SUN, START, FLOOR = "internal gains", "solar gain", "start", "start of the floor"
 START_K = 0.5  # nobody knows the weather before the record
 
 
@@ -40,7 +40,7 @@ def unknowns(belief: Belief, record: Record, tolerance: float = 1.0) -> list[Unk
     if record.has("solar_gain_W"):
         sd = ASSUMED_SUN if "solar_gain_W" in record.assumed else MEASURED_SUN
         found.append(Unknown(SUN, sd, _scaled(lambda inputs, factor: replace(inputs, solar_W=factor * inputs.solar_W))))
-    found.append(Unknown(START, START_K, _started))
+    found += [Unknown(START, START_K, _started), Unknown(FLOOR, START_K, _floor_started)]
     return [replace(unknown, sd=tolerance * unknown.sd) for unknown in found]
 
 
@@ -55,6 +55,11 @@ def _of_room(uncertainty: Uncertainty) -> Unknown:
 def _started(belief: Belief, departure: float) -> Belief:
     assert belief.inputs
     return replace(belief, inputs=replace(belief.inputs, start_K=departure))
+
+
+def _floor_started(belief: Belief, departure: float) -> Belief:
+    assert belief.inputs
+    return replace(belief, inputs=replace(belief.inputs, start_floor_K=departure))
 
 
 def _scaled(edit: Callable[[Inputs, float], Inputs]) -> Callable[[Belief, float], Belief]:

@@ -31,6 +31,7 @@ class Inputs:
     neighbour_C: FloatArray | None = None
     extra_W: FloatArray | None = None  # heat that an effect gives to the air
     start_K: float = 0.0  # how much warmer all of the room is at the start than the first day, repeated, would make it
+    start_floor_K: float = 0.0  # and its heated floor besides
 
     @property
     def hour(self) -> FloatArray:
@@ -81,8 +82,6 @@ class Prior:
     high: float
     noticeable: float  # a factor above 1 where `is_log`, else in the parameter's unit
     is_log: bool = False
-    # departure that the believed model's published uncertainty covers; as `noticeable`, 0 where there is none
-    tolerance: float = 0.0
 
 
 @dataclass(frozen=True)

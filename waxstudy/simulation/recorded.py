@@ -18,7 +18,7 @@ from waxstudy.simulation.modes import DrivenRoom, drive
 SUN, EXTRA = "solar_W", "extra_W"
 IRRADIANCE = "irradiance"  # what a room's inputs from the sun are called by, and a facade
 DAY_S = 86400.0
-LONGEST_STEP_S = 120.0  # of the explicit exchange between water and floor
+LONGEST_STEP_S = 150.0  # of the explicit exchange between water and floor
 
 
 def recorded_room(room: LinearRoom, inputs: Inputs) -> LinearRoom:
@@ -68,6 +68,12 @@ def _driven(room: LinearRoom, kept: list[int], inputs: Inputs, weather: WeatherR
     return np.column_stack((columns, inputs.solar_W, extra)), inputs.supply_C
 
 
+def believed_supply_C(room: LinearRoom, inputs: Inputs) -> FloatArray:
+    """Return the supply temperature that the room's own heating curve would give (n,)."""
+    dark = {name: np.zeros(len(inputs.outdoor_C)) for name in room.facades}
+    return room.drive(replace(weather_of(inputs), irradiance_W_m2=dark))[1]
+
+
 def weather_of(inputs: Inputs) -> WeatherRecord:
     """Return the weather record that stands for recorded inputs."""
     return WeatherRecord(inputs.interval_s, "2000-01-01", inputs.outdoor_C, {}, sky_C=inputs.outdoor_C)
@@ -83,7 +89,7 @@ def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[st
     """Return what a room does with a recorded flow (n,): `ROOM_OUTPUTS` at the end of each interval, and the heat.
 
     `water_heat_W` is the mean over the interval, `return_C` its mean, NaN without flow. The first day is repeated for a
-    week before, then all of the room is `inputs.start_K` warmer.
+    week before, then the room is `inputs.start_K` warmer, its floor by `inputs.start_floor_K` more.
     """
     room, n = driven.room, len(driven.supply_C)
     fraction = np.clip(np.asarray(flow_L_h, dtype=float) / room.full_flow_L_h, 0.0, None)
@@ -95,7 +101,7 @@ def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[st
     run = compiled()
     for _ in range(7):
         _run(run, driven, exchange, modes, parts, out, first)
-    modes += driven.to_modes @ np.full(len(room.nodes), inputs.start_K)
+    modes += driven.to_modes @ (inputs.start_K + inputs.start_floor_K * (1.0 - room.air_nodes))
     _run(run, driven, exchange, modes, parts, out, n)
     found = {name: out[:, place] for place, name in enumerate(ROOM_OUTPUTS)} | {"water_heat_W": out[:, -1]}
     stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K

@@ -213,13 +213,10 @@ def _parameter_table(parameters: list[dict[str, Any]]) -> object:
 
 def _prior_table(priors: Mapping[str, Mapping[str, Any]]) -> object:
     """Where each parameter is looked for; on a log scale the departures are factors."""
-    rows = table(("looked for", "from", "to", "scale", "noticeable", "covered by what is published"))
+    rows = table(("looked for", "from", "to", "scale", "noticeable"))
     for name, prior in priors.items():
         scale, times = ("log", "x ") if prior["is_log"] else ("linear", "")
-        tolerance = f"{times}{prior['tolerance']:g}" if prior["tolerance"] else ""
-        rows.add_row(
-            name, f"{prior['low']:g}", f"{prior['high']:g}", scale, f"{times}{prior['noticeable']:g}", tolerance
-        )
+        rows.add_row(name, f"{prior['low']:g}", f"{prior['high']:g}", scale, f"{times}{prior['noticeable']:g}")
     return rows
 
 
