@@ -159,7 +159,7 @@ def test_a_second_effect_is_fitted_together_with_the_first() -> None:
 def test_a_room_s_departures_take_up_what_its_priors_allow() -> None:
     """A standard deviation of each is fitted away."""
     seen, believed, cut = ready("REAL")
-    link = cut[-1]
+    link = next(each for each in cut if each.with_room)
     plain = Fitter(link, seen, believed)
     moved = planted(link, seen, plain.edited((), plain.sd))
     fitter = Fitter(link, moved, believed)
