@@ -15,6 +15,7 @@ import click
 from waxstudy.cli.errors import FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
 from waxstudy.cli.output import Command, print_out, stdout
 from waxstudy.cli.run import failures
+from waxstudy.cli.study import load_study
 
 if TYPE_CHECKING:
     from waxstudy.gap.result import Diagnosis
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 # the matrices are small: threads of the linear algebra library would only wait for each other
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: nothing is written]"
+STUDY = click.Path(exists=True, dir_okay=False, path_type=Path)
 Tick = Callable[[str, float], None]
 
 
@@ -30,9 +32,12 @@ Tick = Callable[[str, float], None]
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help=OUT)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the summary.")
 @click.option("--quick", is_flag=True, help="Fewer trials, for a first answer.")
+@click.option("--study", type=STUDY, metavar="STUDY", help="Study file; the steps of its ladders are tried as effects.")
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of resampling.")
 @click.option("--quiet", is_flag=True, help="No progress.")
-def command(dataset: Path, out: Path | None, as_json: bool, quick: bool, seed: int, quiet: bool) -> None:
+def command(
+    dataset: Path, out: Path | None, as_json: bool, quick: bool, study: Path | None, seed: int, quiet: bool
+) -> None:
     """Find where a record and what is believed disagree, which effect causes it, and how far the gap shrinks.
 
     DATASET is a folder with dataset.toml and data.csv. With --out, the last line printed is the folder.
@@ -43,7 +48,7 @@ def command(dataset: Path, out: Path | None, as_json: bool, quick: bool, seed: i
         _refuse_unwritable(out)
     try:
         with _progress(quiet) as tick:
-            diagnosis = _diagnosis(dataset, seed, quick, tick)
+            diagnosis = _diagnosis(dataset, study, seed, quick, tick)
         if out is not None:
             _write(diagnosis, out)
     except KeyboardInterrupt:
@@ -52,7 +57,7 @@ def command(dataset: Path, out: Path | None, as_json: bool, quick: bool, seed: i
     print_out(_json(diagnosis) if as_json else _summary(diagnosis, out))
 
 
-def _diagnosis(dataset: Path, seed: int, quick: bool, tick: Tick) -> Diagnosis:
+def _diagnosis(dataset: Path, study: Path | None, seed: int, quick: bool, tick: Tick) -> Diagnosis:
     """Read a dataset and diagnose it; turn what is wrong into a message and an exit code."""
     from waxstudy.dataset.read import read_dataset
     from waxstudy.gap.diagnose import diagnose
@@ -60,7 +65,8 @@ def _diagnosis(dataset: Path, seed: int, quick: bool, tick: Tick) -> Diagnosis:
 
     try:
         with failures(dataset / "dataset.toml", dataset):
-            return diagnose(read_dataset(dataset), seed=seed, quick=quick, tick=tick)
+            steps = load_study(study, needs_files=False) if study else None
+            return diagnose(read_dataset(dataset), seed=seed, quick=quick, study=steps, tick=tick)
     except StudyError as error:
         raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
 

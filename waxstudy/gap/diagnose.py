@@ -14,6 +14,7 @@ from waxstudy.gap.fit import EffectType, Fitted, Fitter, Values
 from waxstudy.gap.impact import impact
 from waxstudy.gap.interval import parameter_intervals, shrink
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, parts_of
+from waxstudy.gap.ladder import ladder_effects
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.regimes import regimes
@@ -33,9 +34,10 @@ from waxstudy.gap.testable import next_measurements, separating, too_short, unco
 from waxstudy.gap.unexplained import stage_of, unexplained
 from waxstudy.plugin import STAGES, Belief, Effect, Inputs
 from waxstudy.plugin.registry import installed
+from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
-QUICK = 0.25  # of the fits' effort
+QUICK = 0.35  # of the fits' effort
 Tell = Callable[[str, float], None]
 
 
@@ -51,14 +53,22 @@ class _Work:
     thorough: float
 
 
-def diagnose(dataset: Dataset, *, seed: int = 1, quick: bool = False, tick: Tell | None = None) -> Diagnosis:
+def diagnose(
+    dataset: Dataset,
+    *,
+    seed: int = 1,
+    quick: bool = False,
+    study: Study | None = None,
+    tick: Tell | None = None,
+) -> Diagnosis:
     """Return where a dataset's gap lies, which effects cause it and how far it shrinks once they are added.
 
-    The same dataset and seed give the same diagnosis. `tick` is told what is being tried and the share done.
+    The steps of a study's ladders are tried as effects too. The same dataset and seed give the same diagnosis.
+    `tick` is told what is being tried and the share done.
     """
     record = record_of(dataset)
     belief = Belief(dataset.nominal, dataset.room, _inputs(record))
-    effects = installed_effects()
+    effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     work = _Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
     cut = links(record, belief) if record.can_be_cut else []
     short = {link: reason for link in cut if (reason := too_short(link, record))}
@@ -254,7 +264,7 @@ def _verdict(found: Sequence[FoundEffect], remains: Sequence[Unexplained], selec
         return "group"
     if any(not (each.is_room_form or each.is_covered) for each in remains):
         return "unknown"
-    return "none" if selections else "untestable"
+    return "none" if any(not each.fitter.link.is_supply for each in selections) else "untestable"
 
 
 def _summary(

@@ -116,7 +116,7 @@ class Fitter:
         """The belief itself, its room fitted to the first part, read in the way that fits best."""
         start = np.zeros(len(self.sd))
         best = self._best([self._room_fit((), start, reading, (FIT,)) for reading in self.link.readings])
-        for _ in range(AGAIN if self.unknowns and self.thorough >= 1.0 else 0):
+        for _ in range(AGAIN if self.unknowns else 0):
             best = self._room_fit((), best.departures, best.reading, (FIT,)) or best
         return best
 
@@ -202,7 +202,7 @@ class Fitter:
         """
         if self.unknowns:
             return self._room_fit(effects, departures, reading, parts, is_rough)
-        if not effects:
+        if not any(effect.priors for effect, _ in effects):
             return self.at(effects, departures, reading)
         spaces = [Space(effect) for effect, _ in effects]
         start = np.concatenate([space.inside(values) for space, (_, values) in zip(spaces, effects, strict=True)])
@@ -230,7 +230,8 @@ class Fitter:
             return self.at(effects, departures, reading)
         problem = _Problem(self, effects, reading, parts)
         known = self._slopes if is_rough else None
-        return problem.solved(problem.vector(departures), round(STEPS * self.thorough), known)
+        most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
+        return problem.solved(problem.vector(departures), most, known)
 
 
 class _Problem:
@@ -331,6 +332,8 @@ class Space:
     def points(self, thorough: float) -> list[Values]:
         """Return points spread over the cube: evenly for one parameter, else a Sobol sequence."""
         count = len(self.names)
+        if not count:
+            return [{}]
         wanted = max(5, round(SCAN.get(count, SCAN_MORE) * thorough))
         if count == 1:
             return [self.values(np.array([at])) for at in np.linspace(0.0, 1.0, wanted)]

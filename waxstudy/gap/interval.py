@@ -28,7 +28,7 @@ def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, M
     errors, part, block = whole(fitted)
     seen = (part == FIT) | (part == SELECT)
     if not rows:
-        return {}
+        return {effect: {} for effect, _ in fitted.effects}
     missed = np.column_stack((slopes, np.zeros((len(slopes), 0))))[seen]
     normal = missed.T @ missed + _prior(fitter, missed.shape[1])
     numbers, member = np.unique(block[seen], return_inverse=True)
