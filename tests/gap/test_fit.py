@@ -133,6 +133,19 @@ def test_where_a_parameter_may_move_and_nothing_changes_its_interval_says_so() -
     assert sum(map(same.loss, BOTH)) == sum(map(fitted.loss, BOTH))
 
 
+def test_a_fit_does_not_end_in_a_notch_of_a_jagged_loss() -> None:
+    """What moves single switches has many: the truth must be found, or another name would fit better."""
+    seen, believed, cut = ready("REAL")
+    true = effects(slow_actuator={"factor": 1.6})
+    link = link_of("slow-actuator", cut)
+    fitter = Fitter(link, planted(link, seen, believed, true), believed)
+    fitted = fitter.fit(EFFECTS["slow-actuator"], fitter.base, BOTH)
+    at_truth = fitter.at([(EFFECTS["slow-actuator"], {"factor": 1.6})], fitter.base.departures, fitter.base.reading)
+    assert fitted
+    assert at_truth
+    assert sum(map(fitted.loss, BOTH)) < sum(map(at_truth.loss, BOTH)) + 9.0
+
+
 def test_an_effect_that_cannot_apply_is_not_fitted() -> None:
     seen, believed, cut = ready("IDEAL")
     effect = EFFECTS["slow-actuator"]
