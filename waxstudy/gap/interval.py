@@ -146,21 +146,24 @@ def _timing(fitter: Fitter, name: str, prior: Prior, value: float, blocks: int) 
 
 
 def shrink(before: Errors, after: Errors, floor: float, random: np.random.Generator) -> Interval:
-    """Return 1 - (after^2 - floor^2) / (before^2 - floor^2) on the last part, with its 95 % interval over blocks."""
+    """Return 1 - (after^2 - floor^2) / (before^2 - floor^2) on the last part, with its 95 % interval over blocks.
+
+    No number where no gap was above the floor there: nothing could shrink.
+    """
     part = SHRINK if (before.part == SHRINK).any() else SELECT
     chosen = before.judged & after.judged & (before.part == part)
-    if not chosen.any():
+    if not chosen.any() or np.mean(before.error[chosen] ** 2) <= floor**2:
         return Interval(float("nan"), float("nan"), float("nan"))
     numbers, member = np.unique(before.block[chosen], return_inverse=True)
     squares = by_block(np.array([before.error[chosen] ** 2, after.error[chosen] ** 2]), member, len(numbers))
     count = np.bincount(member, minlength=len(numbers))
     weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
-    drawn = _shrunk(squares @ weights / (count @ weights), floor)
+    means = squares @ weights / (count @ weights)
+    drawn = _shrunk(means[:, means[0] > floor**2], floor)
     value = float(_shrunk((squares.sum(axis=1) / count.sum())[:, None], floor)[0])
-    low, high = np.percentile(drawn, RANGE)
+    low, high = np.percentile(np.append(drawn, value), RANGE)
     return Interval(value, float(min(low, value)), float(max(high, value)))
 
 
 def _shrunk(squares: FloatArray, floor: float) -> FloatArray:
-    above = np.maximum(squares[0] - floor**2, 1e-12)
-    return np.asarray(1.0 - (squares[1] - floor**2) / above)
+    return np.asarray(1.0 - (squares[1] - floor**2) / (squares[0] - floor**2))
