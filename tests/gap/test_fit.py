@@ -58,7 +58,7 @@ def found(name: str) -> tuple[Fitter, Fitted]:
     seen, believed, cut = ready(case)
     link = link_of(name, cut)
     seen = record(case, days=6, effects=true) if name in IN_LOOP else planted(link, seen, believed, true)
-    fitter = Fitter(link, seen, belief(case, seen) if name in IN_LOOP else believed, thorough=0.5)
+    fitter = Fitter(link, seen, belief(case, seen) if name in IN_LOOP else believed)
     fitted = fitter.fit(EFFECTS[name], fitter.base, BOTH)
     assert fitted
     return fitter, fitted
@@ -96,7 +96,7 @@ def test_where_nothing_was_put_in_neutral_is_found(name: str) -> None:
     seen, believed, cut = ready("REAL")
     effect = EFFECTS[name]
     link = link_of(name, cut)
-    fitter = Fitter(link, planted(link, seen, believed), believed, thorough=0.5)
+    fitter = Fitter(link, planted(link, seen, believed), believed)
     fitted = fitter.fit(effect, fitter.base, BOTH)
     assert fitted
     ((_, values),) = fitted.effects
@@ -110,12 +110,40 @@ def test_where_nothing_was_put_in_neutral_is_found(name: str) -> None:
 @pytest.mark.parametrize("name", ["let-by", "supply-offset"])
 def test_the_same_record_gives_the_same_fit(name: str) -> None:
     fitter, fitted = found(name)
-    again = Fitter(fitter.link, fitter.record, fitter.belief, thorough=0.5)
+    again = Fitter(fitter.link, fitter.record, fitter.belief)
     ((effect, values),) = fitted.effects
     other = again.fit(effect, again.base, BOTH)
     assert other
     assert dict(other.effects)[effect] == values
     assert np.array_equal(other.departures, fitted.departures)
+
+
+def test_where_a_parameter_may_move_and_nothing_changes_its_interval_says_so() -> None:
+    """Pulses of a record are in steps: only what lies between two of them tells a shortest pulse."""
+    seen = record("PWM", days=6, effects=effects(min_pulse={"min_pulse_s": 200.0}))
+    link = link_of("min-pulse", links(seen, belief("PWM", seen)))
+    fitter = Fitter(link, seen, belief("PWM", seen))
+    fitted = fitter.fit(EFFECTS["min-pulse"], fitter.base, BOTH)
+    assert fitted
+    interval = parameter_intervals(fitter, fitted)[EFFECTS["min-pulse"]]["min_pulse_s"]
+    assert interval.low < interval.value < interval.high
+    assert interval.low <= 200.0 <= interval.high
+    same = fitter.at([(EFFECTS["min-pulse"], {"min_pulse_s": 200.0})], fitted.departures, fitted.reading)
+    assert same
+    assert sum(map(same.loss, BOTH)) == sum(map(fitted.loss, BOTH))
+
+
+def test_a_fit_does_not_end_in_a_notch_of_a_jagged_loss() -> None:
+    """What moves single switches has many: the truth must be found, or another name would fit better."""
+    seen, believed, cut = ready("REAL")
+    true = effects(slow_actuator={"factor": 1.6})
+    link = link_of("slow-actuator", cut)
+    fitter = Fitter(link, planted(link, seen, believed, true), believed)
+    fitted = fitter.fit(EFFECTS["slow-actuator"], fitter.base, BOTH)
+    at_truth = fitter.at([(EFFECTS["slow-actuator"], {"factor": 1.6})], fitter.base.departures, fitter.base.reading)
+    assert fitted
+    assert at_truth
+    assert sum(map(fitted.loss, BOTH)) < sum(map(at_truth.loss, BOTH)) + 9.0
 
 
 def test_an_effect_that_cannot_apply_is_not_fitted() -> None:
@@ -144,10 +172,10 @@ def test_a_second_effect_is_fitted_together_with_the_first() -> None:
 def test_a_room_s_departures_take_up_what_its_priors_allow() -> None:
     """A standard deviation of each is fitted away."""
     seen, believed, cut = ready("REAL")
-    link = cut[-1]
-    plain = Fitter(link, seen, believed, thorough=0.5)
+    link = next(each for each in cut if each.with_room)
+    plain = Fitter(link, seen, believed)
     moved = planted(link, seen, plain.edited((), plain.sd))
-    fitter = Fitter(link, moved, believed, thorough=0.5)
+    fitter = Fitter(link, moved, believed)
     believed_only = fitter.at((), np.zeros(len(fitter.sd)), fitter.base.reading)
     assert believed_only
     before, after = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -29,11 +30,12 @@ def whole(case: str = "REAL") -> Record:
 
 
 def cut(chosen: set[str], case: str = "REAL") -> tuple[Record, Belief, Sequence[Link]]:
+    """The links of some channels, but for the heating curve beside the recorded supply."""
     kept = {*chosen, "setpoint_C", "solar_gain_W", "internal_gain_W"}
     values = {name: each for name, each in whole(case).values.items() if name in kept}
     seen = Record(whole(case).interval_s, 0.0, values)
     believed = belief(case, seen)
-    return seen, believed, links(seen, believed)
+    return seen, believed, [link for link in links(seen, believed) if not link.is_supply]
 
 
 def expected(chosen: set[str]) -> list[tuple[str, ...]]:
@@ -103,6 +105,21 @@ def test_only_a_sensor_s_own_log_leaves_open_what_it_is() -> None:
     assert found[0].readings == (AFTER, BEFORE, RAW)
     _, _, found = cut(set(whole().values) - {"sensor_temperature_C"})
     assert [len(link.readings) for link in found[:-1]] == [1] * 4
+
+
+def test_a_recorded_supply_is_put_beside_the_believed_heating_curve() -> None:
+    seen = whole()
+    believed = belief("REAL", seen)
+    (curve,) = [link for link in links(seen, believed) if link.is_supply]
+    assert (curve.stages, curve.driven_by) == (("emitter",), "outdoor_temperature_C")
+    off_K = curve.predict(seen, believed)["supply_temperature_C"] - seen.values["supply_temperature_C"]
+    # its own noise, and that of the outdoor temperature by the slope of the curve
+    assert np.std(off_K) < 0.1
+
+
+def test_a_supply_that_is_assumed_is_not_judged() -> None:
+    seen = replace(whole(), assumed=("supply_temperature_C",))
+    assert not any(link.is_supply for link in links(seen, belief("REAL", seen)))
 
 
 def test_without_a_room_there_are_links_of_the_chain_alone() -> None:

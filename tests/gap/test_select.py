@@ -1,0 +1,223 @@
+"""Claims about selection: nothing of nothing, what was put in, two at once, and names that mean the same together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.gap.realities import EFFECTS, Effects, belief, effects, planted, record
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.judge import SHRINK, parts_of
+from waxstudy.gap.links import Link, links
+from waxstudy.gap.record import Record
+from waxstudy.gap.select import LEVEL, Selection, select
+from waxstudy.plugin import Belief, Effect, hookimpl
+from waxstudy.plugin.registry import Registry, _register
+
+DAYS = 7
+CHAIN_STAGES = ("sensor", "actuator", "valve")
+
+
+@cache
+def ready(case: str = "REAL", seed: int = 1) -> tuple[Record, Belief, tuple[Link, ...]]:
+    seen = record(case, days=DAYS, seed=seed)
+    believed = belief(case, seen)
+    return seen, believed, tuple(links(seen, believed))
+
+
+def link_at(stage: str, cut: Sequence[Link]) -> Link:
+    return next(link for link in cut if stage in link.stages)
+
+
+def searched(link: Link, seen: Record, believed: Belief, more: Sequence[type[Effect]] = (), seed: int = 1) -> Selection:
+    tried = [effect for effect in (*EFFECTS.values(), *more) if effect.stage in link.stages]
+    return select(Fitter(link, seen, believed), tried, seed, lambda name: None)
+
+
+@cache
+def of_planted(true: Effects, stage: str, case: str = "REAL") -> Selection:
+    seen, believed, cut = ready(case)
+    link = link_at(stage, cut)
+    return searched(link, planted(link, seen, believed, true), believed)
+
+
+def names(selection: Selection) -> set[str]:
+    return {found.effect.name for found in selection.found}
+
+
+# --- nothing of nothing ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("case", ["IDEAL", "REAL", "PWM"])
+@pytest.mark.parametrize("stage", CHAIN_STAGES)
+def test_where_everything_is_as_believed_nothing_is_claimed(case: str, stage: str) -> None:
+    seen, believed, cut = ready(case)
+    selection = searched(link_at(stage, cut), seen, believed)
+    assert selection.found == selection.withdrawn == ()
+    assert selection.before is selection.after
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [2, 3])
+def test_nor_with_the_noise_of_other_instruments(seed: int) -> None:
+    seen, believed, cut = ready("REAL", seed)
+    for link in cut:
+        if not link.with_room:
+            assert searched(link, seen, believed, seed=seed).found == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_where_a_room_is_as_believed_nothing_is_claimed(seed: int) -> None:
+    seen, believed, cut = ready("REAL", seed)
+    assert searched(link_at("room", cut), seen, believed, seed=seed).found == ()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_of_another_day_is_no_effect(seed: int) -> None:
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    again = planted(link, seen, believed, seed=seed)
+    assert searched(link, again, believed, seed=seed).found == ()
+
+
+# --- what was put in -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("stage", "true"),
+    [
+        ("valve", effects(let_by={"fraction": 0.02})),
+        ("valve", effects(max_flow={"factor": 0.85})),
+        ("actuator", effects(slow_actuator={"factor": 1.6})),
+        ("actuator", effects(limited_travel={"opening": 0.7})),
+    ],
+)
+def test_what_was_put_in_is_claimed_and_nothing_beside_it(stage: str, true: Effects) -> None:
+    selection = of_planted(true, stage)
+    ((name, _),) = true
+    (found,) = selection.found
+    assert name in found.group
+    assert found.candidate.p <= LEVEL
+    assert found.inclusion > 0.9
+    assert found.candidate.share > 0.8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("true", [effects(sensor_delay={"delay_s": 900.0}), effects(sensor_bias={"bias_K": -0.4})])
+def test_what_is_wrong_in_the_closed_loop_is_claimed_at_its_link(true: Effects) -> None:
+    seen = record("IDEAL", days=DAYS, effects=true)
+    believed = belief("IDEAL", seen)
+    ((name, _),) = true
+    for stage in CHAIN_STAGES:
+        found = searched(link_at(stage, links(seen, believed)), seen, believed).found
+        assert [each.group[0] for each in found] == ([name] if stage == "sensor" else [])
+
+
+def test_two_effects_in_one_link_are_both_claimed() -> None:
+    selection = of_planted(effects(let_by={"fraction": 0.03}, max_flow={"factor": 0.8}), "valve")
+    assert names(selection) == {"let-by", "max-flow"}
+    values = {effect.name: dict(each) for effect, each in selection.after.effects}
+    assert values["max-flow"]["factor"] == pytest.approx(0.8, rel=0.02)
+    assert values["let-by"]["fraction"] == pytest.approx(0.03, rel=0.1)
+
+
+def test_each_model_explains_more_than_the_one_before() -> None:
+    selection = of_planted(effects(let_by={"fraction": 0.03}, max_flow={"factor": 0.8}), "valve")
+    gaps = [model.errors[0].gap() for model in selection.models]
+    assert gaps == sorted(gaps, reverse=True)
+    assert [len(model.effects) for model in selection.models] == list(range(len(selection.found) + 1))
+
+
+def test_an_effect_that_later_days_do_not_confirm_is_withdrawn() -> None:
+    """A valve that leaks until the days that nobody looks at."""
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    leaking = planted(link, seen, believed, effects(let_by={"fraction": 0.03})).values["flow_L_h"]
+    tight = planted(link, seen, believed).values["flow_L_h"]
+    flow = np.where(parts_of(seen) == SHRINK, tight, leaking)
+    selection = searched(link, replace(seen, values={**seen.values, "flow_L_h": flow}), believed)
+    assert selection.found == ()
+    assert [found.effect.name for found in selection.withdrawn] == ["let-by"]
+
+
+def test_an_actuator_within_what_real_ones_stray_is_not_called_another() -> None:
+    """It is seen, and yet no finding: what is published of the believed one covers it."""
+    selection = of_planted(effects(slow_actuator={"factor": 1.04}), "actuator")
+    slow = next(each for each in selection.tried if each.effect.name == "slow-actuator")
+    assert slow.is_seen
+    assert slow.is_covered
+    assert selection.found == ()
+
+
+# --- groups ----------------------------------------------------------------------------------------------
+
+
+def stranger() -> ModuleType:
+    """A plugin whose effect is the library's leaking valve under another name."""
+
+    original = EFFECTS["let-by"]
+
+    class Seeping(Effect):
+        """What the library calls a let-by."""
+
+        name = "seeping"
+        api_version = "1.0"
+        stage = original.stage
+        Parameters = original.Parameters
+        priors = original.priors
+
+        @classmethod
+        def hindrance(cls, belief: Belief) -> str:
+            return original.hindrance(belief)
+
+        @classmethod
+        def apply(cls, belief: Belief, p: Any) -> Belief:
+            return original.apply(belief, p)
+
+        @classmethod
+        def sentence(cls, p: Any) -> str:
+            return "The valve seeps."
+
+    def register_all(register: Any) -> None:
+        register(Seeping)
+
+    module = ModuleType("stranger")
+    setattr(module, "waxstudy_register", hookimpl(register_all))  # noqa: B010
+    return module
+
+
+def test_effects_that_are_the_same_thing_are_one_group() -> None:
+    registry = Registry()
+    _register(registry, stranger(), "stranger", "1.0")
+    twin = registry.get("effect", "seeping")
+    assert issubclass(twin, Effect)
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    leaking = planted(link, seen, believed, effects(let_by={"fraction": 0.03}))
+    (found,) = searched(link, leaking, believed, more=[twin]).found
+    assert {"let-by", "seeping"} <= set(found.group)
+    assert found.group[0] == found.effect.name
+    assert found.inclusion > 0.9
+
+
+def test_effects_that_the_record_tells_apart_are_not_in_one_group() -> None:
+    (found,) = of_planted(effects(max_flow={"factor": 0.85}), "valve").found
+    assert found.group == ("max-flow",)
+
+
+def test_the_same_seed_gives_the_same_selection() -> None:
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    leaking = planted(link, seen, believed, effects(let_by={"fraction": 0.02}))
+    one, other = (searched(link, leaking, believed, seed=5) for _ in range(2))
+    assert [(c.effect.name, c.gain, c.p, c.share) for c in one.tried] == [
+        (c.effect.name, c.gain, c.p, c.share) for c in other.tried
+    ]
+    assert [(f.group, f.inclusion) for f in one.found] == [(f.group, f.inclusion) for f in other.found]
