@@ -217,7 +217,7 @@ class StuckOpen(Effect):
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
-        return [{"opening": opening} for opening in (0.1, 0.25, 0.5)]
+        return [{"opening": opening} for opening in (0.1, 0.18, 0.2, 0.25, 0.5)]
 
 
 class MaxFlowParameters(Parameters):

@@ -194,7 +194,9 @@ def links(record: Record, belief: Belief) -> list[Link]:
             if belief.blocks and (since != "sensor" or _is_driven(record, belief)):
                 found.append(_link(record, stages, driven_by, SHOWN[kind]))
             since, driven_by = _after(kind), SHOWN[kind]
-    room = tuple(channel for channel in ROOM_CHANNELS if record.has(channel))
+    # a return says nothing without knowing when water flowed
+    shown = [c for c in ROOM_CHANNELS if c != "return_temperature_C" or record.has("flow_L_h")]
+    room = tuple(channel for channel in shown if record.has(channel))
     if room and belief.room and belief.inputs and (since != "sensor" or _is_driven(record, belief)):
         rest = CHAIN[CHAIN.index(since) :] if since is not None else ()
         link = _link(record, (*rest, *ROOM_STAGES), driven_by, *room)
