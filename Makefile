@@ -1,5 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
+# the matrices are small: threads of the linear algebra library would only wait for each other
+export OPENBLAS_NUM_THREADS = 1
 
 .PHONY: run test golden bench clean
 
