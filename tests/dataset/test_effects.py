@@ -69,7 +69,7 @@ def test_the_room_under_the_recorded_flow_and_the_effect_does_what_happened(stud
     air_C, flow_L_h = with_first_day(week["air_C"][11::12]), with_first_day(week["flow_L_h"].reshape(-1, 12).mean(1))
     true = applied([chosen], Belief({}, study.room, replace(inputs, air_C=air_C, flow_L_h=flow_L_h)))
     assert true.inputs
-    found = respond(driven_by(loop.driven.room, true.inputs), flow_L_h, SETPOINT_C)["air_C"]
+    found = respond(driven_by(loop.driven.room, true.inputs), true.inputs, flow_L_h)["air_C"]
     assert np.max(np.abs(found[2 * day :] - air_C[2 * day :])) < 0.03
 
 

@@ -146,11 +146,11 @@ def render_attribution(folder: Path, form: str, quiet: bool) -> str:
 
 
 def _attributed(run: Run, study: Study, quiet: bool) -> OrderFree:
-    from waxstudy.cli.run import failures, progress
+    from waxstudy.cli.run import failures, progress, resumable
     from waxstudy.report.attribution.shares import attribute
     from waxstudy.report.attribution.simulate import OtherSources
 
-    with failures(run.study_file, run.folder), progress(quiet) as told:
+    with failures(run.study_file, run.folder), progress(quiet) as told, resumable():
         try:
             return attribute(run, study, told)
         except OtherSources as error:

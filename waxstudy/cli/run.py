@@ -36,15 +36,22 @@ def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_j
     with failures(study_file, folder), progress(quiet) as told:
         from waxstudy.simulation.run import run
 
-        try:
+        with resumable():
             run(study, folder, jit=not no_jit, progress=told)
-        except KeyboardInterrupt:
-            kept = "interrupted; what was finished is kept, the same command goes on from there"
-            raise CommandError(kept, INTERRUPTED, label="") from None
     from waxstudy.cli.report import render
 
     text = render(folder, "json" if as_json else "table", study.against)
     print_out(text if as_json else f"{text}{folder}\n")
+
+
+@contextmanager
+def resumable() -> Iterator[None]:
+    """Say of an interrupted run what is kept of it."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        kept = "interrupted; what was finished is kept, the same command goes on from there"
+        raise CommandError(kept, INTERRUPTED, label="") from None
 
 
 @contextmanager
