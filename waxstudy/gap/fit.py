@@ -21,11 +21,12 @@ SCAN_MORE = 64
 REFINE = {1: 30, 2: 60, 3: 110}
 REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
+OTHER = 9.0  # loss by which another reading must be better
 AGAIN = 2  # fits of the believed room from where the last one ended
 LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before
 MOST_DAMPING = 1e4
-MOST_SD = 6.0  # how far a departure may go
+MOST_SD = 2.5  # how far a departure may go: what needs more is a finding
 
 Values = Mapping[str, float]
 EffectType = type[Effect]
@@ -126,13 +127,17 @@ class Fitter:
         done = [each for each in tried if each is not None]
         if not done:
             raise ValueError(f"what is believed of {self.link.name} cannot be simulated")
-        return min(done, key=lambda each: self._score(each, (FIT, SELECT)))
+        return min(done, key=lambda each: self.score(each, (FIT, SELECT)))
 
-    def _score(self, fitted: Fitted | None, parts: Sequence[int]) -> float:
+    def score(self, fitted: Fitted | None, parts: Sequence[int]) -> float:
+        """Return what a fit misses on some parts, with how far its departures went; much where it cannot be."""
         if fitted is None:
             return IMPOSSIBLE
-        prior = float(np.sum((fitted.departures / self.sd) ** 2)) if len(self.sd) else 0.0
-        return sum(fitted.loss(part) for part in parts) + prior + fitted.reading.handicap
+        return sum(fitted.loss(part) for part in parts) + self.strain(fitted) + fitted.reading.handicap
+
+    def strain(self, fitted: Fitted) -> float:
+        """Return the squares of the room's departures, in standard deviations."""
+        return float(np.sum((fitted.departures / self.sd) ** 2)) if len(self.sd) else 0.0
 
     def fit(self, effect: EffectType, given: Fitted, parts: Sequence[int] = (FIT,)) -> Fitted | None:
         """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""
@@ -143,7 +148,8 @@ class Fitter:
         possible = [each for each in sorted(scanned, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         # a first look cannot choose between ways to read the record; for a room looking closer at each takes too long
         ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]
-        return min(filter(None, ends), key=lambda each: self._score(each, parts), default=None)
+        done = [each for each in ends if each is not None]
+        return min(done, key=lambda each: self.score(each, parts) + handicap(each.reading, given), default=None)
 
     def _from(
         self, effect: EffectType, given: Fitted, parts: Sequence[int], values: Values, reading: Reading
@@ -154,9 +160,9 @@ class Fitter:
         self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
     ) -> tuple[float, Values, Reading]:
         tried = [*space.points(self.thorough), *effect.starts(self.belief)]
-        scores = [self._score(self._at((*given.effects, (effect, v)), given, reading, parts), parts) for v in tried]
+        scores = [self.score(self._at((*given.effects, (effect, v)), given, reading, parts), parts) for v in tried]
         best = int(np.argmin(scores))
-        return scores[best], tried[best], reading
+        return scores[best] + handicap(reading, given), tried[best], reading
 
     def _at(
         self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading, parts: Sequence[int]
@@ -173,6 +179,8 @@ class Fitter:
         whole = np.concatenate([each.whitened for each in fitted.errors])
         solution, fit = self._solution(tuple(parts))
         step = -solution @ np.concatenate((whole[fit], fitted.departures / self.sd))
+        most = MOST_SD * self.sd
+        step = np.clip(fitted.departures + step, -most, most) - fitted.departures
         moved = np.split(whole + self._slopes @ step, np.cumsum(sizes)[:-1])
         return [replace(each, whitened=vector) for each, vector in zip(fitted.errors, moved, strict=True)]
 
@@ -219,7 +227,7 @@ class Fitter:
         start = np.concatenate([space.inside(v) for space, (_, v) in zip(spaces, smooth, strict=True)])
 
         def loss(x: FloatArray) -> float:
-            return self._score(self.at(_valued(effects, spaces, x), departures, reading), parts)
+            return self.score(self.at(_valued(effects, spaces, x), departures, reading), parts)
 
         most = REFINE.get(len(start), REFINE_MORE)
         found = _descend(loss, start, round(most * self.thorough))
@@ -257,6 +265,11 @@ class Fitter:
         known = self._slopes if is_rough else None
         most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
         return problem.solved(problem.vector(departures), most, known)
+
+
+def handicap(reading: Reading, given: Fitted) -> float:
+    """Return by how much another reading than a given one must be better: an effect may do no more than undo it."""
+    return 0.0 if reading == given.reading else OTHER
 
 
 class _Problem:
@@ -297,6 +310,8 @@ class _Problem:
             slopes = np.column_stack((self.kept(best, known), self.slopes(x, missed, range(self.count, len(x)))))
         damping, is_fresh = 1e-3, True
         for _ in range(most):
+            if not missed.any():
+                break  # nothing is missed
             step = self.step(slopes, missed, damping, x)
             tried = self.at(x + step)
             new = self.missed(tried, x + step) if tried else None
