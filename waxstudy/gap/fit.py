@@ -23,6 +23,7 @@ REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
 OTHER = 9.0  # loss by which another reading must be better
 AGAIN = 2  # fits of the believed room from where the last one ended
+PROMISING = 5.0  # loss that an effect must take away from a room for a closer look; a quick diagnosis asks for more
 LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before
 MOST_DAMPING = 1e4
@@ -118,7 +119,10 @@ class Fitter:
     def base(self) -> Fitted:
         """The belief itself, its room fitted to the first part, read in the way that fits best."""
         start = np.zeros(len(self.sd))
-        best = self._best([self._room_fit((), start, reading, (FIT,)) for reading in self.link.readings])
+        first = self._best([self._room_fit((), start, self.link.readings[0], (FIT,))])
+        known = self._slopes_at(first) if len(self.link.readings) > 1 else None
+        others = [self._room_fit((), first.departures, reading, (FIT,), known) for reading in self.link.readings[1:]]
+        best = self._best([first, *others])
         for _ in range(AGAIN if self.unknowns else 0):
             best = self._room_fit((), best.departures, best.reading, (FIT,)) or best
         return best
@@ -149,7 +153,10 @@ class Fitter:
         # a first look cannot choose between ways to read the record; for a room looking closer at each takes too long
         ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]
         done = [each for each in ends if each is not None]
-        return min(done, key=lambda each: self.score(each, parts) + handicap(each.reading, given), default=None)
+        best = min(done, key=lambda each: self.score(each, parts) + handicap(each.reading, given), default=None)
+        if best and self.unknowns and self.score(best, parts) < self.score(given, parts) - PROMISING / self.thorough:
+            return self.refined(best.effects, best.departures, best.reading, parts)
+        return best
 
     def _from(
         self, effect: EffectType, given: Fitted, parts: Sequence[int], values: Values, reading: Reading
@@ -193,18 +200,20 @@ class Fitter:
 
     @cached_property
     def _slopes(self) -> FloatArray:
-        """Change of the whitened errors with each departure of the room (m, unknowns), at the base."""
-        base = self.base
-        whole = np.concatenate([each.whitened for each in base.errors])
-        columns = []
+        return self._slopes_at(self.base)
+
+    def _slopes_at(self, fitted: Fitted) -> FloatArray:
+        """Change of the whitened errors with each departure of the room (m, unknowns)."""
+        whole = np.concatenate([each.whitened for each in fitted.errors])
+        columns = [np.zeros((len(whole), 0))]
         for place, sd in enumerate(self.sd):
-            step = 0.1 * sd * (1.0 if base.departures[place] <= 0.0 else -1.0)
-            moved = base.departures.copy()
+            step = 0.1 * sd * (1.0 if fitted.departures[place] <= 0.0 else -1.0)
+            moved = fitted.departures.copy()
             moved[place] += step
-            other = self.at(base.effects, moved, base.reading)
+            other = self.at(fitted.effects, moved, fitted.reading)
             assert other
-            columns.append((np.concatenate([each.whitened for each in other.errors]) - whole) / step)
-        return np.column_stack(columns)
+            columns.append((np.concatenate([each.whitened for each in other.errors]) - whole)[:, None] / step)
+        return np.hstack(columns)
 
     def refined(
         self,
@@ -219,7 +228,7 @@ class Fitter:
         A rough fit takes the room's answer to its departures as it was at the base.
         """
         if self.unknowns:
-            return self._room_fit(effects, departures, reading, parts, is_rough)
+            return self._room_fit(effects, departures, reading, parts, self._slopes if is_rough else None)
         if not any(effect.priors for effect, _ in effects):
             return self.at(effects, departures, reading)
         smooth = self._smooth_fit(effects, departures, reading, parts)
@@ -253,16 +262,15 @@ class Fitter:
         departures: FloatArray,
         reading: Reading,
         parts: Sequence[int],
-        is_rough: bool = False,
+        known: FloatArray | None = None,
     ) -> Fitted | None:
         """Fit departures and effects together by damped Gauss-Newton steps, the departures held by their priors.
 
-        The slopes of the departures are kept as long as they serve: they hardly change.
+        The slopes of the departures are kept as long as they serve, they hardly change; known ones are kept throughout.
         """
         if not self.unknowns:
             return self.at(effects, departures, reading)
         problem = _Problem(self, effects, reading, parts)
-        known = self._slopes if is_rough else None
         most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
         return problem.solved(problem.vector(departures), most, known)
 
@@ -299,7 +307,7 @@ class _Problem:
         return np.concatenate((*chosen, x[: self.count]))
 
     def solved(self, x: FloatArray, most: int, known: FloatArray | None) -> Fitted | None:
-        """Return the best fit from a start; `known` are slopes of the departures to be kept, or None."""
+        """Return the best fit from a start; `known` are slopes of the departures to be kept throughout, or None."""
         best = self.at(x)
         if best is None:
             return None
@@ -326,8 +334,8 @@ class _Problem:
             if gained < LITTLE and is_fresh:
                 break
             # the slopes of the departures hardly change: they are taken again where that has become too little
-            is_fresh = bool(gained < ENOUGH)
-            fresh = range(len(x)) if is_fresh else range(self.count, len(x))
+            is_fresh = known is not None or bool(gained < ENOUGH)
+            fresh = range(len(x)) if is_fresh and known is None else range(self.count, len(x))
             slopes[:, list(fresh)] = self.slopes(x, missed, fresh)
         return best
 
