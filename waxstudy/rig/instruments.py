@@ -48,7 +48,7 @@ class Bench(Parameters):
         le=0.2,
     )
     record_scatter: float = parameter(
-        0.01,
+        0.005,
         unit="1",
         description="The same from record to record (supply, ambient temperature).",
         source=CHOSEN + "not in the paper",

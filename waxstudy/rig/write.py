@@ -54,6 +54,7 @@ def _description(motors: Motors, programme: Sequence[Trial]) -> dict[str, Any]:
                 "exemplar": trial.exemplar,
                 "valve": trial.has_valve,
                 "profile_min": trial.profile,
+                "measured": trial.measured,
             }
             for trial in programme
         },

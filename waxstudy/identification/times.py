@@ -1,0 +1,140 @@
+"""Characteristic times of each cycle: where the opening moves, by its slope over 5 s (section 3.1.3)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waxstudy.plugin import FloatArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from waxstudy.identification.records import Record
+
+WINDOW_S = 5.0
+RISES_PER_5S = 0.0083  # of the stroke: 10 % a minute
+FALLS_PER_5S = 0.0167
+SLACK = 0.05  # closed up to here; a movement is at least as long
+OPEN = 0.9  # chosen: open from here, since motors may creep on while heated
+LEAST_WHOLE = 0.5  # of a record's cycles: a profile that does not open and close is left out (section 3.1.2)
+TIMES = ("dead_s", "rise_s", "overheat_s", "hold_s", "fall_s", "undercool_s")
+
+IntArray = NDArray[np.intp]
+
+
+class Movements(NamedTuple):
+    """Rises or falls of a record, in order: when each begins and ends [s]."""
+
+    begins_s: FloatArray
+    ends_s: FloatArray
+
+
+def cycles_of(record: Record) -> pd.DataFrame:
+    """Return a row per cycle, from switching on to switching on: its times [s], NaN where unknown, and `lost`.
+
+    `lost` says why a cycle is left out, "" if it is not. `before_s` is the undercooling time of the cycle before. Each
+    edge is placed where a ramp of the local slope would begin or end: a mean over 5 s sees it up to 2.5 s early or late.
+    """
+    import pandas as pd
+
+    dt, opening = record.interval_s, record.opening
+    switches = np.flatnonzero(np.diff(record.on.astype(np.int8)))
+    on, off = switches[record.on[switches + 1]], switches[~record.on[switches + 1]]
+    off_after = np.searchsorted(off, on)
+    whole = off_after < len(off)  # the last heating may not end
+    on_at, off_at = on[whole], off[off_after[whole]]
+    next_at = np.append(on[1:], len(opening) - 1)[: len(on_at)]
+    begins, ends, is_last = (on_at + 0.5) * dt, (next_at + 0.5) * dt, np.arange(len(on_at)) == len(on) - 1
+    heats_until = (off_at + 0.5) * dt
+    up, down = movements(opening, dt, RISES_PER_5S), movements(-opening, dt, FALLS_PER_5S)
+    rise, rise_end = within(up, begins, heats_until)
+    fall, fall_end = within(down, heats_until, ends)
+    frame = pd.DataFrame(
+        {
+            "record": record.name,
+            "product": record.product,
+            "exemplar": record.exemplar,
+            "cycle": np.arange(1, len(on_at) + 1),
+            "on_at_s": begins,
+            "off_at_s": heats_until,
+            "dead_s": rise - begins,
+            "rise_s": rise_end - rise,
+            "overheat_s": heats_until - rise_end,
+            "hold_s": fall - heats_until,
+            "fall_s": fall_end - fall,
+            "undercool_s": np.where(is_last, np.nan, ends - fall_end),
+        }
+    )
+    frame["lost"] = _lost(record, frame, on_at, off_at, next_at, is_last)
+    if (frame["lost"] == "").mean() < LEAST_WHOLE:
+        frame.loc[frame["lost"] == "", "lost"] = "most other cycles of its record are lost"
+    frame["before_s"] = frame["undercool_s"].where(opening[next_at] <= SLACK).shift(1)
+    return frame
+
+
+def movements(opening: FloatArray, dt: float, least: float) -> Movements:
+    """Return the rises steeper than `least` per 5 s and longer than the slack."""
+    width = max(1, round(WINDOW_S / dt))
+    window_s = width * dt
+    slope = (opening[width:] - opening[:-width]) * (WINDOW_S / window_s)
+    steep = np.concatenate(([False], slope > least, [False])).astype(np.int8)
+    edges = np.flatnonzero(np.diff(steep))
+    first, last = edges[::2], edges[1::2] - 1  # in `slope`
+    travelled = opening[last + width] - opening[first]
+    kept = (travelled > SLACK) & (last - first >= width // 2)  # longer than what is left of a spike
+    first, last = first[kept], last[kept]
+    return Movements(
+        _edge_s(slope, first, -1, width, least, dt),
+        _edge_s(slope, last, 1, width, least, dt),
+    )
+
+
+def _edge_s(slope: FloatArray, at: IntArray, outward: int, width: int, least: float, dt: float) -> FloatArray:
+    """Return where ramps begin (`outward` -1) or end (1) [s], from the last steep sample `at`.
+
+    A window of W s reaches over the edge by W least / slope when its mean passes `least`.
+    """
+    beyond = np.clip(at + outward, 0, len(slope) - 1)
+    inside = np.clip(at - outward * width, 0, len(slope) - 1)
+    step = slope[at] - slope[beyond]
+    part = np.where(step > 0.0, (slope[at] - least) / np.where(step > 0.0, step, 1.0), 0.0)
+    crossing_s = (at + outward * np.clip(part, 0.0, 1.0) + 0.5 * width) * dt  # the window's middle
+    ramp = np.maximum(slope[inside], slope[at])
+    overlap_s = width * dt * np.minimum(1.0, least / ramp)
+    return np.asarray(crossing_s - outward * (0.5 * width * dt - overlap_s))
+
+
+def within(moves: Movements, begins_s: FloatArray, ends_s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the first begin and the last end of the movements that begin within each span, NaN without one."""
+    first = np.searchsorted(moves.begins_s, begins_s - WINDOW_S)
+    last = np.searchsorted(moves.begins_s, ends_s) - 1
+    found = first <= last
+    if not len(moves.begins_s):
+        nothing = np.full(len(begins_s), np.nan)
+        return nothing, nothing
+    top = len(moves.begins_s) - 1
+    begin = np.where(found, moves.begins_s[np.clip(first, 0, top)], np.nan)
+    end = np.where(found, moves.ends_s[np.clip(last, 0, top)], np.nan)
+    return begin, end
+
+
+def _lost(
+    record: Record, frame: pd.DataFrame, on_at: IntArray, off_at: IntArray, next_at: IntArray, is_last: NDArray[np.bool_]
+) -> FloatArray:
+    """Say why a cycle is left out: the first reason that holds."""
+    opening, missing = record.opening, np.concatenate(([0], np.cumsum(record.missing)))
+    times = frame[["dead_s", "rise_s", "overheat_s", "hold_s", "fall_s"]].to_numpy()
+    open_, closed = opening[off_at], opening[next_at]
+    reasons = [
+        (missing[next_at + 1] > missing[on_at], "gap"),
+        (~np.isfinite(times[:, 1]) & ~np.isfinite(times[:, 3]), "does not move"),
+        ((open_ < OPEN) | ~np.isfinite(times[:, 1]), "does not open fully"),
+        (is_last & ((closed > SLACK) | ~np.isfinite(times[:, 3])), "cut off by the end"),
+        ((closed > SLACK) | ~np.isfinite(times[:, 3]), "does not close fully"),
+        (opening[on_at] > SLACK, "not closed before"),
+        (~(times > 0.0).all(axis=1) | (frame["undercool_s"].to_numpy() <= 0.0), "a time is zero"),
+    ]
+    return np.select([np.asarray(holds) for holds, _ in reasons], [why for _, why in reasons], default="")
