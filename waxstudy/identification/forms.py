@@ -238,17 +238,17 @@ def _curves(data: Data, part: Part, fitted: Fitted, again: Fitted, untold: list[
     names = [data.products[p] for p in part.products]
     if part.shape is not None and not bounded:
         untold.append(
-            f"{data.name}_tau_s of {' and '.join(names)} cannot be told within {SHORTEST_S:g} and {LONGEST_S:g} s, nor a and b "
-            "apart from it: other on and off times are needed; between those recorded the curve holds"
+            f"{data.name}_tau_s of {' and '.join(names)} is not bounded within {SHORTEST_S:g} and {LONGEST_S:g} s, and a and b go "
+            "with it: other on and off times are needed; between those recorded the curve holds"
         )
     curves = {}
     for place, name in zip(part.products, names, strict=True):
         group = 0 if part.form == "common" else list(part.products).index(place)
         before = data.before_s[data.product == place]
-        told = bounded or part.shape is None
+        is_curve = part.shape is not None
         curves[name] = ProductCurve(
-            _value(fitted.a_s, again.a_s, bounded),
-            _value(fitted.b_s[group], again.b_s[group], told),
+            _value(fitted.a_s, again.a_s, is_curve),
+            _value(fitted.b_s[group], again.b_s[group], True),
             _value(fitted.tau_s, again.tau_s, bounded),
             part.form if part.shape is not None else "constant",
             part.test,
