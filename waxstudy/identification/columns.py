@@ -29,7 +29,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 }
 CHANNEL = {"signal": "heating_signal", "displacement": "displacement", "flow": "flow_L_h"}
 UNITS = ("mm", "um", "µm", "m", "inch", "V", "s", "min", "h", "L/h", "l/h", "l/min", "m3/h", "1", "%", "-")
-SUFFIXES = {"mm": "mm", "um": "um", "V": "V", "s": "s", "min": "min", "h": "h", "L_h": "L/h", "l_h": "L/h"}
+SUFFIXES = {"L_h": "L/h", "l_h": "L/h", "mm": "mm", "um": "um", "V": "V", "s": "s", "min": "min", "h": "h"}
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
 
 

@@ -54,6 +54,11 @@ def text_of(kind: str, block: Mapping[str, Any], about: Mapping[str, Any]) -> st
     return f"{marked}{use}{tomli_w.dumps({kind: dict(block), 'fit': fit})}"
 
 
+def intervals(values: Mapping[str, Value]) -> dict[str, list[float]]:
+    """Return the 95 % intervals of what the data tell."""
+    return {name: [rounded(v.low), rounded(v.high)] for name, v in values.items() if v.told}
+
+
 def sources(records: Sequence[Record]) -> list[dict[str, Any]]:
     """Return each record's file with its hash."""
     return [{"name": record.name, "file": record.file, "sha256": record.sha256} for record in records]

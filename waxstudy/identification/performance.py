@@ -32,16 +32,16 @@ def block(kind: str, values: Mapping[str, Any]) -> Choice:
     return Choice.of(installed().get(kind, str(values.get("use"))), rest)
 
 
-def modelled(actuator: Choice, on: BoolArray, interval_s: float) -> tuple[FloatArray, FloatArray]:
+def modelled(actuator: Choice, on: BoolArray, interval_s: float, pace: float = 1.0) -> tuple[FloatArray, FloatArray]:
     """Return the opening at each sample, and its mean over the interval before.
 
-    A switch lies in the middle between two samples. The motor starts closed, after a long pause.
+    A switch lies in the middle between two samples. The motor starts closed, after a long pause. A `pace` above 1 makes
+    all of its times longer by that factor: its own time is slower.
     """
-    parts = 2 * int(np.ceil(0.5 * interval_s / LONGEST_STEP_S))
-    chain, still = Chain({"actuator": actuator}, interval_s / parts), np.zeros(len(on))
-    ends, means = replay(
-        chain, "actuator", on.astype(float), still, interval_s=interval_s, start_s=0.0, jump=still + 0.5
-    )
+    own_s = interval_s / pace
+    parts = 2 * int(np.ceil(0.5 * own_s / LONGEST_STEP_S))
+    chain, still = Chain({"actuator": actuator}, own_s / parts), np.zeros(len(on))
+    ends, means = replay(chain, "actuator", on.astype(float), still, interval_s=own_s, start_s=0.0, jump=still + 0.5)
     return ends["actuator"].copy(), means["actuator"].copy()
 
 

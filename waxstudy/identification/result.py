@@ -6,11 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from waxstudy.identification.actuator import ActuatorModel, fit_actuator
 from waxstudy.identification.forms import ProductCurve
-from waxstudy.identification.fragment import actuator_block, allowed, sources, text_of
+from waxstudy.identification.fragment import actuator_block, allowed, intervals, sources, text_of
 from waxstudy.identification.performance import Errors, block, errors_of, modelled
 from waxstudy.identification.records import Record
 from waxstudy.identification.times import cycles_of
@@ -66,7 +64,7 @@ class ActuatorFit:
             "product": product,
             "simulated": self.is_simulated,
             "cycles": sum(self.kept(record) for record in own),
-            "interval_95": {name: [v.low, v.high] for name, v in coefficients.items() if v.told and np.isfinite(v.low)},
+            "interval_95": intervals(coefficients),
             "untold": [*self.model.untold(), *allowed(coefficients)[1]],
             "records": sources(self.records),
         }
@@ -154,9 +152,9 @@ def fit(records: Sequence[Record], seed: int = 1) -> ActuatorFit:
 def counts(lost: Mapping[str, int]) -> str:
     """
     >>> counts({"gap": 2, "does not move": 1})
-    '2 gap, 1 does not move'
+    'gap (2), does not move (1)'
     """
-    return ", ".join(f"{count} {reason}" for reason, count in lost.items()) or "none"
+    return ", ".join(f"{reason} ({count})" for reason, count in lost.items()) or "none"
 
 
 def _no_cycle(record: Record, lost: Mapping[str, int]) -> Problem:

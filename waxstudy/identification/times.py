@@ -70,7 +70,7 @@ def cycles_of(record: Record) -> pd.DataFrame:
     )
     frame["lost"] = _lost(record, frame, on_at, off_at, next_at, is_last)
     if (frame["lost"] == "").mean() < LEAST_WHOLE:
-        frame.loc[frame["lost"] == "", "lost"] = "most other cycles of its record are lost"
+        frame.loc[frame["lost"] == "", "lost"] = "most others are lost"
     frame["before_s"] = frame["undercool_s"].where(opening[next_at] <= SLACK).shift(1)
     return frame
 
