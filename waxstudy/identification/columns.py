@@ -30,6 +30,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 CHANNEL = {"signal": "heating_signal", "displacement": "displacement", "flow": "flow_L_h"}
 UNITS = ("mm", "um", "µm", "m", "inch", "V", "s", "min", "h", "L/h", "l/h", "l/min", "m3/h", "1", "%", "-")
 SUFFIXES = {"L_h": "L/h", "l_h": "L/h", "mm": "mm", "um": "um", "V": "V", "s": "s", "min": "min", "h": "h"}
+FIRST = 20  # cells that tell stamps from numbers
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
 
 
@@ -114,11 +115,11 @@ def seconds_of(table: pd.DataFrame, named: Named, about: DatasetTable, notes: No
 
     written = table[named.column]
     if pd.api.types.is_datetime64_any_dtype(written) or not pd.api.types.is_numeric_dtype(written):
-        numbers = pd.to_numeric(written, errors="coerce")
-        if pd.api.types.is_datetime64_any_dtype(written) or numbers.isna().mean() > 0.5:
+        first = pd.to_numeric(written.dropna().head(FIRST), errors="coerce")
+        if pd.api.types.is_datetime64_any_dtype(written) or first.isna().any():
             stamps = stamps_of(table, named.column, about, notes)
             return None if stamps is None else np.asarray((stamps - stamps[0]).total_seconds(), dtype=float)
-        written = numbers
+        written = pd.to_numeric(written, errors="coerce")
     return _elapsed(written.to_numpy(dtype=float), named, notes)
 
 

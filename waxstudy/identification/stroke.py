@@ -61,7 +61,7 @@ def normalised(values: FloatArray, on: BoolArray, interval_s: float, notes: Note
     """
     clean = without_spikes(values, interval_s, notes)
     low, high = np.quantile(clean, (0.001, 0.999))
-    noise = 1.4826 * float(np.median(np.abs(np.diff(clean)))) / np.sqrt(2.0)
+    noise = 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / np.sqrt(6.0)
     if high - low <= LEAST_OVER_NOISE * noise or high == low:
         notes.refuse("displacement", f"has no stroke: it stays within {low:.4g} and {high:.4g}, as noise does")
         return None

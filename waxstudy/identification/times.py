@@ -19,6 +19,7 @@ RISES_PER_5S = 0.0083  # of the stroke: 10 % a minute
 FALLS_PER_5S = 0.0167
 SLACK = 0.05  # closed up to here; a movement is at least as long
 OPEN = 0.9  # chosen: open from here, since motors may creep on while heated
+WHOLE = 0.95  # of a window on a ramp: then all of it is, but for noise
 LEAST_WHOLE = 0.5  # of a record's cycles: a profile that does not open and close is left out (section 3.1.2)
 TIMES = ("dead_s", "rise_s", "overheat_s", "hold_s", "fall_s", "undercool_s")
 
@@ -36,7 +37,7 @@ def cycles_of(record: Record) -> pd.DataFrame:
     """Return a row per cycle, from switching on to switching on: its times [s], NaN where unknown, and `lost`.
 
     `lost` says why a cycle is left out, "" if it is not. `before_s` is the undercooling time of the cycle before. Each
-    edge is placed where a ramp of the local slope would begin or end: a mean over 5 s sees it up to 2.5 s early or late.
+    edge is placed where a ramp of the local slope would begin or end, for a mean over 5 s sees it early or late.
     """
     import pandas as pd
 
@@ -86,25 +87,21 @@ def movements(opening: FloatArray, dt: float, least: float) -> Movements:
     travelled = opening[last + width] - opening[first]
     kept = (travelled > SLACK) & (last - first >= width // 2)  # longer than what is left of a spike
     first, last = first[kept], last[kept]
-    return Movements(
-        _edge_s(slope, first, -1, width, least, dt),
-        _edge_s(slope, last, 1, width, least, dt),
-    )
+    begins = first * dt + window_s - window_s * _overlap(slope, first, -1, width)
+    ends = last * dt + window_s * _overlap(slope, last, 1, width)
+    return Movements(begins, ends)
 
 
-def _edge_s(slope: FloatArray, at: IntArray, outward: int, width: int, least: float, dt: float) -> FloatArray:
-    """Return where ramps begin (`outward` -1) or end (1) [s], from the last steep sample `at`.
+def _overlap(slope: FloatArray, at: IntArray, outward: int, width: int) -> FloatArray:
+    """Return how much of the outermost steep window `at` lies on the ramp: its slope over that further inside.
 
-    A window of W s reaches over the edge by W least / slope when its mean passes `least`.
+    Beyond 1 where the next window outward, too flat to be steep, holds the edge.
     """
-    beyond = np.clip(at + outward, 0, len(slope) - 1)
-    inside = np.clip(at - outward * width, 0, len(slope) - 1)
-    step = slope[at] - slope[beyond]
-    part = np.where(step > 0.0, (slope[at] - least) / np.where(step > 0.0, step, 1.0), 0.0)
-    crossing_s = (at + outward * np.clip(part, 0.0, 1.0) + 0.5 * width) * dt  # the window's middle
-    ramp = np.maximum(slope[inside], slope[at])
-    overlap_s = width * dt * np.minimum(1.0, least / ramp)
-    return np.asarray(crossing_s - outward * (0.5 * width * dt - overlap_s))
+    top = len(slope) - 1
+    inside = np.maximum(slope[np.clip(at - outward * width, 0, top)], slope[at])
+    share = slope[at] / inside
+    beyond = np.clip(slope[np.clip(at + outward, 0, top)], 0.0, None) / inside
+    return np.asarray(np.where(share > WHOLE, 1.0 / width + beyond, share))
 
 
 def within(moves: Movements, begins_s: FloatArray, ends_s: FloatArray) -> tuple[FloatArray, FloatArray]:
