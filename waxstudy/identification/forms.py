@@ -27,7 +27,10 @@ IntArray = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Value:
-    """A coefficient with its 95 % interval; `told` is false where the data do not bound it."""
+    """A coefficient with its 95 % interval.
+
+    `told` is false where the data do not bound it, and for a constant in place of a curve that they do not tell.
+    """
 
     value: float
     low: float
@@ -118,7 +121,7 @@ def model_of(data: Data, shape: Shape | None, draw: np.random.Generator) -> Time
     drawn = resampled(predicted, data.outcome_s, data.nesting, scatter, draw, REPEATS)
     curves: dict[str, ProductCurve] = {}
     for part, fitted in zip(parts, fits, strict=True):
-        curves |= _curves(data, part, fitted, part.fit(data, drawn), untold)
+        curves |= _curves(data, part, shape, part.fit(data, drawn), fitted, untold)
     ordered = {name: curves[name] for name in data.products}
     return TimeModel(data.name, ordered, steps, untold, scatter, data.outcome_s - predicted)
 
@@ -134,8 +137,9 @@ def _spans(data: Data, product: int, untold: list[str]) -> bool:
     low, high = before[ENOUGH - 1], before[-ENOUGH]
     if high < SPAN * max(low, 1.0):
         untold.append(
-            f"{data.name}_a_s and {data.name}_tau_s of {name} cannot be told: {what} times lie within {before[0]:.0f} and "
-            f"{before[-1]:.0f} s, and a curve needs at least a factor of {SPAN:g}; its constant holds for these"
+            f"{data.name}_a_s, {data.name}_b_s and {data.name}_tau_s of {name} cannot be told: {what} times lie within "
+            f"{before[0]:.0f} and {before[-1]:.0f} s, and a curve needs at least a factor of {SPAN:g}; the constant that stands "
+            "for it holds for these"
         )
         return False
     return True
@@ -232,7 +236,9 @@ def _p_of_more(data: Data, small: Sequence[Part], large: Sequence[Part], more: i
     return float(fisher.sf((rss[0] - rss[1]) / more / error, more, freedom)) if error > 0.0 else 0.0
 
 
-def _curves(data: Data, part: Part, fitted: Fitted, again: Fitted, untold: list[str]) -> dict[str, ProductCurve]:
+def _curves(
+    data: Data, part: Part, expected: Shape | None, again: Fitted, fitted: Fitted, untold: list[str]
+) -> dict[str, ProductCurve]:
     """Return the curve of each product of a part, with intervals from resampled fits."""
     bounded = part.shape is not None and float(np.mean(~again.is_inside)) <= AT_END and bool(fitted.is_inside[0])
     names = [data.products[p] for p in part.products]
@@ -248,7 +254,7 @@ def _curves(data: Data, part: Part, fitted: Fitted, again: Fitted, untold: list[
         is_curve = part.shape is not None
         curves[name] = ProductCurve(
             _value(fitted.a_s, again.a_s, is_curve),
-            _value(fitted.b_s[group], again.b_s[group], True),
+            _value(fitted.b_s[group], again.b_s[group], is_curve or expected is None),
             _value(fitted.tau_s, again.tau_s, bounded),
             part.form if part.shape is not None else "constant",
             part.test,

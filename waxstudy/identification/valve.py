@@ -243,7 +243,7 @@ def _best(problem: _Problem, names: Sequence[str], seed: int) -> FloatArray:
     from scipy.optimize import differential_evolution
 
     bounds = [BOUNDS[name] for name in names]
-    found = differential_evolution(problem.error, bounds, rng=seed, popsize=12, tol=1e-6, maxiter=200, polish=False)
+    found = differential_evolution(problem.error, bounds, rng=seed, popsize=20, tol=1e-8, maxiter=400, polish=False)
     return _polished(problem.error, found.x)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from waxstudy.identification.forms import Value
 from waxstudy.identification.result import ActuatorFit, counts
 from waxstudy.identification.valve import ValveFit
@@ -34,7 +32,7 @@ def coefficients(found: ActuatorFit) -> Table:
         for name, value in found.model.coefficients(product).items():
             time = found.model.times[name.split("_")[0]].curves[product]
             is_left_out = time.form == "constant" and name.endswith(("_a_s", "_tau_s"))
-            shown = ["-", ""] if is_left_out else [f"{value.value:.1f}", interval(value, 1)]
+            shown = ["-", "cannot be told"] if is_left_out else [f"{value.value:.1f}", interval(value, 1, time.form)]
             rows.append([product, name, *shown, time.form, str(time.cycles), MEANING.get(name, "")])
     headings = ["product", "coefficient", "value, s", "95 % interval", "model", "cycles", "meaning"]
     return "coefficients of the characteristic times", headings, rows
@@ -92,10 +90,9 @@ def scatter(found: ActuatorFit) -> list[str]:
     return said
 
 
-def interval(value: Value, digits: int) -> str:
-    if math.isnan(value.low):
-        return ""
-    return f"{value.low:.{digits}f} to {value.high:.{digits}f}" + ("" if value.told else ", not bounded")
+def interval(value: Value, digits: int, form: str = "") -> str:
+    why = "" if value.told else ", of the constant alone" if form == "constant" else ", not bounded"
+    return f"{value.low:.{digits}f} to {value.high:.{digits}f}{why}"
 
 
 def valve_tables(found: ValveFit) -> list[Table]:
