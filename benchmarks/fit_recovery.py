@@ -1,8 +1,9 @@
 """How well fits recover what the virtual bench was given: `python -m benchmarks.fit_recovery [--repetitions 100]`.
 
-Each repetition makes the records of Table A1 anew: other exemplars, records, cycles and noise. Four tables: the coefficients of
-Table 2 and how often their intervals hold them; times of profiles that were not fitted; the valve's curve; and the error of the
-opening on records of another physics, the enthalpy model. Nothing here was measured: it shows the method, not motors.
+Each repetition makes the records of Table A1 anew: other exemplars, records, cycles and noise. Four tables: the
+coefficients of Table 2 and how often their intervals hold them; times of profiles that were not fitted; the valve's
+curve; and the error of the opening on records of another physics, the enthalpy model. Nothing here was measured: it
+shows the method, not motors.
 """
 
 from __future__ import annotations
@@ -18,12 +19,13 @@ import pandas as pd
 from waxstudy.dataset.notes import Notes
 from waxstudy.identification.actuator import TIMES
 from waxstudy.identification.description import Described
+from waxstudy.identification.flow import FlowRecord
 from waxstudy.identification.fragment import actuator_block
 from waxstudy.identification.performance import block
 from waxstudy.identification.records import Record, record_of, samples_of
 from waxstudy.identification.result import ActuatorFit, fit
 from waxstudy.identification.times import cycles_of
-from waxstudy.identification.valve import FlowRecord, authority_of, fit_valve
+from waxstudy.identification.valve import authority_of, fit_valve
 from waxstudy.rig.bench import Motors, run_trial
 from waxstudy.rig.instruments import Bench
 from waxstudy.rig.programme import Trial, table_a1
@@ -57,7 +59,9 @@ def recorded(motors: Motors, trial: Trial) -> Record:
     """Return a record of the bench as the fit reads it."""
     made, notes = run_trial(motors, trial), Notes(trial.name)
     samples = samples_of(made.time_s, made.signal_V, made.value, "mm", notes)
-    known = Described(Path(f"{trial.name}.csv"), trial.name, trial.product, trial.exemplar, trial.has_valve, trial.profile)
+    known = Described(
+        Path(f"{trial.name}.csv"), trial.name, trial.product, trial.exemplar, trial.has_valve, trial.profile
+    )
     record = record_of(samples, known, trial.product, notes) if samples else None
     assert record is not None, notes.problems
     return record
@@ -84,9 +88,11 @@ def coefficients(found: ActuatorFit, motors: Motors) -> list[dict[str, Any]]:
 
 
 def coefficient_table(rows: Sequence[dict[str, Any]]) -> str:
-    """One line per coefficient: truth, mean estimate and its scatter, width of the interval, how often it holds the truth."""
+    """One line per coefficient: truth, estimates, width of the interval, how often it holds the truth."""
     found = pd.DataFrame(rows)
-    lines = [f"   {'coefficient':12}{'truth':>7}{'mean':>9}{'scatter':>9}{'width':>8}{'covered':>10}{'told':>6}  models"]
+    lines = [
+        f"   {'coefficient':12}{'truth':>7}{'mean':>9}{'scatter':>9}{'width':>8}{'covered':>10}{'told':>6}  models"
+    ]
     for (product, name), each in found.groupby(["product", "name"], sort=False):
         inside = (each["low"] <= each["true"]) & (each["true"] <= each["high"])
         forms = ", ".join(f"{form} {count}" for form, count in each["form"].value_counts().items())
@@ -101,7 +107,7 @@ def coefficient_table(rows: Sequence[dict[str, Any]]) -> str:
 
 
 def new_profiles(found: ActuatorFit, motors: Motors) -> list[dict[str, Any]]:
-    """Return the errors of the times of every cycle in profiles that were not fitted, of exemplars that were not there."""
+    """Return the errors of the times of cycles in profiles, and of exemplars, that were not in the fit."""
     rows = []
     for product in found.model.products:
         for on, off in NEW_MIN:
@@ -168,7 +174,7 @@ def enthalpy_table(seed: int) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repetitions", type=int, default=100)
-    parser.add_argument("--valves", type=int, default=10, help="repetitions in which the valve is fitted too")
+    parser.add_argument("--valves", type=int, default=20, help="repetitions in which the valve is fitted too")
     arguments = parser.parse_args()
     told, times, curves = [], [], []
     (flow,) = (trial for trial in table_a1() if trial.measured == "flow")

@@ -55,8 +55,9 @@ def test_ideal_trapezoids_give_their_own_times(interval_s: float, noise: float, 
     assert (cycles["lost"] == "").all()
     for name in TIMES:
         found = cycles[name].dropna()
-        # half a sample at each end for the switch; a ramp's edge is known better
-        assert found.to_numpy() == pytest.approx(times_s[name], abs=0.3 + 0.55 * interval_s), name
+        # half a sample at each end for the switch; what noise of the slope does to the edges of a ramp
+        tolerance_s = 0.3 + 0.55 * interval_s + 4.0 * noise * max(times["rise"], times["fall"])
+        assert found.to_numpy() == pytest.approx(times_s[name], abs=tolerance_s), name
 
 
 def test_times_of_the_bench_have_no_bias_against_table_2() -> None:
@@ -105,4 +106,6 @@ def test_the_first_cycle_has_no_past_and_the_last_may_be_cut_off(steady: pd.Data
 
 def test_noise_drift_play_and_friction_of_the_bench_hardly_move_the_times() -> None:
     rough = Bench(noise_mm=0.006, drift_mm_day=0.05, slack_mm=0.005, friction_mm=0.008, resolution_mm=0.005)
-    assert medians(recorded(table_of(STEADY, rough))) == pytest.approx(medians(recorded(table_of(STEADY, QUIET))), abs=1.0)
+    assert medians(recorded(table_of(STEADY, rough))) == pytest.approx(
+        medians(recorded(table_of(STEADY, QUIET))), abs=1.0
+    )

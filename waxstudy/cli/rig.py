@@ -86,7 +86,9 @@ def _bench(values: dict[str, Any]) -> Bench:
         if key not in known:
             near = nearest(key, known)
             hint = f"; did you mean '{near}'?" if near else ""
-            raise CommandError(f"--bench {key}: the bench has no such parameter{hint} (it has: {', '.join(known)})", USAGE)
+            raise CommandError(
+                f"--bench {key}: the bench has no such parameter{hint} (it has: {', '.join(known)})", USAGE
+            )
     try:
         return checked(Bench, values)
     except ValueError as error:

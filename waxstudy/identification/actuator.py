@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from waxstudy.identification.curves import COOLING, HEATING, Shape
-from waxstudy.identification.forms import Data, TimeModel, Value, model_of
+from waxstudy.identification.forms import Data, model_of
+from waxstudy.identification.models import TimeModel, Value
 from waxstudy.identification.scatter import Nesting
 from waxstudy.plugin import FloatArray
 
@@ -75,12 +76,12 @@ def _data(kept: pd.DataFrame, name: str, before: str, products: Sequence[str]) -
     record, records = pd.factorize(rows["record"])
     first = rows.drop_duplicates("record").set_index("record").loc[records]
     exemplar, exemplars = pd.factorize(first["product"] + "/" + first["exemplar"])
-    product_of = pd.Index(products).get_indexer([text.rsplit("/", 1)[0] for text in exemplars])
+    product_of = pd.Index(products).get_indexer(pd.Index([str(text).rsplit("/", 1)[0] for text in exemplars]))
     past: FloatArray = rows[before].fillna(0.0).to_numpy(dtype=float) if before else np.zeros(len(rows))
     return Data(
         name=name,
         products=list(products),
-        product=pd.Index(products).get_indexer(rows["product"]),
+        product=pd.Index(products).get_indexer(pd.Index(rows["product"])),
         before_s=past,
         outcome_s=rows[f"{name}_s"].to_numpy(dtype=float),
         nesting=Nesting(record, exemplar, product_of),

@@ -62,7 +62,9 @@ def find(table: pd.DataFrame, wanted: str, given: Mapping[str, str], notes: Note
         if given[wanted] in names:
             return Named(given[wanted], split(given[wanted])[1])
         near = nearest(given[wanted], names)
-        notes.refuse(wanted, f"there is no column '{given[wanted]}'", line=1, near=near, allowed=f"columns: {listed(names)}")
+        notes.refuse(
+            wanted, f"there is no column '{given[wanted]}'", line=1, near=near, allowed=f"columns: {listed(names)}"
+        )
         return None
     found = [name for name in names if split(name)[0] in NAMES[wanted]]
     if len(found) == 1:

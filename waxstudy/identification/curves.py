@@ -1,7 +1,7 @@
 """One characteristic time over what happened before: t = a f(t_in / tau) + b_product, fitted by least squares.
 
-With one regressor and an intercept per group, least squares has a closed form: deviations from the groups' means. So that
-a time constant is searched, and all resampled data are fitted, by two products of matrices.
+With one regressor and an intercept per group, least squares has a closed form in the deviations from the groups'
+means: a time constant is searched, and all resampled data are fitted, by two products of matrices.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Fitted:
 
 def fit_curve(shape: Shape, before_s: FloatArray, group: IntArray, outcome_s: FloatArray) -> Fitted:
     """Return the curves with the tau of the highest correlation with the outcomes (n, m), less the groups' means."""
-    mean_f, f = _centred(shape(before_s, TAUS_S).T, group)
+    _, f = _centred(shape(before_s, TAUS_S).T, group)
     mean_y, y = _centred(outcome_s, group)
     square = np.maximum((f * f).sum(axis=0), 1e-12)
     product = f.T @ y  # (taus, m)
@@ -116,7 +116,7 @@ class Test:
         return max(self.p_a, *self.p_b)
 
 
-def tested(shape: Shape, before_s: FloatArray, group: IntArray, outcome_s: FloatArray, fitted: Fitted) -> Test:
+def t_test(shape: Shape, before_s: FloatArray, group: IntArray, outcome_s: FloatArray, fitted: Fitted) -> Test:
     """Return the t-tests of one fit; cycles count as independent, as in the paper."""
     from scipy.stats import t as student
 

@@ -1,19 +1,20 @@
 """Which model a characteristic time gets: common to all products, with a product term, separate, or constant.
 
-The steps are the paper's (section 3.1.4), with limits for each: p < 0.001 for every parameter of a model that is used. Products
-are compared against the scatter of whole records, for cycles of one record agree with each other more than records do.
+The steps are the paper's (section 3.1.4), with limits for each: p < 0.001 for every parameter of a model that is used.
+Products are compared against the scatter of whole records: cycles of one agree with each other more than records do.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from waxstudy.identification.curves import LONGEST_S, SHORTEST_S, Fitted, Shape, Test, fit_constant, fit_curve, tested
-from waxstudy.identification.scatter import Nesting, Scatter, resampled, scatter_of
+from waxstudy.identification.curves import LONGEST_S, SHORTEST_S, Fitted, Shape, Test, fit_constant, fit_curve, t_test
+from waxstudy.identification.models import ProductCurve, TimeModel, Value
+from waxstudy.identification.scatter import Nesting, resampled, scatter_of
 from waxstudy.plugin import FloatArray
 
 LIMIT_P = 0.001
@@ -23,48 +24,6 @@ SPAN = 2.0  # of the times before: a curve needs at least this factor between sh
 REPEATS = 600
 AT_END = 0.025  # of the resampled taus: beyond, the data do not bound it
 IntArray = NDArray[np.intp]
-
-
-@dataclass(frozen=True)
-class Value:
-    """A coefficient with its 95 % interval.
-
-    `told` is false where the data do not bound it, and for a constant in place of a curve that they do not tell.
-    """
-
-    value: float
-    low: float
-    high: float
-    told: bool = True
-
-    @property
-    def width(self) -> float:
-        return self.high - self.low
-
-
-@dataclass(frozen=True)
-class ProductCurve:
-    """A time of one product: a f(t_in / tau) + b."""
-
-    a_s: Value
-    b_s: Value
-    tau_s: Value
-    form: str  # common, product term, separate, constant
-    test: Test | None  # of the model that it is part of; None for a constant
-    cycles: int
-    before_s: tuple[float, float]  # range of t_in
-
-
-@dataclass(frozen=True)
-class TimeModel:
-    """A characteristic time of all products."""
-
-    name: str  # dead, rise, hold, fall
-    curves: Mapping[str, ProductCurve]
-    steps: Sequence[str]  # what was tried and decided, one sentence each
-    untold: Sequence[str]  # what these data cannot tell
-    scatter: Scatter
-    residual_s: FloatArray  # (cycles,)
 
 
 @dataclass(frozen=True)
@@ -99,10 +58,10 @@ class Part:
         return fit_curve(self.shape, data.before_s[self.rows], self.group, outcomes[self.rows])
 
     def predicted(self, data: Data, fitted: Fitted) -> FloatArray:
-        b = fitted.b_s[self.group, 0]
+        b: FloatArray = fitted.b_s[self.group, 0]
         if self.shape is None:
             return b
-        return b + fitted.a_s[0] * self.shape(data.before_s[self.rows], fitted.tau_s[:1])[0]
+        return np.asarray(b + fitted.a_s[0] * self.shape(data.before_s[self.rows], fitted.tau_s[:1])[0])
 
 
 def model_of(data: Data, shape: Shape | None, draw: np.random.Generator) -> TimeModel:
@@ -137,9 +96,9 @@ def _spans(data: Data, product: int, untold: list[str]) -> bool:
     low, high = before[ENOUGH - 1], before[-ENOUGH]
     if high < SPAN * max(low, 1.0):
         untold.append(
-            f"{data.name}_a_s, {data.name}_b_s and {data.name}_tau_s of {name} cannot be told: {what} times lie within "
-            f"{before[0]:.0f} and {before[-1]:.0f} s, and a curve needs at least a factor of {SPAN:g}; the constant that stands "
-            "for it holds for these"
+            f"{data.name}_a_s, {data.name}_b_s and {data.name}_tau_s of {name} cannot be told: {what} times lie "
+            f"within {before[0]:.0f} and {before[-1]:.0f} s, and a curve needs at least a factor of {SPAN:g}; the "
+            "constant that stands for it holds for these"
         )
         return False
     return True
@@ -148,12 +107,14 @@ def _spans(data: Data, product: int, untold: list[str]) -> bool:
 def _part(data: Data, form: str, products: Sequence[int], shape: Shape | None) -> Part:
     """Return a part: groups are the products, or all together where the model is common."""
     rows = data.of(products)
-    group = np.zeros(int(rows.sum()), dtype=np.intp) if form == "common" else np.searchsorted(products, data.product[rows])
+    group = (
+        np.zeros(int(rows.sum()), dtype=np.intp) if form == "common" else np.searchsorted(products, data.product[rows])
+    )
     part = Part(form, products, group, rows, shape)
     if shape is not None:
         outcome = data.outcome_s[rows]
         fitted = part.fit(data, data.outcome_s[:, None])
-        part.test = tested(shape, data.before_s[rows], group, outcome, fitted)
+        part.test = t_test(shape, data.before_s[rows], group, outcome, fitted)
     return part
 
 
@@ -183,7 +144,9 @@ def _chosen(data: Data, shape: Shape, products: list[int], steps: list[str]) -> 
     for part in alone:
         assert part.test is not None
         verdict = "is used" if _is_significant(part.test) else "is not used"
-        steps.append(f"{data.name}: the separate model of {data.products[part.products[0]]} {verdict}: {_told(part.test)}")
+        steps.append(
+            f"{data.name}: the separate model of {data.products[part.products[0]]} {verdict}: {_told(part.test)}"
+        )
     return [part for part in alone if part.test and _is_significant(part.test)]
 
 
@@ -244,8 +207,8 @@ def _curves(
     names = [data.products[p] for p in part.products]
     if part.shape is not None and not bounded:
         untold.append(
-            f"{data.name}_tau_s of {' and '.join(names)} is not bounded within {SHORTEST_S:g} and {LONGEST_S:g} s, and a and b go "
-            "with it: other on and off times are needed; between those recorded the curve holds"
+            f"{data.name}_tau_s of {' and '.join(names)} is not bounded within {SHORTEST_S:g} and {LONGEST_S:g} s, "
+            "and a and b go with it: other on and off times are needed; between those recorded the curve holds"
         )
     curves = {}
     for place, name in zip(part.products, names, strict=True):

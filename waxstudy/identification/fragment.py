@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from waxstudy import __version__
-from waxstudy.identification.forms import Value
+from waxstudy.identification.models import Value
 from waxstudy.identification.performance import ACTUATOR
 from waxstudy.identification.records import Record
 from waxstudy.study.problems import Problem, StudyError
@@ -32,7 +32,9 @@ def allowed(coefficients: Mapping[str, Value]) -> tuple[dict[str, float], list[s
     changed = []
     for name, least in (("dead", 0.0), ("rise", 1.0)):
         if values[f"{name}_a_s"] + values[f"{name}_b_s"] < least:
-            changed.append(f"{name}_a_s is {least - values[f'{name}_b_s']:g}: the {name} time after no pause would be negative")
+            changed.append(
+                f"{name}_a_s is {least - values[f'{name}_b_s']:g}: the {name} time after no pause would be negative"
+            )
             values[f"{name}_a_s"] = rounded(least - values[f"{name}_b_s"])
     if values["hold_b_s"] < 0.0:
         changed.append("hold_b_s is 0: the hold time without overheating would be negative")

@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +18,7 @@ from waxstudy.identification.stroke import normalised, switched
 from waxstudy.plugin import FloatArray
 from waxstudy.study.problems import Problem, StudyError
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-LONGEST_INTERVAL_S = 10.5  # the issue of slopes over 5 s: a ramp needs some samples
+LONGEST_INTERVAL_S = 10.5  # beyond, a ramp has too few samples
 GAP_S = 15.0  # from the third missing sample on, or this
 GAP_SAMPLES = 3.0
 MOST_EMPTY = 10.0  # samples of the grid per row
@@ -52,7 +48,7 @@ class Record:
 
     @property
     def time_s(self) -> FloatArray:
-        return self.interval_s * np.arange(len(self.on))
+        return np.asarray(self.interval_s * np.arange(len(self.on)), dtype=float)
 
     @property
     def duration_min(self) -> float:
@@ -92,7 +88,7 @@ def _read(known: Described, product: str, notes: Notes) -> Record | None:
 
 def record_of(samples: Samples, known: Described, product: str, notes: Notes, sha256: str = "") -> Record | None:
     """Return the normalised record; note why it cannot be used."""
-    on = switched(samples.signal, samples.values, samples.interval_s, notes)
+    on = switched(samples.signal, samples.values, "displacement", notes)
     if on is None:
         return None
     stroke = normalised(samples.values, on, samples.interval_s, notes)
@@ -135,9 +131,7 @@ def read_samples(known: Described, wanted: str, notes: Notes) -> Samples | None:
     return samples_of(time_s, signals, values, value.unit, notes)
 
 
-def samples_of(
-    time_s: FloatArray, signal: FloatArray, values: FloatArray, unit: str, notes: Notes
-) -> Samples | None:
+def samples_of(time_s: FloatArray, signal: FloatArray, values: FloatArray, unit: str, notes: Notes) -> Samples | None:
     """Return signal and values on a regular grid, and where they are made up; the signal is held."""
     steps = np.diff(time_s)
     interval_s = float(np.median(steps))
@@ -147,7 +141,7 @@ def samples_of(
     if np.ptp(steps) <= 0.01 * interval_s:
         grid_s, nearest = time_s, np.arange(len(time_s))
     else:
-        count = int(round((time_s[-1] - time_s[0]) / interval_s)) + 1
+        count = round((time_s[-1] - time_s[0]) / interval_s) + 1
         if count > MOST_EMPTY * len(time_s):
             row = int(np.argmax(steps))
             notes.refuse("time", f"a gap of {steps[row] / 3600.0:.3g} h: split the record there", line=row + 3)

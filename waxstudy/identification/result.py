@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from waxstudy.identification.actuator import ActuatorModel, fit_actuator
-from waxstudy.identification.forms import ProductCurve
 from waxstudy.identification.fragment import actuator_block, allowed, intervals, sources, text_of
+from waxstudy.identification.models import ProductCurve
 from waxstudy.identification.performance import Errors, block, errors_of, modelled
 from waxstudy.identification.records import Record
 from waxstudy.identification.times import cycles_of
@@ -134,9 +134,8 @@ def fit(records: Sequence[Record], seed: int = 1) -> ActuatorFit:
     fits = ActuatorFit(records, cycles, ActuatorModel({}), {}, {}, warnings)
     if not (cycles["lost"] == "").any():
         raise StudyError([_no_cycle(record, fits.lost(record)) for record in records])
-    for record in records:
-        if not fits.kept(record):
-            warnings.append(f"{record.file}: no cycle can be used ({counts(fits.lost(record))})")
+    silent = [record for record in records if not fits.kept(record)]
+    warnings += [f"{record.file}: no cycle can be used ({counts(fits.lost(record))})" for record in silent]
     model = fit_actuator(cycles, seed)
     opening = {
         record.name: modelled(

@@ -1,8 +1,8 @@
 """How cycles, records and exemplars scatter about a model, and data resampled with that scatter.
 
-Times of one record go together, as do those of one exemplar: cycles are no independent witnesses. The scatter is relative: a
-motor that is slow is slow in all. Its parts are told by a nested analysis of variance; how well each is known enters too,
-so that with few exemplars intervals widen as Student's t does.
+Times of one record go together, as do those of one exemplar: cycles are no independent witnesses. The scatter is
+relative: a motor that is slow is slow in all. Its parts are told by a nested analysis of variance; how well each is
+known enters too, so that with few exemplars intervals widen as Student's t does.
 """
 
 from __future__ import annotations
@@ -94,7 +94,12 @@ def scatter_of(residual: FloatArray, nesting: Nesting) -> Scatter:
 
 
 def resampled(
-    model_s: FloatArray, outcome_s: FloatArray, nesting: Nesting, scatter: Scatter, draw: np.random.Generator, count: int
+    model_s: FloatArray,
+    outcome_s: FloatArray,
+    nesting: Nesting,
+    scatter: Scatter,
+    draw: np.random.Generator,
+    count: int,
 ) -> FloatArray:
     """Return outcomes (cycles, count) as other exemplars, in other records, might have given them.
 

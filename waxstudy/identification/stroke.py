@@ -27,8 +27,14 @@ class Stroke(NamedTuple):
     length: float
 
 
-def switched(signal: FloatArray, values: FloatArray, interval_s: float, notes: Notes) -> BoolArray | None:
-    """Return where the signal is on: above the middle of its range, 0.5 of a normalised one."""
+def switched(signal: FloatArray, values: FloatArray, wanted: str, notes: Notes) -> BoolArray | None:
+    """Return where the signal is on: above the middle of its range, 0.5 of a normalised one.
+
+    `values` are what is `wanted` beside the signal: swapped columns are told.
+    """
+    if len(np.unique(values)) == 2:
+        notes.refuse(wanted, "takes two values only, as a signal does: are the two columns swapped?")
+        return None
     low, high = float(signal.min()), float(signal.max())
     if high - low <= 0.0:
         notes.refuse("signal", f"is {low:g} throughout: without a switch there is no cycle")
@@ -36,21 +42,14 @@ def switched(signal: FloatArray, values: FloatArray, interval_s: float, notes: N
     share = (signal - low) / (high - low)
     between = float(np.mean((share > MIDDLE[0]) & (share < MIDDLE[1])))
     if between > MOST_BETWEEN:
-        swapped = len(np.unique(values)) <= 2 or _between(values) < MOST_BETWEEN / 10.0
-        why = "displacement and signal look swapped" if swapped else "it does not switch between two levels"
-        notes.refuse("signal", f"{100.0 * between:.2g} % of its samples lie between on and off: {why}")
+        wrong = "it does not switch between two levels; is it another column?"
+        notes.refuse("signal", f"{100.0 * between:.2g} % of its samples lie between on and off: {wrong}")
         return None
     on = share > 0.5
     if int(np.count_nonzero(np.diff(on))) < FEWEST_SWITCHES:
         notes.refuse("signal", "switches less than twice: there is no cycle")
         return None
     return np.asarray(on)
-
-
-def _between(values: FloatArray) -> float:
-    low, high = np.quantile(values, (0.001, 0.999))
-    share = (values - low) / (high - low) if high > low else np.zeros_like(values)
-    return float(np.mean((share > MIDDLE[0]) & (share < MIDDLE[1])))
 
 
 def normalised(values: FloatArray, on: BoolArray, interval_s: float, notes: Notes) -> Stroke | None:
@@ -103,4 +102,6 @@ def _tell_stuck(clean: FloatArray, on: BoolArray, interval_s: float, notes: Note
     if switches >= 3:
         hours = (last - first) * interval_s / 3600.0
         from_h = first * interval_s / 3600.0
-        notes.warn(f"the sensor is stuck at {clean[first]:g} from {from_h:.3g} h for {hours:.3g} h, over {switches} switches")
+        notes.warn(
+            f"the sensor is stuck at {clean[first]:g} from {from_h:.3g} h for {hours:.3g} h, over {switches} switches"
+        )

@@ -48,8 +48,9 @@ def cycles_of(record: Record) -> pd.DataFrame:
     whole = off_after < len(off)  # the last heating may not end
     on_at, off_at = on[whole], off[off_after[whole]]
     next_at = np.append(on[1:], len(opening) - 1)[: len(on_at)]
-    begins, ends, is_last = (on_at + 0.5) * dt, (next_at + 0.5) * dt, np.arange(len(on_at)) == len(on) - 1
-    heats_until = (off_at + 0.5) * dt
+    begins, ends = np.asarray((on_at + 0.5) * dt, dtype=float), np.asarray((next_at + 0.5) * dt, dtype=float)
+    is_last = np.arange(len(on_at)) == len(on) - 1
+    heats_until = np.asarray((off_at + 0.5) * dt, dtype=float)
     up, down = movements(opening, dt, RISES_PER_5S), movements(-opening, dt, FALLS_PER_5S)
     rise, rise_end = within(up, begins, heats_until)
     fall, fall_end = within(down, heats_until, ends)
@@ -119,7 +120,12 @@ def within(moves: Movements, begins_s: FloatArray, ends_s: FloatArray) -> tuple[
 
 
 def _lost(
-    record: Record, frame: pd.DataFrame, on_at: IntArray, off_at: IntArray, next_at: IntArray, is_last: NDArray[np.bool_]
+    record: Record,
+    frame: pd.DataFrame,
+    on_at: IntArray,
+    off_at: IntArray,
+    next_at: IntArray,
+    is_last: NDArray[np.bool_],
 ) -> FloatArray:
     """Say why a cycle is left out: the first reason that holds."""
     opening, missing = record.opening, np.concatenate(([0], np.cumsum(record.missing)))

@@ -1,21 +1,22 @@
-"""The valve's curve from a record of flow: three points and an authority, at the smallest mean absolute error (section 3.2.2)."""
+"""The valve's curve from a record of flow: three points and an authority, at the smallest mean absolute error.
+
+Section 3.2.2 of the paper.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from waxstudy.dataset.notes import Notes
-from waxstudy.identification.description import Described
-from waxstudy.identification.forms import Value
+from waxstudy.identification.flow import FlowRecord
 from waxstudy.identification.fragment import intervals, rounded, text_of
+from waxstudy.identification.models import Value
 from waxstudy.identification.performance import modelled
-from waxstudy.identification.records import BoolArray, file_hash, read_samples
-from waxstudy.identification.stroke import switched
+from waxstudy.identification.records import BoolArray
 from waxstudy.plugin import Choice, FloatArray
 from waxstudy.study.problems import Problem, StudyError
 
@@ -32,22 +33,6 @@ PACES: FloatArray = np.linspace(*BOUNDS["pace"], 61)
 REPEATS = 100
 FEWEST_CYCLES = 3
 LEAST_APART = 0.01  # of h_min and h_mid
-
-
-@dataclass(frozen=True)
-class FlowRecord:
-    """A record of flow on a regular grid."""
-
-    name: str
-    file: str
-    sha256: str
-    is_simulated: bool
-    interval_s: float
-    on: BoolArray
-    flow: FloatArray  # in the unit of the file
-    missing: BoolArray
-    unit: str
-    warnings: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -100,29 +85,6 @@ class ValveFit:
         }
 
 
-def read_flow(known: Described) -> FlowRecord:
-    """Return a record of flow; raise `StudyError`."""
-    notes = Notes(str(known.path))
-    samples = read_samples(known, "flow", notes)
-    on = None if samples is None else switched(samples.signal, samples.values, samples.interval_s, notes)
-    if samples is not None and on is not None and not np.ptp(samples.values) > 0.0:
-        notes.refuse("flow", f"is {samples.values[0]:g} throughout")
-    if samples is None or on is None or notes.problems:
-        raise StudyError(notes.problems)
-    return FlowRecord(
-        known.name,
-        known.path.name,
-        file_hash(known.path) if known.path.is_file() else "",
-        known.is_simulated,
-        samples.interval_s,
-        on,
-        samples.values,
-        samples.missing,
-        samples.unit,
-        tuple(notes.warnings),
-    )
-
-
 def curve(h: FloatArray, h_min: float, h_mid: float, v_mid: float, authority: float) -> FloatArray:
     """Return the flow 0..1 of openings: V through three points, V / sqrt(V^2 (1 - N) + N) with authority N.
 
@@ -144,8 +106,8 @@ def fit_valve(
 ) -> ValveFit:
     """Return the curve with the smallest mean absolute error; raise `StudyError`.
 
-    Besides the paper's three parameters the pace of this exemplar is fitted, a factor on the actuator's times: flow that
-    begins late on opening and ends late on closing tells it from h_min. Intervals are of resampled whole cycles.
+    Besides the paper's three parameters the pace of this exemplar is fitted, a factor on the actuator's times: flow
+    that begins late on opening and ends late on closing tells it from h_min. Intervals: resampled whole cycles.
     """
     openings = _openings(record, actuator)
     middle = openings[len(PACES) // 2]
@@ -227,22 +189,25 @@ class _Problem:
         """Return the mean absolute error over the considered openings; 1 and more for what is out of order."""
         h_min, h_mid, v_mid, pace = (float(value) for value in x[:4])
         authority = self.authority if self.authority is not None else float(x[4])
-        out = sum(max(0.0, low - value) + max(0.0, value - high) for value, (low, high) in zip(x, BOUNDS.values(), strict=False))
+        out = sum(
+            max(0.0, low - value) + max(0.0, value - high)
+            for value, (low, high) in zip(x, BOUNDS.values(), strict=False)
+        )
         if out > 0.0 or h_mid < h_min + LEAST_APART:
-            return 1.0 + out + max(0.0, h_min + LEAST_APART - h_mid)
+            return 1.0 + float(out) + max(0.0, h_min + LEAST_APART - h_mid)
         opening = _at_pace(self.openings, pace)
         share = ((opening > EXCLUDED[0]) & (opening < EXCLUDED[1])).astype(float)
         if weight is not None:
             share *= weight
         wrong = np.abs(curve(opening, h_min, h_mid, v_mid, authority) - self.flow)
         total = float(share.sum())
-        return float((share * wrong).sum()) / total if total > 0.0 else 1.0
+        return float((share * wrong).sum() / total) if total > 0.0 else 1.0
 
 
 def _best(problem: _Problem, names: Sequence[str], seed: int) -> FloatArray:
     from scipy.optimize import differential_evolution
 
-    bounds = [BOUNDS[name] for name in names]
+    bounds: Any = [BOUNDS[name] for name in names]
     found = differential_evolution(problem.error, bounds, rng=seed, popsize=20, tol=1e-8, maxiter=400, polish=False)
     return _polished(problem.error, found.x)
 
@@ -251,7 +216,7 @@ def _polished(error: Callable[[FloatArray], float], start: FloatArray) -> FloatA
     from scipy.optimize import minimize
 
     options = {"xatol": 1e-4, "fatol": 1e-7, "maxiter": 600}
-    polished: FloatArray = minimize(error, start, method="Nelder-Mead", options=options).x
+    polished: FloatArray = minimize(error, start, method="Nelder-Mead", options=options).x  # type: ignore[call-overload]
     return polished
 
 
@@ -261,8 +226,7 @@ def _again(problem: _Problem, best: FloatArray, draw: np.random.Generator) -> Fl
     found = []
     for _ in range(REPEATS):
         counts = np.bincount(draw.choice(cycles, len(cycles)), minlength=int(cycles[-1]) + 1).astype(float)
-        weight = counts[problem.cycle]
-        found.append(_polished(lambda x, w=weight: problem.error(x, w), best))  # type: ignore[misc]
+        found.append(_polished(partial(problem.error, weight=counts[problem.cycle]), best))
     return np.array(found)
 
 
@@ -274,7 +238,9 @@ def _value(found: float, again: FloatArray) -> Value:
 def _notes(values: Mapping[str, Value], names: Sequence[str]) -> list[str]:
     """Say which parameter ends at a bound, where it means little."""
     at_bound = [
-        name for name in names if min(abs(values[name].value - bound) for bound in BOUNDS[name]) < 1e-3 * np.ptp(BOUNDS[name])
+        name
+        for name in names
+        if min(abs(values[name].value - bound) for bound in BOUNDS[name]) < 1e-3 * np.ptp(BOUNDS[name])
     ]
     return [f"{name} = {values[name].value:.3g} lies at the bound of its search" for name in at_bound]
 
@@ -286,4 +252,3 @@ def authority_of(valve_kPa: float, pump_kPa: float) -> float:
     0.0967
     """
     return valve_kPa / pump_kPa
-

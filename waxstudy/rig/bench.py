@@ -74,7 +74,7 @@ def run_trial(motors: Motors, trial: Trial) -> Recorded:
     switches_s = np.cumsum(np.concatenate(([draw.uniform(*LEAD_S)], trial.lengths_s(draw))))
     past_s = np.array([-WARM_S, 0.0]) - draw.uniform(*REST_S)
     edges_s = np.concatenate((past_s, switches_s))
-    time_s = interval_s * np.arange(1, int(60.0 * trial.duration_min / interval_s) + 1)
+    time_s: FloatArray = interval_s * np.arange(1.0, int(60.0 * trial.duration_min / interval_s) + 1.0)
     scatter = np.exp(bench.cycle_scatter * draw.normal(size=len(edges_s)))
     own_s = np.concatenate(([0.0], np.cumsum(np.diff(edges_s) / (pace["exemplar"] * pace["record"] * scatter[:-1]))))
     on = (np.searchsorted(edges_s, time_s, side="right") % 2).astype(float)
@@ -97,12 +97,10 @@ def _driven(motors: Motors, trial: Trial, switches_s: FloatArray, sampled_s: Flo
     if trial.measured == "flow":
         blocks["valve"] = motors.valve_of()
     count = int(np.ceil(sampled_s[-1] / STEP_S)) + 1
-    ends_s = STEP_S * np.arange(1, count + 1)
+    ends_s: FloatArray = STEP_S * np.arange(1.0, count + 1.0)
     on = (np.searchsorted(switches_s, ends_s - 0.5 * STEP_S, side="right") % 2).astype(float)
     still = np.zeros(count)
-    ends, _ = replay(
-        Chain(blocks, STEP_S), "actuator", on, still, interval_s=STEP_S, start_s=0.0, jump=still
-    )
+    ends, _ = replay(Chain(blocks, STEP_S), "actuator", on, still, interval_s=STEP_S, start_s=0.0, jump=still)
     opening = np.interp(sampled_s, ends_s, ends["actuator"])
     return {"actuator": opening, "valve": _means(sampled_s, ends_s, ends["valve"])}
 

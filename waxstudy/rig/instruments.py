@@ -1,4 +1,4 @@
-"""What the bench does to a movement before it is on file: mechanics, sensor, logger. All values are chosen, not measured."""
+"""What the bench does to a movement before it is on file: mechanics, sensor, logger. Its values are chosen."""
 
 from __future__ import annotations
 
@@ -37,7 +37,12 @@ class Bench(Parameters):
         le=1.0,
     )
     closed_mm: float = parameter(
-        8.0, unit="mm", description="Reading when closed; it falls on opening.", source="section 3.1.3", ge=-50.0, le=50.0
+        8.0,
+        unit="mm",
+        description="Reading when closed; it falls on opening.",
+        source="section 3.1.3",
+        ge=-50.0,
+        le=50.0,
     )
     exemplar_scatter: float = parameter(
         0.02,
@@ -67,16 +72,31 @@ class Bench(Parameters):
         0.003, unit="mm", description="Play between piston and sensor.", source=CHOSEN + "0.1 %", ge=0.0, le=1.0
     )
     friction_mm: float = parameter(
-        0.003, unit="mm", description="Length of the jerks of a stem that sticks.", source=CHOSEN + "0.1 %", ge=0.0, le=1.0
+        0.003,
+        unit="mm",
+        description="Length of the jerks of a stem that sticks.",
+        source=CHOSEN + "0.1 %",
+        ge=0.0,
+        le=1.0,
     )
     noise_mm: float = parameter(
-        0.002, unit="mm", description="Standard deviation of the sensor.", source=CHOSEN + "10-mm transducer", ge=0.0, le=1.0
+        0.002,
+        unit="mm",
+        description="Standard deviation of the sensor.",
+        source=CHOSEN + "10-mm transducer",
+        ge=0.0,
+        le=1.0,
     )
     resolution_mm: float = parameter(
         0.001, unit="mm", description="Step of the reading.", source=CHOSEN + "10-mm transducer", ge=0.0, le=1.0
     )
     drift_mm_day: float = parameter(
-        0.01, unit="mm/day", description="Standard deviation of the zero's drift in a day.", source=CHOSEN + "", ge=0.0, le=5.0
+        0.01,
+        unit="mm/day",
+        description="Standard deviation of the zero's drift in a day.",
+        source=CHOSEN + "",
+        ge=0.0,
+        le=5.0,
     )
     spikes_per_day: float = parameter(
         3.0, unit="1/day", description="Single samples that are wrong.", source=CHOSEN + "", ge=0.0, le=10_000.0

@@ -95,7 +95,9 @@ def merge_block(check: Check, blocks: dict[str, RawTable], kind: str, block: Any
         example = block if isinstance(block, str) and block in check.registry.names(kind) else "..."
         check.problem(spot, f'must be a table such as {{ use = "{example}" }}', value=block)
     elif FROM in block:
-        blocks[kind] = included(check, kind, block, spot)
+        taken = included(check, kind, block, spot)
+        if taken is not None:
+            blocks[kind] = taken
     elif kind in blocks:
         blocks[kind] = blocks[kind].merged(block, spot)
     else:

@@ -65,16 +65,17 @@ def _authority(authority: float | None, drops: tuple[float, float] | None) -> tu
         raise CommandError("--pressure-drops: the valve cannot take more than the pump gives", USAGE)
     from waxstudy.identification.valve import authority_of
 
-    return authority_of(*drops), f"from pressure drops of {drops[0]:g} kPa in the valve and {drops[1]:g} kPa of the pump"
+    return authority_of(
+        *drops
+    ), f"from pressure drops of {drops[0]:g} kPa in the valve and {drops[1]:g} kPa of the pump"
 
 
-def _fit(
-    path: Path, actuator: Path, columns: dict[str, str], authority: float | None, how: str, seed: int
-) -> ValveFit:
+def _fit(path: Path, actuator: Path, columns: dict[str, str], authority: float | None, how: str, seed: int) -> ValveFit:
     from waxstudy.identification.description import described
+    from waxstudy.identification.flow import read_flow
     from waxstudy.identification.fragment import read_fragment
     from waxstudy.identification.performance import block
-    from waxstudy.identification.valve import fit_valve, read_flow
+    from waxstudy.identification.valve import fit_valve
 
     values, about = read_fragment(actuator, "actuator")
     try:

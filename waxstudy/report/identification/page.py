@@ -24,7 +24,7 @@ def actuator_page(found: ActuatorFit) -> str:
         "identification.html.j2",
         title=f"Characteristic times of {products}",
         simulated=tables.SIMULATED if found.is_simulated else "",
-        summary=f"{counted(kept, 'cycle')} of {len(found.cycles)} in {counted(len(found.records), 'record')} were used.",
+        summary=f"Used: {counted(kept, 'cycle')} of {len(found.cycles)} in {counted(len(found.records), 'record')}.",
         untold=found.model.untold(),
         tables=[page_table(table) for table in tables.actuator_tables(found)],
         figures=_drawn(found, ACTUATOR_FIGURES),
@@ -67,18 +67,21 @@ def _drawn(found: Any, plots: Sequence[Plot[Any]]) -> list[PageFigure]:
 
 
 ACTUATOR_READING = (
-    "A time is a f + b: f = exp(-t/tau) with the undercooling time t before, for dead and rise time; f = 1 - exp(-t/tau) with the "
-    "overheating time t, for hold time. The fall time is constant.",
-    "p-values are those of an ordinary linear model with tau taken as known, as in the paper; there cycles count as independent.",
-    "Intervals are 95 % intervals. For each of 600 repetitions every exemplar and every record gets another deviation, drawn with "
-    "the scatter that was seen among them (and with how well that scatter is known), cycles another residual, and the whole fit, tau "
-    "included, is made again.",
+    "A time is a f + b: f = exp(-t/tau) with the undercooling time t before, for dead and rise time; f = 1 - "
+    "exp(-t/tau) with the overheating time t, for hold time. The fall time is constant.",
+    "p-values are those of an ordinary linear model with tau taken as known, as in the paper; there cycles count as "
+    "independent.",
+    "Intervals are 95 % intervals. For each of 600 repetitions every exemplar and every record gets another "
+    "deviation, drawn with the scatter that was seen among them (and with how well that scatter is known), cycles "
+    "another residual, and the whole fit, tau included, is made again.",
     "“Not bounded”: the resampled tau reaches the end of what was searched (20 to 7200 s).",
-    "Cycles are left out where the valve does not fully open (90 %) or close (5 %), where a gap lies, or where a time is missing; a "
-    "record of which less than half of the cycles remain is left out as a whole.",
+    "Cycles are left out where the valve does not fully open (90 %) or close (5 %), where a gap lies, or where a "
+    "time is missing; a record of which less than half of the cycles remain is left out as a whole.",
 )
 VALVE_READING = (
-    "The opening is that of the actuator's model, driven by the signal. Openings below 0.05 and above 0.95 are excluded.",
+    "The opening is that of the actuator's model, driven by the signal. Openings below 0.05 and above 0.95 are "
+    "excluded.",
     "“Pace” is a factor on all times of the model, for this exemplar; the paper has none.",
-    "Intervals are 95 % intervals of 100 fits to resampled whole cycles; they do not hold what is wrong with the actuator's model.",
+    "Intervals are 95 % intervals of 100 fits to resampled whole cycles; they do not hold what is wrong with the "
+    "actuator's model.",
 )

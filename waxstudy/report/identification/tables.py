@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from waxstudy.identification.forms import Value
+from waxstudy.identification.models import Value
 from waxstudy.identification.result import ActuatorFit, counts
 from waxstudy.identification.valve import ValveFit
 from waxstudy.report.words import Table
@@ -107,5 +107,3 @@ def valve_tables(found: ValveFit) -> list[Table]:
 def valve_notes(found: ValveFit) -> list[str]:
     told = [SIMULATED] if found.is_simulated else []
     return [*told, f"full flow is {found.full_flow:.4g} {found.record.unit}", *found.warnings]
-
-

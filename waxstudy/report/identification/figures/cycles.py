@@ -25,7 +25,8 @@ PERIODS_CAPTION = (
 CUT_OFFS = "Where the characteristic times are cut"
 CUT_OFFS_CAPTION = (
     "The cycle of the record with the most cycles whose times lie nearest to their medians. Rise and fall are where "
-    "the opening is steeper than 0.83 % up or 1.67 % down in 5 s; signal and opening tell the rest apart. Dashed: signal."
+    "the opening is steeper than 0.83 % up or 1.67 % down in 5 s; signal and opening tell the rest apart. Dashed: "
+    "signal."
 )
 MOST_RECORDS = 6
 MOST_CYCLES = 40

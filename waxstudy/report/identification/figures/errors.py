@@ -19,8 +19,8 @@ ERRORS = "Errors of all records"
 ERRORS_CAPTION = "Mean absolute and root mean square error of the modelled opening over each whole record, by product."
 HOURS = "An hour of a typical, the best and the worst record"
 HOURS_CAPTION = (
-    "Measured and modelled opening; records by their mean absolute error. Shown is the hour whose error is nearest to that "
-    "of its record. Dashed: signal."
+    "Measured and modelled opening; records by their mean absolute error. Shown is the hour whose error is nearest "
+    "to that of its record. Dashed: signal."
 )
 HOUR_S = 3600.0
 
@@ -33,7 +33,10 @@ def figure_errors(found: ActuatorFit) -> Figure:
         raise Lacking("no record has a model")
     figure, axes = panels(1, 1, 3.8)
     panel, place = axes[0, 0], np.arange(len(shown))
-    for shift, what, look in ((-0.2, "mae", {"color": COLOURS[1]}), (0.2, "rmse", {"color": COLOURS[4], "hatch": "////"})):
+    for shift, what, look in (
+        (-0.2, "mae", {"color": COLOURS[1]}),
+        (0.2, "rmse", {"color": COLOURS[4], "hatch": "////"}),
+    ):
         heights = [getattr(found.errors[record.name], what) for record in shown]
         panel.bar(place + shift, heights, 0.38, label=what.upper(), edgecolor=BLACK, linewidth=0.6, **look)
     panel.set_xticks(place, [record.name for record in shown], rotation=60, ha="right")

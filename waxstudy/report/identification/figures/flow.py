@@ -14,11 +14,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CYCLE = "One cycle of flow"
-CYCLE_CAPTION = "Heating signal, modelled opening, measured and modelled flow over full flow, of a cycle in the record's middle."
+CYCLE_CAPTION = (
+    "Heating signal, modelled opening, measured and modelled flow over full flow, of a cycle in the record's middle."
+)
 CURVE = "The valve's curve"
 CURVE_CAPTION = (
-    "Left: measured flow over the modelled opening (grey: excluded from the fit), the theoretical curve of three points (dashed) "
-    "and the curve corrected by the authority. Right: modelled against measured flow of the samples that were considered."
+    "Left: measured flow over the modelled opening (grey: excluded from the fit), the theoretical curve of three "
+    "points (dashed) and the curve corrected by the authority. Right: modelled against measured flow of the samples "
+    "that were considered."
 )
 
 
@@ -35,7 +38,9 @@ def figure_cycle(found: ValveFit) -> Figure:
     figure, axes = panels(1, 1, 3.8)
     panel = axes[0, 0]
     panel.plot(minutes, on[part], color=GREY, linestyle=DASHED, drawstyle="steps-pre", label="heating signal")
-    panel.plot(minutes, found.opening[part], color=COLOURS[1], linestyle=(0, (6, 1.5, 1, 1.5)), label="modelled opening")
+    panel.plot(
+        minutes, found.opening[part], color=COLOURS[1], linestyle=(0, (6, 1.5, 1, 1.5)), label="modelled opening"
+    )
     panel.plot(minutes, found.flow[part], color=BLACK, label="measured flow")
     panel.plot(minutes, found.modelled_flow()[part], color=COLOURS[5], linewidth=1.8, label="modelled flow")
     panel.set_xlabel("time since switching on, min")
@@ -53,12 +58,20 @@ def figure_curve(found: ValveFit) -> Figure:
     excluded = known & ~found.considered
     points = {"linestyle": "", "marker": ".", "markersize": 2.5}
     left.plot(found.opening[excluded], found.flow[excluded], color="#bbbbbb", label="excluded", **points)
-    left.plot(found.opening[found.considered], found.flow[found.considered], color=COLOURS[1], label="measured", **points)
+    left.plot(
+        found.opening[found.considered], found.flow[found.considered], color=COLOURS[1], label="measured", **points
+    )
     h = np.linspace(0.0, 1.0, 501)
-    shape = [found.values[name].value for name in ("h_min", "h_mid", "v_mid")]
-    left.plot(h, curve(h, *shape, 1.0), color=BLACK, linestyle=DASHED, label="theoretical curve")
+    h_min, h_mid, v_mid = (found.values[name].value for name in ("h_min", "h_mid", "v_mid"))
+    left.plot(h, curve(h, h_min, h_mid, v_mid, 1.0), color=BLACK, linestyle=DASHED, label="theoretical curve")
     authority = found.values["authority"].value
-    left.plot(h, curve(h, *shape, authority), color=COLOURS[5], linewidth=1.8, label=f"with authority {authority:.3f}")
+    left.plot(
+        h,
+        curve(h, h_min, h_mid, v_mid, authority),
+        color=COLOURS[5],
+        linewidth=1.8,
+        label=f"with authority {authority:.3f}",
+    )
     left.set_xlabel("modelled opening, 1")
     left.set_ylabel("flow over full flow, 1")
     legend_under(left, 0.5)

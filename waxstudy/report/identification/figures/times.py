@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from waxstudy.identification.actuator import TIMES
-from waxstudy.identification.forms import TimeModel
+from waxstudy.identification.models import TimeModel
 from waxstudy.identification.result import LIMIT_S, ActuatorFit
 from waxstudy.plugin import FloatArray
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, DASHES, MARKERS, legend_below, panels, styled
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
 TIMES_TITLE = "Characteristic times and their models"
 TIMES_CAPTION = (
-    "A point per cycle: dead and rise time over the undercooling time before, hold and fall time over the overheating time. "
-    "Lines: the fitted models, as far as the records reach; a level line is a constant."
+    "A point per cycle: dead and rise time over the undercooling time before, hold and fall time over the "
+    "overheating time. Lines: the fitted models, as far as the records reach; a level line is a constant."
 )
 RESIDUALS = "What the models leave"
 RESIDUALS_CAPTION = "Measured less modelled, for the same cycles; a trend here would be something that the models miss."
 ACTIVATION = "Full activation and deactivation"
 ACTIVATION_CAPTION = (
-    "Dead plus rise time, and hold plus fall time, of every cycle that was used, record by record. Dashed: 5 min, within which a "
-    "valve must open for the reserve that the paper has in mind."
+    "Dead plus rise time, and hold plus fall time, of every cycle that was used, record by record. Dashed: 5 min, "
+    "within which a valve must open for the reserve that the paper has in mind."
 )
 BEFORE = {"dead": "before_s", "rise": "before_s", "hold": "overheat_s", "fall": "overheat_s"}
 AXIS = {"before_s": "undercooling time before, min", "overheat_s": "overheating time, min"}
@@ -101,8 +101,9 @@ def _predicted(time: TimeModel, product: str, own: pd.DataFrame) -> FloatArray:
     if shape is None:
         return np.full(len(own), curve.b_s.value)
     f = shape(own[before].to_numpy(dtype=float), np.array([curve.tau_s.value]))[0]
-    modelled: FloatArray = curve.b_s.value + (curve.a_s.value * f if curve.a_s.value else 0.0)
-    return modelled
+    if curve.form == "constant":
+        return np.full(len(own), curve.b_s.value)
+    return np.asarray(curve.b_s.value + curve.a_s.value * f)
 
 
 @styled
