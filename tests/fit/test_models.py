@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from benchmarks.fit_recovery import coefficients, fitted, new_profiles
+from tests.fit.conftest import QUIET, STEADY, table_of
+from waxstudy.dataset.notes import Notes
 from waxstudy.identification.actuator import ActuatorModel, fit_actuator
 from waxstudy.identification.curves import COOLING, HEATING, Shape, fit_curve, t_test
+from waxstudy.identification.description import Described
+from waxstudy.identification.records import record_of, samples_of
 from waxstudy.identification.result import ActuatorFit, fit
 from waxstudy.identification.scatter import Nesting, resampled, scatter_of
 from waxstudy.rig.bench import Motors
@@ -112,7 +117,12 @@ def test_two_profiles_do_not_tell_the_time_constant_and_say_so() -> None:
     two = cycles[cycles["record"].str.contains("_130|_2480")]
     model = fit_actuator(two.assign(before_s=two.groupby("record")["before_s"].transform("median")))
     assert not model.coefficients("X")["dead_tau_s"].told
-    assert any(each.startswith("dead_tau_s of X is not bounded") for each in model.untold())
+    assert any(each.startswith("dead_a_s, dead_b_s and dead_tau_s of X cannot be told apart") for each in model.untold())
+    # what is taken instead is no nonsense: between and beyond the two it stays near the truth
+    dead = {name: value.value for name, value in model.coefficients("X").items() if name.startswith("dead")}
+    for before in (0.0, 130.0, 1000.0, 2480.0, 5000.0):
+        modelled = dead["dead_a_s"] * np.exp(-before / dead["dead_tau_s"]) + dead["dead_b_s"]
+        assert modelled == pytest.approx(232.0 - 192.0 * np.exp(-before / 780.0), abs=30.0)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 8])
@@ -232,6 +242,18 @@ def test_the_model_s_error_on_the_records_it_was_fitted_to_is_small(bench: tuple
     errors = {name: each.mae for name, each in bench[0].errors.items() if name not in ("A1_5-5", "B1_3-3")}
     assert max(errors.values()) < 0.02
     assert len(errors) == 16
+
+
+def test_times_that_no_maker_states_are_told() -> None:
+    table = table_of(STEADY, QUIET)
+    columns = [table[name].to_numpy() for name in ("time_s", "signal_V", "displacement_mm")]
+    for factor, unusual in ((1.0, False), (0.2, True)):
+        notes = Notes("r")
+        samples = samples_of(factor * columns[0], columns[1], columns[2], "mm", notes)
+        record = record_of(samples, Described(Path("r.csv"), "r"), "B", notes) if samples else None
+        assert record is not None
+        told = [sentence for sentence in fit([record]).warnings if "is the unit of the time right?" in sentence]
+        assert bool(told) == unusual, factor
 
 
 def test_a_fit_with_the_same_seed_is_the_same(bench: tuple[ActuatorFit, Motors]) -> None:

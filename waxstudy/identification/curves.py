@@ -46,8 +46,16 @@ class Fitted:
     rss: FloatArray  # (m,)
 
 
-def fit_curve(shape: Shape, before_s: FloatArray, group: IntArray, outcome_s: FloatArray) -> Fitted:
-    """Return the curves with the tau of the highest correlation with the outcomes (n, m), less the groups' means."""
+def fit_curve(
+    shape: Shape, before_s: FloatArray, group: IntArray, outcome_s: FloatArray, tau_s: float | None = None
+) -> Fitted:
+    """Return the curves with the tau of the highest correlation with the outcomes (n, m), less the groups' means.
+
+    A tau that is given is not searched.
+    """
+    if tau_s is not None:
+        given = np.full(outcome_s.shape[1], tau_s)
+        return _at(shape, before_s, group, *_centred(outcome_s, group), given, np.zeros(len(given), dtype=bool))
     _, f = _centred(shape(before_s, TAUS_S).T, group)
     mean_y, y = _centred(outcome_s, group)
     square = np.maximum((f * f).sum(axis=0), 1e-12)
@@ -55,8 +63,8 @@ def fit_curve(shape: Shape, before_s: FloatArray, group: IntArray, outcome_s: Fl
     explained = np.where(shape.sign * product > 0.0, product**2 / square[:, None], 0.0)
     best = np.argmax(explained, axis=0)
     inside = (best > 0) & (best < COUNT - 1)
-    tau_s = np.exp(_peak(np.log(TAUS_S), explained, best, inside))
-    return _at(shape, before_s, group, mean_y, y, tau_s, inside)
+    found_s = np.exp(_peak(np.log(TAUS_S), explained, best, inside))
+    return _at(shape, before_s, group, mean_y, y, found_s, inside)
 
 
 def _at(

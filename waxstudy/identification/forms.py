@@ -22,6 +22,7 @@ FEWEST = 8  # cycles for a curve
 ENOUGH = 3  # cycles that a level of what came before must have at least
 SPAN = 2.0  # of the times before: a curve needs at least this factor between short and long ones
 REPEATS = 600
+WIDEST = 20.0  # of the interval of a tau, upper over lower end: beyond, it is as good as unknown
 AT_END = 0.025  # of the resampled taus: beyond, the data do not bound it
 IntArray = NDArray[np.intp]
 
@@ -51,11 +52,12 @@ class Part:
     rows: NDArray[np.bool_]
     shape: Shape | None  # None: constant
     test: Test | None = None
+    tau_s: float | None = None  # taken, where the data do not tell it
 
     def fit(self, data: Data, outcomes: FloatArray) -> Fitted:
         if self.shape is None:
             return fit_constant(self.group, outcomes[self.rows])
-        return fit_curve(self.shape, data.before_s[self.rows], self.group, outcomes[self.rows])
+        return fit_curve(self.shape, data.before_s[self.rows], self.group, outcomes[self.rows], self.tau_s)
 
     def predicted(self, data: Data, fitted: Fitted) -> FloatArray:
         b: FloatArray = fitted.b_s[self.group, 0]
@@ -80,9 +82,24 @@ def model_of(data: Data, shape: Shape | None, draw: np.random.Generator) -> Time
     drawn = resampled(predicted, data.outcome_s, data.nesting, scatter, draw, REPEATS)
     curves: dict[str, ProductCurve] = {}
     for part, fitted in zip(parts, fits, strict=True):
-        curves |= _curves(data, part, shape, part.fit(data, drawn), fitted, untold)
+        again = part.fit(data, drawn)
+        if part.shape is not None and _is_unknown(again.tau_s):
+            part.tau_s = _middle(data.before_s[part.rows])
+            fitted = part.fit(data, data.outcome_s[:, None])
+        curves |= _curves(data, part, shape, again, fitted, untold)
     ordered = {name: curves[name] for name in data.products}
     return TimeModel(data.name, ordered, steps, untold, scatter, data.outcome_s - predicted)
+
+
+def _is_unknown(tau_s: FloatArray) -> bool:
+    low, high = np.quantile(tau_s, (0.025, 0.975))
+    return bool(high > WIDEST * low)
+
+
+def _middle(before_s: FloatArray) -> float:
+    """Return the geometric mean of short and long times before: a curve that bends where the data are."""
+    ordered = np.sort(before_s)
+    return float(np.sqrt(max(ordered[ENOUGH - 1], 1.0) * ordered[-ENOUGH]))
 
 
 def _spans(data: Data, product: int, untold: list[str]) -> bool:
@@ -203,9 +220,15 @@ def _curves(
     data: Data, part: Part, expected: Shape | None, again: Fitted, fitted: Fitted, untold: list[str]
 ) -> dict[str, ProductCurve]:
     """Return the curve of each product of a part, with intervals from resampled fits."""
-    bounded = part.shape is not None and float(np.mean(~again.is_inside)) <= AT_END and bool(fitted.is_inside[0])
+    bounded = part.shape is not None and part.tau_s is None and float(np.mean(~again.is_inside)) <= AT_END and bool(fitted.is_inside[0])
     names = [data.products[p] for p in part.products]
-    if part.shape is not None and not bounded:
+    if part.tau_s is not None:
+        untold.append(
+            f"{data.name}_a_s, {data.name}_b_s and {data.name}_tau_s of {' and '.join(names)} cannot be told apart: "
+            f"a tau of {part.tau_s:.0f} s is taken, the middle of the times before; between those recorded the curve "
+            "holds"
+        )
+    elif part.shape is not None and not bounded:
         untold.append(
             f"{data.name}_tau_s of {' and '.join(names)} is not bounded within {SHORTEST_S:g} and {LONGEST_S:g} s, "
             "and a and b go with it: other on and off times are needed; between those recorded the curve holds"
@@ -214,7 +237,7 @@ def _curves(
     for place, name in zip(part.products, names, strict=True):
         group = 0 if part.form == "common" else list(part.products).index(place)
         before = data.before_s[data.product == place]
-        is_curve = part.shape is not None
+        is_curve = part.shape is not None and part.tau_s is None
         curves[name] = ProductCurve(
             _value(fitted.a_s, again.a_s, is_curve),
             _value(fitted.b_s[group], again.b_s[group], is_curve or expected is None),

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LIMIT_S = 300.0  # full activation that a reserve asks for
+# what makers of eleven actuators state [s], at room temperature: 1 to 6.5 min to open, 1 to 9 min to close
+STATED_S = {"full_activation": (60.0, 390.0), "deactivation": (60.0, 540.0)}
 
 
 @dataclass(frozen=True)
@@ -145,7 +147,19 @@ def fit(records: Sequence[Record], seed: int = 1) -> ActuatorFit:
         if record.product in model.products
     }
     errors = {record.name: errors_of(record, opening[record.name]) for record in records if record.name in opening}
-    return ActuatorFit(records, cycles, model, opening, errors, warnings)
+    found = ActuatorFit(records, cycles, model, opening, errors, warnings)
+    warnings += [sentence for product in model.products for sentence in _unusual(product, found.activation(product))]
+    return found
+
+
+def _unusual(product: str, activation: Mapping[str, float]) -> list[str]:
+    """Say which times no maker states: the unit of the time may be another."""
+    return [
+        f"the median {name.replace('_', ' ')} of {product} is {activation[f'{name}_median_s']:.0f} s, and makers state "
+        f"{low:.0f} to {high:.0f} s: is the unit of the time right?"
+        for name, (low, high) in STATED_S.items()
+        if not low <= activation[f"{name}_median_s"] <= high
+    ]
 
 
 def counts(lost: Mapping[str, int]) -> str:

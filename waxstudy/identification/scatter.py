@@ -85,7 +85,7 @@ def scatter_of(residual: FloatArray, nesting: Nesting) -> Scatter:
     return Scatter(
         cycle=float(np.sqrt((within**2).sum() / freedom)),
         record_square=float(((means - exemplar_means[exemplar_of]) ** 2).sum()),
-        record_freedom=max(1, between_records - CURVE_PARAMETERS) if between_records else 0,
+        record_freedom=max(0, between_records - CURVE_PARAMETERS),
         exemplar_square=float(((exemplar_means - product_means[product_of]) ** 2).sum()),
         exemplar_freedom=int((exemplars - 1).sum()),
         per_record=float(np.mean(1.0 / cycles)),
