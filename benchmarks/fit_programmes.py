@@ -1,7 +1,8 @@
 """What a programme of measurements tells of an actuator: `python -m benchmarks.fit_programmes [--repetitions 10]`.
 
 One product on the virtual bench, whose truth is known; per programme the width of some intervals, how often the time
-constants are told, and the error of times in profiles and of exemplars that were not measured. docs/fit.md has the table.
+constants are told, and the error of times in profiles and of exemplars that were not measured.
+The table is in docs/fit.md.
 """
 
 from __future__ import annotations
@@ -71,9 +72,15 @@ def row(trials: Sequence[Trial], interval_s: float, repetitions: int) -> dict[st
         told += values["dead_tau_s"].told and values["hold_tau_s"].told
         cycles.append(sum(found.kept(record) for record in found.records))
         wrong += [each["wrong_s"] for each in new_profiles(found, motors)]
-    figures = {name: "-" if np.isnan(each).mean() > 0.5 else f"{np.nanmedian(each):.0f}" for name, each in widths.items()}
+    figures = {
+        name: "-" if np.isnan(each).mean() > 0.5 else f"{np.nanmedian(each):.0f}" for name, each in widths.items()
+    }
     hours = sum(trial.duration_min for trial in trials) / 60.0
-    ends = {"taus told": f"{told}/{repetitions}", "error, s": f"{np.median(wrong):.1f}", "95 %": f"{np.quantile(wrong, 0.95):.0f}"}
+    ends = {
+        "taus told": f"{told}/{repetitions}",
+        "error, s": f"{np.median(wrong):.1f}",
+        "95 %": f"{np.quantile(wrong, 0.95):.0f}",
+    }
     return {"hours": f"{hours:.0f}", "cycles": f"{np.median(cycles):.0f}", **figures, **ends}
 
 

@@ -117,7 +117,9 @@ def test_two_profiles_do_not_tell_the_time_constant_and_say_so() -> None:
     two = cycles[cycles["record"].str.contains("_130|_2480")]
     model = fit_actuator(two.assign(before_s=two.groupby("record")["before_s"].transform("median")))
     assert not model.coefficients("X")["dead_tau_s"].told
-    assert any(each.startswith("dead_a_s, dead_b_s and dead_tau_s of X cannot be told apart") for each in model.untold())
+    assert any(
+        each.startswith("dead_a_s, dead_b_s and dead_tau_s of X cannot be told apart") for each in model.untold()
+    )
     # what is taken instead is no nonsense: between and beyond the two it stays near the truth
     dead = {name: value.value for name, value in model.coefficients("X").items() if name.startswith("dead")}
     for before in (0.0, 130.0, 1000.0, 2480.0, 5000.0):

@@ -12,6 +12,7 @@ import pytest
 
 from tests.cli.conftest import Entry
 from tests.cli.conftest import entry as entry
+from tests.conftest import ROOT
 from waxstudy.plugin.registry import installed
 from waxstudy.rig.bench import Motors, run_trial
 from waxstudy.rig.instruments import Bench, displacement_mm
@@ -171,6 +172,13 @@ def test_what_the_bench_cannot_do_is_told_and_nothing_is_written(
     assert said in done.stderr
     assert not Path("bench").exists()
     assert not Path("bench-truth.json").exists()
+
+
+def test_the_page_lists_every_parameter_of_the_bench_with_its_default() -> None:
+    page = (ROOT / "docs" / "fit.md").read_text(encoding="utf-8")
+    for name, field in Bench.model_fields.items():
+        unit = str(field.json_schema_extra["unit"]) if isinstance(field.json_schema_extra, dict) else ""
+        assert f"| `{name}` | {'' if unit == '1' else unit} | {field.default:g} |" in page
 
 
 def test_nothing_is_overwritten(entry: Entry, programme: Path) -> None:

@@ -220,7 +220,12 @@ def _curves(
     data: Data, part: Part, expected: Shape | None, again: Fitted, fitted: Fitted, untold: list[str]
 ) -> dict[str, ProductCurve]:
     """Return the curve of each product of a part, with intervals from resampled fits."""
-    bounded = part.shape is not None and part.tau_s is None and float(np.mean(~again.is_inside)) <= AT_END and bool(fitted.is_inside[0])
+    bounded = (
+        part.shape is not None
+        and part.tau_s is None
+        and float(np.mean(~again.is_inside)) <= AT_END
+        and bool(fitted.is_inside[0])
+    )
     names = [data.products[p] for p in part.products]
     if part.tau_s is not None:
         untold.append(

@@ -84,9 +84,13 @@ def scatter(found: ActuatorFit) -> list[str]:
     parts = found.model.times["dead"].scatter
     said = []
     if not parts.exemplar_freedom:
-        said.append("there is one exemplar of each product: how others differ cannot be told, intervals are of this one")
+        said.append(
+            "there is one exemplar of each product: how others differ cannot be told, intervals are of this one"
+        )
     if not parts.record_freedom:
-        said.append("the records are too few to tell how those of one exemplar differ: intervals are too narrow by that")
+        said.append(
+            "the records are too few to tell how those of one exemplar differ: intervals are too narrow by that"
+        )
     return said
 
 
