@@ -94,6 +94,7 @@ def test_a_time_that_does_not_depend_on_the_past_gets_a_constant() -> None:
     assert forms(model)["rise"] == {"constant"}
     assert model.coefficients("X")["rise_b_s"].value == pytest.approx(163.0, abs=1.0)
     assert any("p = " in step for step in model.times["rise"].steps)
+    assert model.coefficients("X")["rise_b_s"].told  # it was looked for and is not there
 
 
 def test_a_slope_against_the_sign_of_the_physics_is_no_curve() -> None:

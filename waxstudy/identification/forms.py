@@ -86,7 +86,8 @@ def model_of(data: Data, shape: Shape | None, draw: np.random.Generator) -> Time
         if part.shape is not None and _is_unknown(again.tau_s):
             part.tau_s = _middle(data.before_s[part.rows])
             fitted = part.fit(data, data.outcome_s[:, None])
-        curves |= _curves(data, part, shape, again, fitted, untold)
+        silent = [] if shape is None else [p for p in everyone if p not in curved]
+        curves |= _curves(data, part, silent, again, fitted, untold)
     ordered = {name: curves[name] for name in data.products}
     return TimeModel(data.name, ordered, steps, untold, scatter, data.outcome_s - predicted)
 
@@ -217,9 +218,12 @@ def _p_of_more(data: Data, small: Sequence[Part], large: Sequence[Part], more: i
 
 
 def _curves(
-    data: Data, part: Part, expected: Shape | None, again: Fitted, fitted: Fitted, untold: list[str]
+    data: Data, part: Part, silent: Sequence[int], again: Fitted, fitted: Fitted, untold: list[str]
 ) -> dict[str, ProductCurve]:
-    """Return the curve of each product of a part, with intervals from resampled fits."""
+    """Return the curve of each product of a part, with intervals from resampled fits.
+
+    Of `silent` products the data do not tell whether there is a curve.
+    """
     bounded = (
         part.shape is not None
         and part.tau_s is None
@@ -245,7 +249,7 @@ def _curves(
         is_curve = part.shape is not None and part.tau_s is None
         curves[name] = ProductCurve(
             _value(fitted.a_s, again.a_s, is_curve),
-            _value(fitted.b_s[group], again.b_s[group], is_curve or expected is None),
+            _value(fitted.b_s[group], again.b_s[group], is_curve or (part.shape is None and place not in silent)),
             _value(fitted.tau_s, again.tau_s, bounded),
             part.form if part.shape is not None else "constant",
             part.test,

@@ -15,7 +15,7 @@ LEAST_OVER_NOISE = 10.0  # stroke over noise
 MIDDLE = (0.25, 0.75)  # of its range: a signal that switches is hardly ever there, a ramp is
 MOST_BETWEEN = 0.02  # share of a signal's samples in the middle
 FOLLOWS = 0.2  # of the range: openings at switching off and at switching on differ by at least this
-STUCK_SHARE = 0.2  # of a record in which no sample differs from the one before, across switches
+SPIKE = 0.09  # of the range: more than the tip of a motor that turns round, less than counts as a movement
 
 BoolArray = NDArray[np.bool_]
 
@@ -84,7 +84,7 @@ def without_spikes(values: FloatArray, interval_s: float, notes: Notes) -> Float
 
     low, high = np.quantile(values, (0.01, 0.99))
     middle = median_filter(values, 5 if interval_s <= 2.0 else 3, mode="nearest")
-    bad = np.abs(values - middle) > (0.04 + interval_s / 50.0) * (high - low)  # more than a motor moves meanwhile
+    bad = np.abs(values - middle) > SPIKE * (high - low)
     count = int(bad.sum())
     if not count or high == low:
         return values

@@ -15,11 +15,13 @@ if TYPE_CHECKING:
     from waxstudy.identification.records import Record
 
 WINDOW_S = 5.0
+MEAN_S = 1.0  # the paper's sampling
 RISES_PER_5S = 0.0083  # of the stroke: 10 % a minute
 FALLS_PER_5S = 0.0167
-SLACK = 0.05  # closed up to here; a movement is at least as long
+SLACK = 0.05  # closed up to here
+LONGER_THAN = 0.1  # chosen: of the stroke; less is no movement but noise, or what is left of a spike
 OPEN = 0.9  # chosen: open from here, since motors may creep on while heated
-WHOLE = 0.95  # of a window on a ramp: then all of it is, but for noise
+NEARLY = 0.8  # all of a window, but for noise
 LEAST_WHOLE = 0.5  # of a record's cycles: a profile that does not open and close is left out (section 3.1.2)
 TIMES = ("dead_s", "rise_s", "overheat_s", "hold_s", "fall_s", "undercool_s")
 
@@ -78,7 +80,11 @@ def cycles_of(record: Record) -> pd.DataFrame:
 
 
 def movements(opening: FloatArray, dt: float, least: float) -> Movements:
-    """Return the rises steeper than `least` per 5 s and longer than the slack."""
+    """Return the rises steeper than `least` per 5 s and longer than a tenth; faster samples are averaged over 1 s."""
+    from scipy.ndimage import uniform_filter1d
+
+    if dt < MEAN_S:
+        opening = uniform_filter1d(opening, round(MEAN_S / dt), mode="nearest")
     width = max(1, round(WINDOW_S / dt))
     window_s = width * dt
     slope = (opening[width:] - opening[:-width]) * (WINDOW_S / window_s)
@@ -86,7 +92,7 @@ def movements(opening: FloatArray, dt: float, least: float) -> Movements:
     edges = np.flatnonzero(np.diff(steep))
     first, last = edges[::2], edges[1::2] - 1  # in `slope`
     travelled = opening[last + width] - opening[first]
-    kept = (travelled > SLACK) & (last - first >= width // 2)  # longer than what is left of a spike
+    kept = (travelled > LONGER_THAN) & (last - first >= width // 2)  # longer than what is left of a spike
     first, last = first[kept], last[kept]
     begins = first * dt + window_s - window_s * _overlap(slope, first, -1, width)
     ends = last * dt + window_s * _overlap(slope, last, 1, width)
@@ -96,13 +102,13 @@ def movements(opening: FloatArray, dt: float, least: float) -> Movements:
 def _overlap(slope: FloatArray, at: IntArray, outward: int, width: int) -> FloatArray:
     """Return how much of the outermost steep window `at` lies on the ramp: its slope over that further inside.
 
-    Beyond 1 where the next window outward, too flat to be steep, holds the edge.
+    Where nearly all of it does, the window beside it, too flat to be steep, may hold the edge: then more than 1.
     """
     top = len(slope) - 1
     inside = np.maximum(slope[np.clip(at - outward * width, 0, top)], slope[at])
     share = slope[at] / inside
-    beyond = np.clip(slope[np.clip(at + outward, 0, top)], 0.0, None) / inside
-    return np.asarray(np.where(share > WHOLE, 1.0 / width + beyond, share))
+    beside = np.clip(slope[np.clip(at + outward * width, 0, top)], 0.0, None) / inside
+    return np.asarray(share + np.where(share > NEARLY, beside, 0.0))
 
 
 def within(moves: Movements, begins_s: FloatArray, ends_s: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from waxstudy.identification.models import Value
+from waxstudy.identification.models import ProductCurve, Value
 from waxstudy.identification.result import ActuatorFit, counts
 from waxstudy.identification.valve import ValveFit
 from waxstudy.report.words import Table
@@ -31,11 +31,21 @@ def coefficients(found: ActuatorFit) -> Table:
     for product in found.model.products:
         for name, value in found.model.coefficients(product).items():
             time = found.model.times[name.split("_")[0]].curves[product]
-            is_left_out = time.form == "constant" and name.endswith(("_a_s", "_tau_s"))
-            shown = ["-", "cannot be told"] if is_left_out else [f"{value.value:.1f}", interval(value, 1, time.form)]
+            shown = _shown(name, value, time)
             rows.append([product, name, *shown, time.form, str(time.cycles), MEANING.get(name, "")])
     headings = ["product", "coefficient", "value, s", "95 % interval", "model", "cycles", "meaning"]
     return "coefficients of the characteristic times", headings, rows
+
+
+def _shown(name: str, value: Value, curve: ProductCurve) -> list[str]:
+    """Return a coefficient and its interval, as far as both mean something."""
+    if curve.form == "constant":
+        if name.endswith(("_a_s", "_tau_s")):
+            return ["-", "cannot be told" if not value.told and not curve.b_s.told else ""]
+        return [f"{value.value:.1f}", interval(value, 1) + ("" if value.told else ", of the constant alone")]
+    if not curve.a_s.told:
+        return [f"{value.value:.1f}", "cannot be told"]
+    return [f"{value.value:.1f}", interval(value, 1) + ("" if value.told else ", not bounded")]
 
 
 def activation(found: ActuatorFit) -> Table:
@@ -94,9 +104,8 @@ def scatter(found: ActuatorFit) -> list[str]:
     return said
 
 
-def interval(value: Value, digits: int, form: str = "") -> str:
-    why = "" if value.told else ", of the constant alone" if form == "constant" else ", not bounded"
-    return f"{value.low:.{digits}f} to {value.high:.{digits}f}{why}"
+def interval(value: Value, digits: int) -> str:
+    return f"{value.low:.{digits}f} to {value.high:.{digits}f}"
 
 
 def valve_tables(found: ValveFit) -> list[Table]:
