@@ -127,6 +127,29 @@ def test_a_lab_s_own_columns_are_named_by_options_or_by_records_toml(entry: Entr
     assert not json.loads(second.stdout)["simulated"]
 
 
+def test_files_of_a_folder_are_described_however_they_are_named_and_flow_is_passed_over(
+    entry: Entry, fits: Path
+) -> None:
+    files = sorted((fits / "bench").glob("*.csv"))
+    devious = [fits / "bench" / ".." / "bench" / path.name for path in files]
+    found = json.loads(entry("fit", "actuator", *devious, "--out", "m.toml", "--json").stdout)
+    assert {each["product"] for each in found["records"]} == {"A", "B"}
+    assert "B2m_15-15" not in {each["name"] for each in found["records"]}
+    alone = entry("fit", "actuator", fits / "bench" / "B2m_15-15.csv", "--out", "n.toml")
+    assert (alone.code, "displacement: no column has this name" in alone.stderr) == (3, True)
+    swapped = entry("fit", "valve", fits / "bench" / "B1_15-15.csv", "--actuator", fits / "motor-B.toml")
+    assert (swapped.code, "flow: no column has this name" in swapped.stderr) == (3, True)
+
+
+def test_records_of_the_same_name_in_two_folders_are_two_records(entry: Entry) -> None:
+    for seed, day in enumerate(("monday", "tuesday")):
+        Path(day).mkdir()
+        table_of(STEADY, seed=seed).to_csv(f"{day}/a.csv", index=False)
+    done = entry("fit", "actuator", "monday/a.csv", "tuesday/a.csv", "--product", "X", "--out", "m.toml", "--json")
+    records = json.loads(done.stdout)["records"]
+    assert [(each["name"], each["cycles"]) for each in records] == [("monday/a", 8), ("tuesday/a", 8)]
+
+
 def test_parquet_is_read_as_csv_is(entry: Entry) -> None:
     table = table_of(STEADY)
     stamps = pd.Timestamp("2024-03-01") + pd.to_timedelta(table.pop("time_s"), unit="s")

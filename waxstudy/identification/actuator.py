@@ -75,8 +75,9 @@ def _data(kept: pd.DataFrame, name: str, before: str, products: Sequence[str]) -
         rows = pd.concat([known, kept[kept["product"].isin(silent)]])
     record, records = pd.factorize(rows["record"])
     first = rows.drop_duplicates("record").set_index("record").loc[records]
-    exemplar, exemplars = pd.factorize(first["product"] + "/" + first["exemplar"])
-    product_of = pd.Index(products).get_indexer(pd.Index([str(text).rsplit("/", 1)[0] for text in exemplars]))
+    motors = pd.MultiIndex.from_frame(first[["product", "exemplar"]])
+    exemplars = motors.unique()
+    product_of = pd.Index(products).get_indexer(exemplars.get_level_values(0))
     past: FloatArray = rows[before].fillna(0.0).to_numpy(dtype=float) if before else np.zeros(len(rows))
     return Data(
         name=name,
@@ -84,5 +85,5 @@ def _data(kept: pd.DataFrame, name: str, before: str, products: Sequence[str]) -
         product=pd.Index(products).get_indexer(pd.Index(rows["product"])),
         before_s=past,
         outcome_s=rows[f"{name}_s"].to_numpy(dtype=float),
-        nesting=Nesting(record, exemplar, product_of),
+        nesting=Nesting(record, exemplars.get_indexer(motors), product_of),
     )

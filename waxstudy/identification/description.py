@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -68,17 +68,32 @@ class Described:
 def described(paths: Sequence[Path], measured: str = "displacement") -> list[Described]:
     """Return the records of files and folders; raise `StudyError`.
 
-    A folder stands for its records of that quantity. What `records.toml` beside a file says of it holds for it.
+    What `records.toml` beside a file says of it holds for it. Records of another quantity are passed over, unless there
+    is nothing else.
     """
-    found: list[Described] = []
+    found: dict[Path, Described] = {}
     for path in paths:
         table = _in_folder(path if path.is_dir() else path.parent)
         if path.is_dir():
-            files = list(table) or sorted(p for p in path.iterdir() if p.suffix in SUFFIXES)
-            found += [known for p in files if (known := table.get(p, Described(p, p.stem))).measured == measured]
+            files = sorted(p for p in path.iterdir() if p.suffix in SUFFIXES)
+            found |= table or {p.resolve(): Described(p, p.stem) for p in files}
         else:
-            found.append(table.get(path, Described(path, path.stem)))
-    return list({each.path: each for each in found}.values())
+            found[path.resolve()] = table.get(path.resolve(), Described(path, path.stem))
+    known = list(found.values())
+    return _told_apart([each for each in known if each.measured == measured] or known)
+
+
+def _told_apart(records: Sequence[Described]) -> list[Described]:
+    """Return the records under names that differ: with their folder, and at last a number, where they do not."""
+    names = [each.name for each in records]
+    longer = [
+        f"{each.path.resolve().parent.name}/{each.name}" if names.count(each.name) > 1 else each.name
+        for each in records
+    ]
+    return [
+        replace(each, name=name if longer.count(name) == 1 else f"{name} ({longer[:place].count(name) + 1})")
+        for place, (each, name) in enumerate(zip(records, longer, strict=True))
+    ]
 
 
 def _in_folder(folder: Path) -> dict[Path, Described]:
@@ -101,7 +116,7 @@ def _in_folder(folder: Path) -> dict[Path, Described]:
         "about": about,
     }
     named = {
-        folder / record.file: Described(
+        (folder / record.file).resolve(): Described(
             folder / record.file,
             name,
             record.product,
@@ -114,8 +129,9 @@ def _in_folder(folder: Path) -> dict[Path, Described]:
         for name, record in records.items()
         if record
     }
-    others = {p: Described(p, p.stem, **common) for p in folder.iterdir() if p.suffix in SUFFIXES and p not in named}
-    return named if named else others
+    if named:
+        return named
+    return {p.resolve(): Described(p, p.stem, **common) for p in sorted(folder.iterdir()) if p.suffix in SUFFIXES}
 
 
 P = TypeVar("P", bound=Parameters)

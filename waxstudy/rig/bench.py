@@ -20,6 +20,7 @@ STEP_S = 0.5  # of the simulation; a switch lies within half of it
 WARM_S = 3600.0  # heated before the record
 REST_S = (900.0, 20_000.0)  # then left alone, so that nobody knows how cold the first cycle begins
 LEAD_S = (60.0, 300.0)  # from the first sample to the first heating
+GAP_S = 300.0  # mean length
 
 
 @dataclass(frozen=True)
@@ -112,9 +113,6 @@ def _means(sampled_s: FloatArray, ends_s: FloatArray, values: FloatArray) -> Flo
     length_s = np.diff(sampled_s, prepend=2.0 * sampled_s[0] - sampled_s[1])
     before = np.interp(sampled_s - length_s, np.concatenate(([0.0], ends_s)), total)
     return (at - before) / length_s
-
-
-GAP_S = 300.0
 
 
 def _lost(count: int, interval_s: float, bench: Bench, draw: np.random.Generator) -> np.ndarray:

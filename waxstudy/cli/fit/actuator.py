@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 PRODUCT = "Product of records of which none is told, and the one that is written  [default: each gets a file]"
 OUT = "TOML file that a study can take its actuator from; a page and all figures as JSON go beside it."
 UNNAMED = "unnamed"
+UNSAFE = r"[^\w.-]+"  # in the name of a file
 
 
 @click.command("actuator", cls=Command)
@@ -63,7 +65,7 @@ def _files(found: ActuatorFit, product: str | None, out: Path) -> dict[str, Path
         raise CommandError(f"--product {product}: the records are of {', '.join(products)}", USAGE)
     if product is not None or len(products) == 1:
         return {product or products[0]: out}
-    return {each: out.with_name(f"{out.stem}-{each}{out.suffix}") for each in products}
+    return {each: out.with_name(f"{out.stem}-{re.sub(UNSAFE, '-', each)}{out.suffix}") for each in products}
 
 
 def _texts(found: ActuatorFit, files: dict[str, Path], out: Path) -> dict[Path, str]:
