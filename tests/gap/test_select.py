@@ -116,6 +116,16 @@ def test_what_is_wrong_in_the_closed_loop_is_claimed_at_its_link(true: Effects) 
         assert [each.group[0] for each in found] == ([name] if stage == "sensor" else [])
 
 
+def test_what_is_less_than_noticeable_gets_no_name() -> None:
+    """A meter without noise would show a leak of a thousandth: so little is not worth a name."""
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    fine = replace(seen, stated_noise={"flow_L_h": 0.01, "displacement": 1e-4})
+    for fraction, names in ((0.0015, []), (0.01, ["let-by"])):
+        leaking = planted(link, fine, believed, effects(let_by={"fraction": fraction}))
+        assert [each.effect.name for each in searched(link, leaking, believed).found] == names
+
+
 @pytest.mark.slow
 def test_a_room_departs_only_so_far_and_what_needs_more_is_claimed() -> None:
     """Half of the sun is no doubt about the sun any more; a fifth less is."""

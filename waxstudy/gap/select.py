@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,12 +12,12 @@ from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK
 from waxstudy.gap.links import SUPPLY
 from waxstudy.gap.stray import is_covered
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import Belief, FloatArray
 
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_GAP = 1.1  # over the floor
-LEAST_SMOOTHED_GAP = 2.0
+LEAST_SMOOTHED_GAP = 2.5
 LEAST_PART = 0.15  # that one of them must explain alone
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
@@ -49,6 +49,7 @@ class Candidate:
     channel: str  # where it acts most
     over: float  # the gap of that channel before it, over the floor, in the channel's unit
     is_covered: bool  # by what real actuators are known to stray from the believed one
+    is_worth_naming: bool  # far enough from what is believed
 
     @property
     def is_seen(self) -> bool:
@@ -73,7 +74,7 @@ class Candidate:
         is_gap = self.over >= self.least_gap and min(self.share, self.plain_share) >= LEAST_SHARE
         # a heating curve is claimed to be shifted only where nothing else is left of its gap
         is_whole = self.channel != SUPPLY or self.left <= EXPLAINED
-        return self.is_seen and is_gap and is_whole and not self.is_covered
+        return self.is_seen and is_gap and is_whole and self.is_worth_naming and not self.is_covered
 
 
 @dataclass(frozen=True)
@@ -202,8 +203,9 @@ class _Search:
         both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
         strain = self.fitter.strain(fitted)
         missed = left * floor.whitened(channel)
+        worth = is_worth_naming(effect, dict(fitted.effects)[effect], self.fitter.belief)
         return Candidate(
-            effect, fitted, gain, both, strain, p, share, plain_share, left, missed, channel, over, covered
+            effect, fitted, gain, both, strain, p, share, plain_share, left, missed, channel, over, covered, worth
         )
 
     def loss(self, fitted: Fitted, part: int) -> float:
@@ -233,6 +235,20 @@ def best_of(candidates: Sequence[Candidate]) -> Candidate:
     """Return the candidate that gains most; of those that gain the same but for rounding, the first by name."""
     most = max(c.gain for c in candidates)
     return min((c for c in candidates if c.gain >= most * (1.0 - SAME)), key=lambda c: c.effect.name)
+
+
+def is_worth_naming(effect: EffectType, values: Mapping[str, float], believed: Belief) -> bool:
+    """Whether a parameter lies farther from what is believed than what the effect calls noticeable."""
+    neutral = effect.neutral(believed)
+    if neutral is None or not effect.priors:
+        return True
+    for name, prior in effect.priors.items():
+        value, still = values[name], neutral[name]
+        if prior.is_log and max(value / still, still / value) > prior.noticeable:
+            return True
+        if not prior.is_log and abs(value - still) > prior.noticeable:
+            return True
+    return False
 
 
 def unconfirmed(found: Sequence[Found], after: Fitted, without: Sequence[Fitted]) -> Found | None:
