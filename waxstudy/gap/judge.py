@@ -31,6 +31,7 @@ STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4
 SMOOTHED = ("sensor_temperature_C", "control_output")
 RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
+STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it went on between them
 
 
 @dataclass(frozen=True)
@@ -206,7 +207,8 @@ class Judge:
             drive = record.drive("displacement")
             steps = np.maximum(np.abs(np.gradient(drive)), np.abs(np.diff(drive, prepend=drive[:1])))
             moves = steps > 3.0 * record.noise["displacement"]
-            return np.hypot(np.hypot(resting, np.where(moves, RIDGE * full, 0.0)), self._drives[channel])
+            within = np.where(moves, np.hypot(RIDGE, STEEP * steps) * full, 0.0)
+            return np.hypot(np.hypot(resting, within), self._drives[channel])
         return np.hypot(np.maximum(resting, 1e-3), self._drives.get(channel, 0.0))
 
     def _best_shift(self, predicted: FloatArray, run: _Run) -> FloatArray:

@@ -203,7 +203,8 @@ class _Search:
         both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
         strain = self.fitter.strain(fitted)
         missed = left * floor.whitened(channel)
-        worth = is_worth_naming(effect, dict(fitted.effects)[effect], self.fitter.belief)
+        believed = self.fitter.edited(fitted.effects[:-1], fitted.departures)  # what it was added to
+        worth = is_worth_naming(effect, dict(fitted.effects)[effect], believed)
         return Candidate(
             effect, fitted, gain, both, strain, p, share, plain_share, left, missed, channel, over, covered, worth
         )
