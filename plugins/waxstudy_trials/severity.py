@@ -58,7 +58,9 @@ def _departed(prior: Prior, neutral: float, level: float, random: np.random.Gene
     steps = float(np.exp(low + level * (high - low)))
     way = 1.0 if random.random() < 0.5 else -1.0
     for side in (way, -way):
-        value = neutral * prior.noticeable ** (side * steps) if prior.is_log else neutral + side * steps * prior.noticeable
+        value = (
+            neutral * prior.noticeable ** (side * steps) if prior.is_log else neutral + side * steps * prior.noticeable
+        )
         if _within(prior, value) != neutral:
             return _within(prior, value)
     return neutral

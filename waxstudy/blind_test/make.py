@@ -68,7 +68,9 @@ class Place:
         try:
             found: dict[str, Any] = json.loads((self.folder / SEALED).read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise BlindTestError(f"{self.folder}: not all records are made: run `blind-test make` to the end") from error
+            raise BlindTestError(
+                f"{self.folder}: not all records are made: run `blind-test make` to the end"
+            ) from error
         return found
 
     def names(self) -> list[str]:

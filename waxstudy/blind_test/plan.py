@@ -101,7 +101,9 @@ def _strata(chosen: Sequence[type[Engine]]) -> dict[str, list[Slot]]:
     other = [e for e in chosen if e.departs and not e.is_measured]
     house = [e for e in chosen if e.is_measured]
     effects = [(e, name) for e in own for name in causes_of(e, "single", is_judged=True)]
-    goal = [Slot("goal", e.name, "single", name, least_over=LEAST_OVER) for e, name in effects for _ in range(PER_EFFECT)]
+    goal = [
+        Slot("goal", e.name, "single", name, least_over=LEAST_OVER) for e, name in effects for _ in range(PER_EFFECT)
+    ]
     return {
         "goal": goal,
         "null": _turns("null", own, "null", 150),

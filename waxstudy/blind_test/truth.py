@@ -63,8 +63,7 @@ class Stand:
     def of(cls, seen: Dataset, free: Dataset) -> Stand:
         noisy = record_of(seen)
         clean = replace(record_of(free), stated_noise=noisy.noise)
-        beliefs = [Belief(d.nominal, d.room, r.inputs if r.has_inputs else None) for d, r in ((seen, noisy), (free, clean))]
-        return cls(noisy, clean, *beliefs, seen.room_tolerance)
+        return cls(noisy, clean, _belief(seen, noisy), _belief(free, clean), seen.room_tolerance)
 
     def link_of(self, cause: Cause) -> Link | None:
         """Return the link that shows a cause's own stage, or None."""
@@ -73,6 +72,10 @@ class Stand:
 
     def fitter(self, link: Link, record: Record, belief: Belief) -> Fitter:
         return Fitter(link, record, belief, 1.0 if link.with_room else THOROUGH, self.room_tolerance)
+
+
+def _belief(dataset: Dataset, record: Record) -> Belief:
+    return Belief(dataset.nominal, dataset.room, record.inputs if record.has_inputs else None)
 
 
 def sizes(case: Case, staged: Staged, seen: Dataset, with_alike: bool = True) -> list[Size | None]:
@@ -141,9 +144,7 @@ def _as_measured(link: Link, record: Record, belief: Belief) -> Predicted:
 # --- both ---
 
 
-def _sized(
-    fitter: Fitter, own: EffectType | None, true_gaps: Gaps, floors: Gaps, form: Gaps, with_alike: bool
-) -> Size:
+def _sized(fitter: Fitter, own: EffectType | None, true_gaps: Gaps, floors: Gaps, form: Gaps, with_alike: bool) -> Size:
     channel = max(true_gaps, key=lambda name: true_gaps[name] / max(floors[name], LEAST))
     gap, floor = true_gaps[channel], max(floors[channel], LEAST)
     beyond, names = 0.0, []

@@ -15,6 +15,7 @@ COMMANDS = {
     "report": "Print the comparison of a run again, in another format, or against published figures or another run.",
     "reality": "Make a dataset of a case, as if its room had been measured, and keep the truth apart.",
     "diagnose": "Find where a record and a model disagree, which effect causes it, and how far the gap shrinks.",
+    "blind-test": "Make records whose effect is withheld, let diagnosers loose on them, and score them.",
     "plugins": "List, show, begin and check plugins.",
     "schema": "Print the JSON Schema of the study file, for editors.",
 }

@@ -48,9 +48,7 @@ def measure(reality: Reality, instruments: Instruments) -> pd.DataFrame:
     return rows(reality.week.channels, reality.week.step_s, reality.first_day, instruments)
 
 
-def rows(
-    sources: Mapping[str, FloatArray], step_s: float, first_day: str, instruments: Instruments
-) -> pd.DataFrame:
+def rows(sources: Mapping[str, FloatArray], step_s: float, first_day: str, instruments: Instruments) -> pd.DataFrame:
     """Return what instruments show of `Channel.source` -> values at the end of every step; raise `RealityError`."""
     interval_s = instruments.interval_s
     if not is_multiple(interval_s, of=step_s):

@@ -6,7 +6,7 @@ an entry-point group of its own, `waxstudy.engines`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import entry_points
@@ -120,3 +120,22 @@ def engine_of(name: str) -> type[Engine]:
         hint = f"; did you mean '{near}'?" if near else ""
         raise PluginError(f"no engine '{name}'{hint} (installed: {', '.join(known) or 'none'})")
     return known[name]
+
+
+# --- baselines: simple diagnosers to compare with, of the entry-point group `waxstudy.baselines` ---
+
+BASELINES = "waxstudy.baselines"
+
+
+def baseline_names() -> list[str]:
+    return sorted(point.name for point in entry_points(group=BASELINES))
+
+
+def baseline_of(name: str) -> Callable[[Any], dict[str, Any]]:
+    """Return a baseline: dataset -> a diagnosis' JSON (the keys of `waxstudy diagnose --json`); raise `PluginError`."""
+    for point in entry_points(group=BASELINES):
+        if point.name == name:
+            with told(f"baseline '{name}'"):
+                found: Callable[[Any], dict[str, Any]] = point.load()
+            return found
+    raise PluginError(f"no baseline '{name}' (installed: {', '.join(baseline_names()) or 'none'})")
