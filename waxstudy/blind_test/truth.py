@@ -96,15 +96,25 @@ def sizes(case: Case, staged: Staged, seen: Dataset, with_alike: bool = True) ->
 
 def _of_effect(case: Case, staged: Staged, stand: Stand, link: Link, place: int, with_alike: bool) -> Size:
     choices = [choice for choice in staged.effects if choice is not None]
-    others = [choice for choice in choices if choice is not staged.effects[place]]
+    own = staged.effects[place]
+    assert own
+    floors, true_gaps = gap_and_floor(stand, link, choices, own)
+    belief = applied([choice for choice in choices if choice is not own], stand.belief)
+    form = dict.fromkeys(floors, 0.0)
+    return _sized(stand.fitter(link, stand.free, belief), _own_effect(own), true_gaps, floors, form, with_alike)
+
+
+def gap_and_floor(stand: Stand, link: Link, choices: Sequence[Choice], own: Choice) -> tuple[Gaps, Gaps]:
+    """Return floor and true gap of each channel of a link, for one of the effects that are true.
+
+    The floor is what the truth itself misses of the noisy record, driven by that; the gap what the rest of the truth
+    misses of the record without noise, driven by that.
+    """
     truth, noisy_truth = applied(choices, stand.belief), applied(choices, stand.noisy_belief)
-    belief = applied(others, stand.belief)
+    belief = applied([choice for choice in choices if choice is not own], stand.belief)
     reading = min(link.readings, key=lambda each: sum(e.loss() for e in missed(link, stand.free, truth, each)))
     floors = gaps(missed(link, stand.noisy, noisy_truth, reading))
-    true_gaps = gaps(missed(link, stand.free, belief, reading))
-    form = dict.fromkeys(floors, 0.0)
-    own = _own_effect(staged.effects[place])
-    return _sized(stand.fitter(link, stand.free, belief), own, true_gaps, floors, form, with_alike)
+    return floors, gaps(missed(link, stand.free, belief, reading))
 
 
 def _own_effect(choice: Choice | None) -> EffectType | None:

@@ -61,9 +61,13 @@ def _best(effect: EffectType, belief: Belief, free: _FreeLoop) -> tuple[float, M
 
     tried = [*space.points(THOROUGH), *effect.starts(belief)]
     start = min(tried, key=missed)
+
+    def at(x: FloatArray) -> float:
+        return missed(space.values(x))
+
     end = minimize(
-        lambda x: missed(space.values(x)),
-        space.inside(start).tolist(),
+        at,
+        space.inside(start),
         method="Nelder-Mead",
         bounds=[(0.0, 1.0)] * len(space.names),
         options={"maxfev": DESCENT, "xatol": 1e-3, "fatol": 1e-4},
