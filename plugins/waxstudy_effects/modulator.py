@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from waxstudy.plugin import Belief, Choice, Effect, Parameters, Prior, parameter
 from waxstudy_paper.modulators import Pwm
 
+FEWEST_RISES = 8
+CLOSE = 0.9  # of the best hit: a fraction of a period is hit as often, the longest that is hit is meant
+NEAR = 0.02
 USUAL_S = (600.0, 900.0, 1200.0, 1800.0, 3600.0)  # periods of manifold controllers
 
 
@@ -39,6 +44,27 @@ class ModulationParameters(PeriodParameters, MinPulseParameters):
 
 PERIOD = Prior(300.0, 14400.0, noticeable=1.05, is_log=True)
 MIN_PULSE = Prior(0.0, 1800.0, noticeable=30.0)
+
+
+def likely_periods_s(belief: Belief) -> Sequence[float]:
+    """Return periods to start from: the usual ones, and those at whose starts the recorded signal switches on.
+
+    A period must be hit closely: after two weeks an error of a thousandth has pulses where pauses are.
+    """
+    signal = belief.inputs.signal if belief.inputs else None
+    if belief.inputs is None or signal is None:
+        return USUAL_S
+    rises = np.flatnonzero(np.diff(signal) > 0.5) + 1
+    if len(rises) < FEWEST_RISES:
+        return USUAL_S
+    at_s = belief.inputs.start_s + (rises + 0.5) * belief.inputs.interval_s
+    span_s = at_s[-1] - at_s[0]
+    periods_s = 1.0 / np.arange(1.0 / PERIOD.high, 1.0 / PERIOD.low, 0.1 / span_s)
+    # an interval's length of doubt about each switch is nothing beside a period
+    hits = np.array([np.mean(np.cos(2.0 * np.pi * at_s / period_s)) for period_s in periods_s])
+    longest = np.flatnonzero(hits >= CLOSE * hits.max())[0]
+    near = np.abs(periods_s / periods_s[longest] - 1.0) < NEAR
+    return (*USUAL_S, float(periods_s[near][np.argmax(hits[near])]))
 
 
 def is_continuous(belief: Belief) -> bool:
@@ -75,7 +101,7 @@ class Modulation(Effect):
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
-        return [{"period_s": period_s, "min_pulse_s": 0.0} for period_s in USUAL_S]
+        return [{"period_s": period_s, "min_pulse_s": 0.0} for period_s in likely_periods_s(belief)]
 
 
 class PwmPeriod(Effect):
@@ -105,7 +131,7 @@ class PwmPeriod(Effect):
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
-        return [{"period_s": period_s} for period_s in USUAL_S]
+        return [{"period_s": period_s} for period_s in likely_periods_s(belief)]
 
 
 class MinPulse(Effect):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import itemgetter
 
 import numpy as np
 
@@ -60,6 +61,7 @@ class Fitter:
         self.judge = Judge(link, record, belief)
         self.unknowns = unknowns(belief, record, room_tolerance) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
+        self._solutions: dict[tuple[int, ...], tuple[FloatArray, np.ndarray]] = {}
         self._last: tuple[tuple[bytes, frozenset[str]], Belief] | None = None  # what was departed to last
 
     # --- one hypothesis at given values ---
@@ -137,11 +139,15 @@ class Fitter:
         if effect.hindrance(self.edited(given.effects, given.departures)):
             return None
         space = Space(effect)
-        found = [self._scanned(effect, space, given, reading, parts) for reading in self.link.readings]
-        best = min(found, key=lambda each: each[0])
-        if best[0] >= IMPOSSIBLE:
-            return None
-        _, values, reading = best
+        scanned = [self._scanned(effect, space, given, reading, parts) for reading in self.link.readings]
+        possible = [each for each in sorted(scanned, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
+        # a first look cannot choose between ways to read the record; for a room looking closer at each takes too long
+        ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]
+        return min(filter(None, ends), key=lambda each: self._score(each, parts), default=None)
+
+    def _from(
+        self, effect: EffectType, given: Fitted, parts: Sequence[int], values: Values, reading: Reading
+    ) -> Fitted | None:
         return self.refined((*given.effects, (effect, values)), given.departures, reading, parts, is_rough=True)
 
     def _scanned(
@@ -165,13 +171,17 @@ class Fitter:
         """Return the errors after the room's departures follow, by the slopes at the base."""
         sizes = [len(each.whitened) for each in fitted.errors]
         whole = np.concatenate([each.whitened for each in fitted.errors])
-        fit = np.concatenate([np.isin(each.part, parts) for each in fitted.errors])
-        slopes = self._slopes
-        lhs = np.vstack((slopes[fit], np.diag(1.0 / self.sd)))
-        rhs = np.concatenate((whole[fit], fitted.departures / self.sd))
-        step = np.linalg.lstsq(lhs, -rhs, rcond=None)[0]
-        moved = np.split(whole + slopes @ step, np.cumsum(sizes)[:-1])
+        solution, fit = self._solution(tuple(parts))
+        step = -solution @ np.concatenate((whole[fit], fitted.departures / self.sd))
+        moved = np.split(whole + self._slopes @ step, np.cumsum(sizes)[:-1])
         return [replace(each, whitened=vector) for each, vector in zip(fitted.errors, moved, strict=True)]
+
+    def _solution(self, parts: tuple[int, ...]) -> tuple[FloatArray, np.ndarray]:
+        """Return what solves for the departures (unknowns, m + unknowns), and which errors are fitted (bool)."""
+        if parts not in self._solutions:
+            fit = np.concatenate([np.isin(each.part, parts) for each in self.base.errors])
+            self._solutions[parts] = np.linalg.pinv(np.vstack((self._slopes[fit], np.diag(1.0 / self.sd)))), fit
+        return self._solutions[parts]
 
     @cached_property
     def _slopes(self) -> FloatArray:
@@ -204,8 +214,9 @@ class Fitter:
             return self._room_fit(effects, departures, reading, parts, is_rough)
         if not any(effect.priors for effect, _ in effects):
             return self.at(effects, departures, reading)
+        smooth = self._smooth_fit(effects, departures, reading, parts)
         spaces = [Space(effect) for effect, _ in effects]
-        start = np.concatenate([space.inside(values) for space, (_, values) in zip(spaces, effects, strict=True)])
+        start = np.concatenate([space.inside(v) for space, (_, v) in zip(spaces, smooth, strict=True)])
 
         def loss(x: FloatArray) -> float:
             return self._score(self.at(_valued(effects, spaces, x), departures, reading), parts)
@@ -213,6 +224,20 @@ class Fitter:
         most = REFINE.get(len(start), REFINE_MORE)
         found = _descend(loss, start, round(most * self.thorough))
         return self.at(_valued(effects, spaces, found), departures, reading)
+
+    def _smooth_fit(
+        self,
+        effects: Sequence[tuple[EffectType, Values]],
+        departures: FloatArray,
+        reading: Reading,
+        parts: Sequence[int],
+    ) -> Sequence[tuple[EffectType, Values]]:
+        """Return parameters after Gauss-Newton steps, which go far along a valley; what switches is left as it is."""
+        if all(channel in self.record.binary for channel in self.link.judged):
+            return effects
+        problem = _Problem(self, effects, reading, parts)
+        found = problem.solved(problem.vector(departures), round(STEPS * self.thorough), None)
+        return found.effects if found else effects
 
     def _room_fit(
         self,

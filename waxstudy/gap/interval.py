@@ -8,6 +8,8 @@ import numpy as np
 
 from waxstudy.gap.fit import EffectType, Fitted, Fitter, Space
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
+from waxstudy.gap.links import Drift
+from waxstudy.gap.record import CONTINUOUS
 from waxstudy.gap.result import Interval
 from waxstudy.gap.select import by_block, whole
 from waxstudy.plugin import FloatArray, Prior
@@ -16,6 +18,7 @@ DRAWS = 1000
 WIDTH = 0.02  # of a parameter's range, over which slopes are taken
 LEAST_WIDTH = 0.001  # over which it is seen whether anything changes at all
 RANGE = (2.5, 97.5)
+TIMING = 1.0 / 6.0  # of an interval: standard deviation of a time that switches within it leave open
 
 
 def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, Mapping[str, Interval]]:
@@ -36,7 +39,19 @@ def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, M
     inverse = np.linalg.pinv(normal)
     spread = inverse @ (scores @ scores.T) @ inverse * len(numbers) / max(1, len(numbers) - len(rows))
     spread += inverse if fitter.unknowns else 0.0
-    return _described(fitter, fitted, spaces, np.sqrt(np.clip(np.diag(spread), 0.0, None)), len(numbers))
+    off = inverse @ (missed.T @ _smoothed(fitter, fitted)[seen])
+    sd = np.sqrt(np.clip(np.diag(spread), 0.0, None) + off**2)
+    return _described(fitter, fitted, spaces, sd, len(numbers))
+
+
+def _smoothed(fitter: Fitter, fitted: Fitted) -> FloatArray:
+    """Return how far smoothing the link's drive once more moves the whitened errors (m,): so far it may have before."""
+    now = whole(fitted)[0]
+    if fitter.link.driven_by not in CONTINUOUS:
+        return np.zeros(len(now))
+    belief, drift = fitter.edited(fitted.effects, fitted.departures), Drift(np.random.default_rng(13))
+    shaken = fitter.judge.errors(fitter.link.predict(fitter.record, belief, fitted.reading, drift))
+    return np.concatenate([each.whitened for each in shaken]) - now
 
 
 def _prior(fitter: Fitter, count: int) -> FloatArray:
@@ -102,7 +117,7 @@ def _described(
         found[effect] = {}
         for place, name in enumerate(space.names):
             prior = space.priors[place]
-            half = float(np.hypot(wide * float(sd[at]), 2.0 * _timing(fitter, name, prior, values[name], blocks)))
+            half = float(np.hypot(wide * float(sd[at]), 2.0 * _timing(fitter, name, prior, values[name])))
             if prior.is_log and effect.absorbs:
                 spread = sum(absorbed.get(each, 0.0) ** 2 for each in effect.absorbs) ** 0.5
                 half = float(np.hypot(half, 1.96 * spread / np.log(prior.high / prior.low)))
@@ -130,14 +145,15 @@ def _still(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int, way: 
     return width
 
 
-def _timing(fitter: Fitter, name: str, prior: Prior, value: float, blocks: int) -> float:
+def _timing(fitter: Fitter, name: str, prior: Prior, value: float) -> float:
     """Return what the sampling of the switches that drive a link leaves open of a time, as a share of its range.
 
-    Nobody knows when within an interval each of them was thrown.
+    Nobody knows when within an interval each of them was thrown; the judge puts it where it fits best, so that a time
+    may be off by nearly as much as that lets it.
     """
     if not name.endswith("_s") or fitter.link.driven_by not in fitter.record.binary:
         return 0.0
-    open_s = fitter.record.interval_s / np.sqrt(12.0 * max(1, blocks))
+    open_s = TIMING * fitter.record.interval_s
     return float(
         open_s / max(value, open_s) / np.log(prior.high / prior.low)
         if prior.is_log

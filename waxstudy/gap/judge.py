@@ -67,6 +67,8 @@ class Judge:
         self._timing = {channel: self._switching(channel, shaken) for channel in switches}
         self._drives = {c: self._driven(c, shaken) for c in link.judged if c == "control_output"}
         self._measured = {channel: self._quarters(channel) for channel in link.judged if self._is_quarterly(channel)}
+        rest = [c for c in link.judged if c not in self._timing and c not in self._measured]
+        self._runs = {channel: self._run_of(channel) for channel in rest}
 
     def _is_switch(self, channel: str) -> bool:
         return channel in self.record.binary
@@ -160,14 +162,16 @@ class Judge:
         count = windows.max() + 1
         off_s = self._off_s(differs, windows)
         judged = np.bincount(windows, weights=known, minlength=count) > 0.5 * np.bincount(windows, minlength=count)
-        middle = np.searchsorted(windows, np.arange(count))
+        ends = np.searchsorted(windows, np.arange(count + 1))
+        middle = (ends[:-1] + ends[1:] - 1) // 2
         off_s = np.where(judged, off_s, 0.0)
         whitened = softened(off_s / switches.scale_s)
         return Errors(channel, "s", off_s, whitened, judged, record.cycle[middle], self.parts[middle], middle)
 
     # --- what runs on ---
 
-    def _running(self, channel: str, predicted: FloatArray) -> Errors:
+    def _run_of(self, channel: str) -> _Run:
+        """Return what a channel that runs on is held against."""
         record = self.record
         measured = record.values[channel]
         known = np.isfinite(measured) & record.settled
@@ -179,13 +183,16 @@ class Judge:
         if channel in SMOOTHED:
             # as the link's drive was: what is linear then misses nothing by it
             measured = record.smooth(record.filled(channel))
-        error = np.where(known, predicted - np.nan_to_num(measured), 0.0)
-        scale = self._scale(channel)
+        return _Run(np.nan_to_num(measured), known, self._scale(channel))
+
+    def _running(self, channel: str, predicted: FloatArray) -> Errors:
+        record, run = self.record, self._runs[channel]
+        error = np.where(run.known, predicted - run.measured, 0.0)
         if self.link.driven_by in record.binary:
-            error = self._best_shift(predicted, np.nan_to_num(measured), known, scale)
+            error = self._best_shift(predicted, run)
         unit = {"flow_L_h": "L/h", "displacement": "1", "control_output": "1"}.get(channel, "K")
         sample = np.arange(len(record))
-        return Errors(channel, unit, error, error / scale, known, record.cycle, self.parts, sample)
+        return Errors(channel, unit, error, error / run.scale, run.known, record.cycle, self.parts, sample)
 
     def _scale(self, channel: str) -> FloatArray:
         """Return the standard deviation to weigh errors by: the noise, and more while the link's drive moves."""
@@ -199,16 +206,13 @@ class Judge:
             return np.hypot(resting, np.where(moves, RIDGE * full, 0.0))
         return np.hypot(np.maximum(resting, 1e-3), self._drives.get(channel, 0.0))
 
-    def _best_shift(
-        self, predicted: FloatArray, measured: FloatArray, known: np.ndarray, scale: FloatArray
-    ) -> FloatArray:
+    def _best_shift(self, predicted: FloatArray, run: _Run) -> FloatArray:
         """Return the errors after each switch of the drive is put where in its interval it fits best."""
-        record = self.record
-        drive = record.filled(self.link.driven_by)
+        drive = self.record.filled(self.link.driven_by)
         segment = np.concatenate(([0], np.cumsum(np.diff(drive) != 0)))
         at, count = np.arange(len(predicted)), segment[-1] + 1
-        tried = [np.where(known, np.interp(at - shift, at, predicted) - measured, 0.0) for shift in SHIFTS]
-        losses = [np.bincount(segment, weights=(error / scale) ** 2, minlength=count) for error in tried]
+        tried = [np.where(run.known, np.interp(at - shift, at, predicted) - run.measured, 0.0) for shift in SHIFTS]
+        losses = [np.bincount(segment, weights=(error / run.scale) ** 2, minlength=count) for error in tried]
         best = np.argmin(losses, axis=0)[segment]
         return np.asarray(np.choose(best, tried))
 
@@ -246,6 +250,13 @@ class Judge:
 class _Switches:
     windows: np.ndarray  # (n,) number of the measured switch that is nearest
     scale_s: FloatArray  # of each of them
+
+
+@dataclass(frozen=True)
+class _Run:
+    measured: FloatArray  # (n,)
+    known: np.ndarray  # (n,) where it is judged
+    scale: FloatArray  # (n,) standard deviation to weigh errors by
 
 
 def stands(values: FloatArray, full: float) -> np.ndarray:

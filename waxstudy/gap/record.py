@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -56,8 +56,27 @@ class Record:
         """Standard deviation of each channel's noise, rounding included: as stated, else from second differences."""
         return {name: self.stated_noise.get(name) or _noise(name, self.values[name]) for name in self.values}
 
+    @cached_property
+    def _ready(self) -> dict[tuple[str, str], FloatArray]:
+        """Filled channels and drives that were asked for before: every hypothesis asks again."""
+        return {}
+
+    def _once(self, what: str, channel: str, make: Callable[[str], FloatArray]) -> FloatArray:
+        key = what, channel
+        if key not in self._ready:
+            self._ready[key] = make(channel)
+            self._ready[key].flags.writeable = False
+        return self._ready[key]
+
     def filled(self, channel: str) -> FloatArray:
-        """Return a channel with its gaps filled: straight for what runs on, held for what switches."""
+        """Return a channel with its gaps filled: straight for what runs on, held for what switches; read-only."""
+        return self._once("filled", channel, self._filled)
+
+    def drive(self, channel: str) -> FloatArray:
+        """Return what drives the next link: smoothed where noisy, snapped where it rests at an end; read-only."""
+        return self._once("drive", channel, self._drive)
+
+    def _filled(self, channel: str) -> FloatArray:
         values = self.values[channel]
         known = np.flatnonzero(np.isfinite(values))
         if channel in self.binary:
@@ -75,8 +94,7 @@ class Record:
             return values
         return np.asarray(savgol_filter(values, width, 2))
 
-    def drive(self, channel: str) -> FloatArray:
-        """Return what drives the next link: smoothed where it is noisy, snapped where it rests at an end."""
+    def _drive(self, channel: str) -> FloatArray:
         values = self.filled(channel)
         if channel in CONTINUOUS:
             return self.smooth(values)
@@ -146,6 +164,7 @@ class Record:
             ventilation_C=self._optional("ventilation_supply_temperature_C"),
             air_C=air,
             flow_L_h=self._optional("flow_L_h"),
+            signal=self._optional("heating_signal"),
             neighbour_C=self._optional("neighbour_temperature_C"),
         )
 

@@ -28,6 +28,7 @@ class Inputs:
     air_C: FloatArray  # the room's own air, smoothed, for what exchanges heat with it
     ventilation_C: FloatArray | None = None  # supply air; None leaves what the room says
     flow_L_h: FloatArray | None = None  # through the circuit, where it was recorded
+    signal: FloatArray | None = None  # heating signal, where it was recorded
     neighbour_C: FloatArray | None = None
     extra_W: FloatArray | None = None  # heat that an effect gives to the air
     start_K: float = 0.0  # how much warmer all of the room is at the start than the first day, repeated, would make it

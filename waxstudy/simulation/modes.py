@@ -44,7 +44,8 @@ def drive(room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: 
 
     With z the modes, z' = exp(-lambda dt) z + (1 - exp(-lambda dt)) / lambda (b u + f q). The room's own modes are
     replaced by as few as keep every temperature within `tolerance_K` of the full room after the largest single change
-    of every input at once; what they leave out answers at once, so that steady states are the full room's.
+    of every input at once; what they leave out answers at once, so that steady states are the full room's. Where the
+    tolerance is 0 the room's own modes stay.
     """
     root = np.sqrt(room.capacity_J_K)
     rates, vectors = eigh(room.conductance_W_K / np.outer(root, root))
@@ -54,11 +55,13 @@ def drive(room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: 
     inputs, supply_C = room.drive(weather)
     curve = room.floor_conductance_W_K(np.linspace(0.0, 1.0, CURVE_POINTS))
 
-    pulse_W = curve.max() * max(1.0, float(np.max(supply_C)) - 21.0)
-    jumps = np.append(np.max(np.abs(np.diff(inputs, axis=0, prepend=inputs[:1])), axis=0), pulse_W)
-    air = to_modes @ room.air_nodes
-    starts = np.column_stack((air, to_modes @ np.ones(len(root)) - air))  # a kelvin of air and walls, and of the rest
-    few_rates, basis, error = _few(rates, outputs[:5], driving * jumps, starts, tolerance_K)
+    few_rates, basis, error = rates, np.eye(len(rates)), 0.0
+    if tolerance_K > 0.0:
+        pulse_W = curve.max() * max(1.0, float(np.max(supply_C)) - 21.0)
+        jumps = np.append(np.max(np.abs(np.diff(inputs, axis=0, prepend=inputs[:1])), axis=0), pulse_W)
+        air = to_modes @ room.air_nodes
+        starts = np.column_stack((air, to_modes @ np.ones(len(root)) - air))  # a kelvin of air and walls, of the rest
+        few_rates, basis, error = _few(rates, outputs[:5], driving * jumps, starts, tolerance_K)
 
     few_outputs, few_driving = outputs @ basis, basis.T @ driving
     static = (outputs / rates) @ driving - (few_outputs / few_rates) @ few_driving
@@ -69,7 +72,7 @@ def drive(room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: 
         step_s=step_s,
         decay=_in_lanes(np.exp(-few_rates * step_s)),
         heat_gain=_in_lanes(gain * few_driving[:, -1]),
-        forcing=_in_lanes(inputs @ few_driving[:, :-1].T * gain),
+        forcing=inputs @ _in_lanes(few_driving[:, :-1].T * gain),
         outputs=_in_lanes(few_outputs),
         offsets=np.ascontiguousarray(inputs @ (room.feedthrough + static[:, :-1]).T),
         heat_offset=np.ascontiguousarray(static[:, -1]),
@@ -82,8 +85,10 @@ def drive(room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: 
 
 def _in_lanes(by_mode: FloatArray) -> FloatArray:
     """Return an array with modes of nothing at its end, so that they fill whole lanes."""
-    ends = [(0, 0)] * (by_mode.ndim - 1) + [(0, -by_mode.shape[-1] % LANES)]
-    return np.ascontiguousarray(np.pad(by_mode, ends))
+    count = by_mode.shape[-1]
+    filled = np.zeros((*by_mode.shape[:-1], count + -count % LANES))
+    filled[..., :count] = by_mode
+    return filled
 
 
 def _few(
@@ -92,10 +97,8 @@ def _few(
     """Return rates and directions (modes, few) of few modes that answer a step of every input alike, and their error.
 
     They span the main directions that the room goes through after such steps and from its starts (proper orthogonal
-    decomposition; Galerkin projection keeps them real and stable). Where the tolerance is 0, they are the room's own.
+    decomposition; Galerkin projection keeps them real and stable).
     """
-    if tolerance <= 0.0:
-        return rates, np.eye(len(rates)), 0.0
     exact = _response(rates, outputs, driving)
     fading = np.column_stack((driving / rates[:, None], starts))
     snapshots = np.exp(-np.outer(rates, SNAPSHOTS_S))[:, :, None] * fading[:, None, :]

@@ -13,11 +13,14 @@ from numba import njit, types
 
 from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, Inputs, LinearRoom, WeatherRecord
 from waxstudy.simulation.cache import cached
+from waxstudy.simulation.lanes import free_step
 from waxstudy.simulation.modes import DrivenRoom, drive
 
 SUN, EXTRA = "solar_W", "extra_W"
 IRRADIANCE = "irradiance"  # what a room's inputs from the sun are called by, and a facade
 DAY_S = 86400.0
+REPEATS = 7  # of the first day, before a record
+LAYER = ROOM_OUTPUTS.index("layer_C")
 LONGEST_STEP_S = 150.0  # of the explicit exchange between water and floor
 
 
@@ -93,80 +96,77 @@ def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[st
     """
     room, n = driven.room, len(driven.supply_C)
     fraction = np.clip(np.asarray(flow_L_h, dtype=float) / room.full_flow_L_h, 0.0, None)
-    exchange = np.array(room.floor_conductance_W_K(fraction), dtype=float)
-    modes = driven.to_modes @ np.full(len(room.nodes), float(np.mean(inputs.air_C)))
-    out = np.zeros((n, len(ROOM_OUTPUTS) + 1))
-    first = min(n, round(DAY_S / driven.weather.interval_s))
-    parts = driven.steps_per_interval
-    run = compiled()
-    for _ in range(7):
-        _run(run, driven, exchange, modes, parts, out, first)
-    modes += driven.to_modes @ (inputs.start_K + inputs.start_floor_K * (1.0 - room.air_nodes))
-    _run(run, driven, exchange, modes, parts, out, n)
-    found = {name: out[:, place] for place, name in enumerate(ROOM_OUTPUTS)} | {"water_heat_W": out[:, -1]}
-    stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found["return_C"] = np.where(stream_W_K > 0.0, driven.supply_C - out[:, -1] / stream_W_K, np.nan)
-    return found
-
-
-def _run(
-    run: Callable[..., None],
-    driven: DrivenRoom,
-    exchange: FloatArray,
-    modes: FloatArray,
-    parts: int,
-    out: FloatArray,
-    n: int,
-) -> None:
-    run(
+    shift_K = inputs.start_K + inputs.start_floor_K * (1.0 - room.air_nodes)
+    modes, last_W, mean_W = np.zeros((n, len(driven.decay))), np.zeros(n), np.zeros(n)
+    compiled()(
         driven.decay,
         driven.heat_gain,
-        driven.forcing[:n],
+        driven.forcing,
         driven.outputs,
-        driven.offsets[:n],
+        np.ascontiguousarray(driven.offsets[:, LAYER]),
         driven.heat_offset,
-        np.array(driven.supply_C[:n]),
-        exchange[:n],
+        np.array(driven.supply_C),
+        np.array(room.floor_conductance_W_K(fraction), dtype=float),
+        driven.to_modes @ np.full(len(room.nodes), float(np.mean(inputs.air_C))),
+        driven.to_modes @ shift_K,
+        min(n, round(DAY_S / driven.weather.interval_s)),
+        driven.steps_per_interval,
         modes,
-        parts,
-        out[:n],
+        last_W,
+        mean_W,
     )
+    ends = modes @ driven.outputs.T + driven.offsets + last_W[:, None] * driven.heat_offset
+    found = {name: ends[:, place] for place, name in enumerate(ROOM_OUTPUTS)} | {"water_heat_W": mean_W}
+    stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found["return_C"] = np.where(stream_W_K > 0.0, driven.supply_C - mean_W / stream_W_K, np.nan)
+    return found
 
 
 def _response(
     decay: Any,
     heat_gain: Any,
-    forcing: Any,
+    forcing: Any,  # (n, modes)
     outputs: Any,
-    offsets: Any,
+    offset: Any,  # (n,) C, of the layer
     heat_offset: Any,
-    supply: Any,
+    supply: Any,  # (n,) C
     exchange: Any,  # (n,) W/K between supply and layer
-    modes: Any,
+    state: Any,  # (modes,) changed in place
+    shift: Any,  # (modes,) added after the repeated first day
+    first: int,  # intervals of that day
     parts: int,
-    out: Any,  # (n, 7)
+    modes: Any,  # (n, modes) out: at the end of each interval
+    last: Any,  # (n,) out: W in its last step
+    mean: Any,  # (n,) out: W over it
 ) -> None:
     """Run a room in modal form with an exchange that is given for each interval."""
-    layer = offsets[0, 1]
+    by_layer = heat_offset[1]
     for i in range(len(decay)):
-        layer += outputs[1, i] * modes[i]
-    heat = 0.0
-    for n in range(len(supply)):
-        total = 0.0
-        for _ in range(parts):
-            heat = exchange[n] * (supply[n] - layer)
-            total += heat
-            layer = offsets[n, 1] + heat_offset[1] * heat
-            for i in range(len(decay)):
-                modes[i] = decay[i] * modes[i] + heat_gain[i] * heat + forcing[n, i]
-                layer += outputs[1, i] * modes[i]
-        for row in range(6):
-            value = offsets[n, row] + heat_offset[row] * heat
-            for i in range(len(decay)):
-                value += outputs[row, i] * modes[i]
-            out[n, row] = value
-        out[n, 6] = total / parts
+        by_layer += outputs[1, i] * heat_gain[i]
+    for turn in range(REPEATS + 1):
+        count = len(supply)
+        if turn < REPEATS:
+            count = first
+        else:
+            state += shift
+        layer = offset[0]
+        for i in range(len(decay)):
+            layer += outputs[1, i] * state[i]
+        heat = 0.0
+        for n in range(count):
+            total, force = 0.0, forcing[n]
+            for _ in range(parts):
+                heat = exchange[n] * (supply[n] - layer)
+                total += heat
+                _, free_layer, _ = free_step(decay, force, outputs, state)
+                layer = offset[n] + free_layer + by_layer * heat
+                for i in range(len(decay)):
+                    state[i] += heat_gain[i] * heat
+            if turn == REPEATS:
+                modes[n] = state
+                last[n] = heat
+                mean[n] = total / parts
 
 
 _NUMBERS, _TABLE = types.float64[::1], types.float64[:, ::1]
@@ -175,13 +175,12 @@ _SIGNATURE = types.void(
     _NUMBERS,
     _TABLE,
     _TABLE,
-    _TABLE,
-    _NUMBERS,
-    _NUMBERS,
-    _NUMBERS,
-    _NUMBERS,
+    *[_NUMBERS] * 6,
+    types.int64,
     types.int64,
     _TABLE,
+    _NUMBERS,
+    _NUMBERS,
 )
 
 
