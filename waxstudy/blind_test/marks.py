@@ -132,9 +132,9 @@ class Mark:
     @property
     def right_group(self) -> bool:
         """All causes found, each in a group of its own, and nothing else claimed."""
-        found = {claim for _, claim in self.right_claims}
-        names = {cause.name for cause, _ in self.right_claims}
-        return len(names) == len(self.truth.causes) == len(found) == len(self.claims) and bool(names)
+        causes = {cause.name for cause, _ in self.right_claims}
+        claims = {claim.name for _, claim in self.right_claims}
+        return len(causes) == len(claims) == len(self.truth.causes) == len(self.claims) > 0
 
     @property
     def is_nameable(self) -> bool:
