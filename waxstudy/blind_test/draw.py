@@ -12,7 +12,7 @@ from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.plan import Slot, causes_of
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.measure import Instruments
-from waxstudy.plugin.trial import Cause, Scene, engine_of
+from waxstudy.plugin.trial import Cause, Engine, Scene, engine_of
 
 # channel set -> what it lacks; a return says nothing without flow
 CHANNEL_SETS: Mapping[str, tuple[str, ...]] = {
@@ -23,7 +23,6 @@ CHANNEL_SETS: Mapping[str, tuple[str, ...]] = {
     "temperatures only": ("control_output", "heating_signal", "displacement", "flow_L_h", "return_temperature_C"),
 }
 INTERVALS_S = {10.0: 0.1, 30.0: 0.15, 60.0: 0.4, 120.0: 0.15, 300.0: 0.12, 900.0: 0.08}  # -> how often
-DAYS = (3, 14)
 NOISE = (0.5, 4.0)  # factor on the nominal noise, log-uniform
 MISSING = (0.0, 0.0, 0.003, 0.02)
 PATIENCE = 8  # attempts after which a record is measured in another way: its sampling may hide what it must show
@@ -82,7 +81,7 @@ def drawn(key: Key, slot: Slot, index: int, attempt: int, is_judged: bool) -> Ca
     scene must be drawn again, for a larger gap, the record stays as it is measured, for a while.
     """
     random, engine = key.random("scene", index, attempt), engine_of(slot.engine)
-    measured = _measured(key.random("measured", index, attempt // PATIENCE), slot)
+    measured = _measured(key.random("measured", index, attempt // PATIENCE), slot, engine)
     names = _names(random, slot, causes_of(engine, slot.kind, is_judged))
     scene = engine.draw(random, names, measured.days)
     if slot.kind == "null":
@@ -90,14 +89,16 @@ def drawn(key: Key, slot: Slot, index: int, attempt: int, is_judged: bool) -> Ca
     return Case(key.record_name(index), slot.stratum, slot.kind, slot.engine, attempt, measured, scene)
 
 
-def _measured(random: np.random.Generator, slot: Slot) -> Measured:
-    interval_s = float(random.choice(list(INTERVALS_S), p=list(INTERVALS_S.values())))
-    days = int(random.integers(DAYS[0], DAYS[1] + 1))
+def _measured(random: np.random.Generator, slot: Slot, engine: type[Engine]) -> Measured:
+    interval_s = engine.interval_s or float(random.choice(list(INTERVALS_S), p=list(INTERVALS_S.values())))
+    days = int(random.integers(engine.days[0], engine.days[1] + 1))
     channels = str(random.choice(list(CHANNEL_SETS)))
     factor = round(float(np.exp(random.uniform(*np.log(NOISE)))), 2)
     missing, seed = float(random.choice(MISSING)), int(random.integers(2**31))
     if not slot.is_free:
         channels, factor = "all", 1.0
+    if engine.is_measured:
+        missing = 0.0
     return Measured(channels, interval_s, days, factor, missing, seed)
 
 

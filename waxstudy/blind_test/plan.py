@@ -116,8 +116,8 @@ def _strata(chosen: Sequence[type[Engine]]) -> dict[str, list[Slot]]:
             *_causes_in_turn("family", other, "family", 40),
         ],
         "semi-real": [
-            *_causes_in_turn("semi-real", house, "single", 24),
-            *_causes_in_turn("semi-real", house, "family", 8),
+            *_causes_in_turn("semi-real", house, "single", 25, least_over=0.0),
+            *_causes_in_turn("semi-real", house, "family", 7, least_over=0.0),
             *_turns("semi-real", house, "null", 8),
         ],
         "spread": [
@@ -142,13 +142,15 @@ def _turns(
     return [Slot(stratum, name, kind, is_free=is_free, least_over=least_over) for name in names]
 
 
-def _causes_in_turn(stratum: str, chosen: Sequence[type[Engine]], kind: Kind, count: int) -> list[Slot]:
-    """Return slots of engines in turn, each with its causes in turn, with a gap that can be found."""
+def _causes_in_turn(
+    stratum: str, chosen: Sequence[type[Engine]], kind: Kind, count: int, least_over: float = LEAST_OVER
+) -> list[Slot]:
+    """Return slots of engines in turn, each with its causes in turn."""
     if not chosen:
         return []
     lists = [causes_of(engine, kind, is_judged=True) for engine in chosen]
     pairs = [(chosen[n % len(chosen)], lists[n % len(chosen)], n // len(chosen)) for n in range(count)]
-    return [Slot(stratum, e.name, kind, names[n % len(names)], least_over=LEAST_OVER) for e, names, n in pairs if names]
+    return [Slot(stratum, e.name, kind, names[n % len(names)], least_over=least_over) for e, names, n in pairs if names]
 
 
 # --- a mixture ---

@@ -40,13 +40,15 @@ def write_record(folder: Path, staged: Staged, measured: Measured) -> None:
 
 def shown(staged: Staged, measured: Measured, noise: bool = True) -> pd.DataFrame:
     """Return what the instruments show of what happened."""
-    return rows(staged.channels, staged.step_s, staged.first_day, measured.instruments(noise and not staged.noise))
+    return rows(
+        staged.channels, staged.step_s, staged.first_day, measured.instruments(noise and not staged.is_measured)
+    )
 
 
 def _described(table: pd.DataFrame, staged: Staged, measured: Measured) -> dict[str, Any]:
     instruments = measured.instruments()
     names = [str(name) for name in table.columns[1:]]
-    noise = staged.noise or {name: instruments.noise_of(CHANNELS[name]) for name in names}
+    noise = {} if staged.is_measured else {name: instruments.noise_of(CHANNELS[name]) for name in names}
     about = {
         "name": NAME,
         "interval_s": measured.interval_s,
@@ -55,7 +57,7 @@ def _described(table: pd.DataFrame, staged: Staged, measured: Measured) -> dict[
     }
     tables = dict(staged.described)
     about |= tables.pop("dataset", {})
-    return {"dataset": about, **tables, "noise": {n: sd for n, sd in noise.items() if sd > 0.0 and n in names}}
+    return {"dataset": about, **tables, "noise": {name: sd for name, sd in noise.items() if sd > 0.0}}
 
 
 def _padded(tables: Mapping[str, Any]) -> bytes:

@@ -7,7 +7,7 @@ of a room.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -16,14 +16,16 @@ from waxstudy.blind_test.record import shown, without_noise
 from waxstudy.dataset.effects import applied
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import installed_effects, record_of
-from waxstudy.gap.fit import EffectType, Fitted, Fitter
+from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.judge import Errors, Judge
 from waxstudy.gap.links import Link, Predicted, Reading, links
 from waxstudy.gap.record import Record
-from waxstudy.plugin import Belief, Choice, Effect
+from waxstudy.plugin import Belief, Choice
 from waxstudy.plugin.trial import Cause, Staged
 
 THOROUGH = 4.0  # times the points that a diagnosis looks at first: an alike effect must not be missed here
+ROUGH = 0.35  # the same of a measured house, whose priors are so wide that every fit is long
+HARDLY = 0.3  # of what is missed of a measured record anyway
 LEAST = 1e-9  # a floor of nothing at all would make any gap a large one
 
 Gaps = dict[str, float]
@@ -58,12 +60,13 @@ class Stand:
     noisy_belief: Belief
     belief: Belief
     room_tolerance: float
+    thorough_room: float
 
     @classmethod
-    def of(cls, seen: Dataset, free: Dataset) -> Stand:
+    def of(cls, seen: Dataset, free: Dataset, thorough_room: float = 1.0) -> Stand:
         noisy = record_of(seen)
         clean = replace(record_of(free), stated_noise=noisy.noise)
-        return cls(noisy, clean, _belief(seen, noisy), _belief(free, clean), seen.room_tolerance)
+        return cls(noisy, clean, _belief(seen, noisy), _belief(free, clean), seen.room_tolerance, thorough_room)
 
     def link_of(self, cause: Cause) -> Link | None:
         """Return the link that shows a cause's own stage, or None."""
@@ -71,7 +74,8 @@ class Stand:
         return next((link for link in found if cause.stages[0] in link.stages and not link.is_supply), None)
 
     def fitter(self, link: Link, record: Record, belief: Belief) -> Fitter:
-        return Fitter(link, record, belief, 1.0 if link.with_room else THOROUGH, self.room_tolerance)
+        thorough = self.thorough_room if link.with_room else THOROUGH
+        return Fitter(link, record, belief, thorough, self.room_tolerance)
 
 
 def _belief(dataset: Dataset, record: Record) -> Belief:
@@ -82,13 +86,18 @@ def sizes(case: Case, staged: Staged, seen: Dataset, with_alike: bool = True) ->
     """Return the size of each cause, None where the record has no channel that shows its stage."""
     if not case.causes:
         return []
-    stand = Stand.of(seen, without_noise(staged, case.measured))
+    stand = Stand.of(seen, without_noise(staged, case.measured), ROUGH if staged.is_measured else 1.0)
     found = []
     for place, cause in enumerate(case.causes):
         link = stand.link_of(cause)
-        how = _of_effect if staged.effects and staged.effects[place] is not None else _of_channels
-        found.append(how(case, staged, stand, link, place, with_alike) if link else None)
+        found.append(_how(staged, place)(case, staged, stand, link, place, with_alike) if link else None)
     return found
+
+
+def _how(staged: Staged, place: int) -> Callable[..., Size]:
+    if staged.is_measured:
+        return _of_house
+    return _of_effect if staged.effects[place] is not None else _of_channels
 
 
 # --- a cause that is an edit of what is believed ---
@@ -101,7 +110,7 @@ def _of_effect(case: Case, staged: Staged, stand: Stand, link: Link, place: int,
     floors, true_gaps = gap_and_floor(stand, link, choices, own)
     belief = applied([choice for choice in choices if choice is not own], stand.belief)
     form = dict.fromkeys(floors, 0.0)
-    return _sized(stand.fitter(link, stand.free, belief), _own_effect(own), true_gaps, floors, form, with_alike)
+    return _sized(stand.fitter(link, stand.free, belief), case.causes[place], true_gaps, floors, form, with_alike)
 
 
 def gap_and_floor(stand: Stand, link: Link, choices: Sequence[Choice], own: Choice) -> tuple[Gaps, Gaps]:
@@ -117,11 +126,6 @@ def gap_and_floor(stand: Stand, link: Link, choices: Sequence[Choice], own: Choi
     return floors, gaps(missed(link, stand.free, belief, reading))
 
 
-def _own_effect(choice: Choice | None) -> EffectType | None:
-    component = choice.component if choice else None
-    return component if component in installed_effects() and issubclass(component, Effect) else None
-
-
 # --- a cause in an engine's own terms, or of the logger ---
 
 
@@ -134,7 +138,7 @@ def _of_channels(case: Case, staged: Staged, stand: Stand, link: Link, place: in
     floors = gaps(noise.errors(_as_measured(link, stand.free, belief)))
     floors |= {channel: noise.timing_s(channel) for channel in link.judged if channel in stand.noisy.binary}
     form = gaps(stand.fitter(link, null, belief).base.errors) if with_alike else {}
-    return _sized(stand.fitter(link, stand.free, belief), None, true_gaps, floors, form, with_alike)
+    return _sized(stand.fitter(link, stand.free, belief), case.causes[place], true_gaps, floors, form, with_alike)
 
 
 def _null_record(case: Case, staged: Staged, free: Record, place: int) -> Record:
@@ -151,10 +155,30 @@ def _as_measured(link: Link, record: Record, belief: Belief) -> Predicted:
     return {channel: judge.measured(channel) for channel in link.judged}
 
 
-# --- both ---
+# --- a record that was measured ---
 
 
-def _sized(fitter: Fitter, own: EffectType | None, true_gaps: Gaps, floors: Gaps, form: Gaps, with_alike: bool) -> Size:
+def _of_house(case: Case, staged: Staged, stand: Stand, link: Link, place: int, with_alike: bool) -> Size:
+    """Return how far an alteration moves what is missed, beside what is missed of the untouched record.
+
+    Both with the room as fitted to the untouched record. Alike is what leaves hardly more of the altered one.
+    """
+    null = _null_record(case, staged, stand.free, place)
+    untouched = stand.fitter(link, null, replace(stand.belief, inputs=null.inputs))
+    altered, base = stand.fitter(link, stand.free, stand.belief), untouched.base
+    moved = altered.at((), base.departures, base.reading)
+    assert moved
+    floors = gaps(base.errors)
+    pairs = zip(moved.errors, base.errors, strict=True)
+    true_gaps = gaps([replace(new, error=new.error - old.error) for new, old in pairs])
+    form = {channel: HARDLY * floor for channel, floor in floors.items()}
+    return _sized(altered, case.causes[place], true_gaps, floors, form, with_alike)
+
+
+# --- all ---
+
+
+def _sized(fitter: Fitter, own: Cause, true_gaps: Gaps, floors: Gaps, form: Gaps, with_alike: bool) -> Size:
     channel = max(true_gaps, key=lambda name: true_gaps[name] / max(floors[name], LEAST))
     gap, floor = true_gaps[channel], max(floors[channel], LEAST)
     beyond, names = 0.0, []
@@ -164,10 +188,10 @@ def _sized(fitter: Fitter, own: EffectType | None, true_gaps: Gaps, floors: Gaps
     return Size(fitter.link.name, channel, gap, floor, beyond, tuple(names))
 
 
-def _alike(fitter: Fitter, own: EffectType | None, floors: Gaps, form: Gaps) -> Iterable[str]:
+def _alike(fitter: Fitter, own: Cause, floors: Gaps, form: Gaps) -> Iterable[str]:
     """Yield the effects that explain the record without noise but for the floor, and for what the form leaves."""
     for effect in installed_effects():
-        if effect is not own and effect.stage in fitter.link.stages:
+        if effect.name != own.name and effect.stage in fitter.link.stages:
             fitted = fitter.fit(effect, fitter.base)
             if fitted is not None and is_alike(fitted, floors, form):
                 yield effect.name

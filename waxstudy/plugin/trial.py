@@ -56,7 +56,7 @@ class Staged:
     effects: Sequence[Choice | None] = ()
     without: Sequence[Mapping[str, FloatArray]] = ()
     inputs: tuple[str, ...] = ("solar_gain_W", "internal_gain_W")  # channels that are assumed
-    noise: Mapping[str, float] = field(default_factory=dict)  # of a measured record, which has its own
+    is_measured: bool = False  # the noise is in it already, and nobody has stated it
     about: Mapping[str, Any] = field(default_factory=dict)  # whatever the truth should tell besides
 
 
@@ -64,12 +64,15 @@ class Engine:
     """Draws scenes and makes records of them.
 
     `departs` names the stages where what is believed differs in form from what the engine does, whatever is put in. One
-    that is kept takes part in judged runs only. A record that was measured is shown as it is: `is_measured`.
+    that is kept takes part in judged runs only. A record that was measured is shown as it is: `is_measured`; then its
+    interval is `interval_s`. `days` are the fewest and the most that a record can have.
     """
 
     name: ClassVar[str]
     is_kept: ClassVar[bool] = False
     is_measured: ClassVar[bool] = False
+    interval_s: ClassVar[float | None] = None
+    days: ClassVar[tuple[int, int]] = (3, 14)
     departs: ClassVar[tuple[str, ...]] = ()
 
     @classmethod

@@ -79,7 +79,10 @@ EFFECTS = (
     ),
     _effect("slow-actuator", "actuator", _as_it_is("inertia", "factor"), factor=Range(0.05, 3.0, is_factor=True)),
     _effect(
-        "limited-travel", "actuator", lambda plant, v: {"stop": 1.0 - v["short_of_open"]}, short_of_open=Range(0.02, 0.8)
+        "limited-travel",
+        "actuator",
+        lambda plant, v: {"stop": 1.0 - v["short_of_open"]},
+        short_of_open=Range(0.02, 0.8),
     ),
     _effect("let-by", "valve", _as_it_is("seat_leak", "leak"), leak=Range(0.0005, 0.08)),
     _effect("stuck-open", "valve", lambda plant, v: {"dirt": plant.lift + v["lifted"]}, lifted=Range(0.002, 0.2)),

@@ -94,14 +94,13 @@ class OtherPlant(Engine):
         found = simulate(_with(plant, puts), true, scene["setpoint_C"])
         if not np.isfinite(found).all():
             raise Unmakeable("the plant does not settle")
-        channels = _kept(found) | _inputs(assumed, scene["setpoint_C"])
-        still = [
-            _changed(channels, simulate(_with(plant, [p for p in puts if p is not put]), true, scene["setpoint_C"], found))
-            if not put[0].logger
-            else {}
-            for put in puts
-        ]
-        channels, without = _logged(channels, puts, still)
+        whole = _kept(found) | _inputs(assumed, scene["setpoint_C"])
+        still = []
+        for put in puts:
+            rest = _with(plant, [other for other in puts if other is not put])
+            is_logger = put[0].logger is not None
+            still.append({} if is_logger else _changed(whole, simulate(rest, true, scene["setpoint_C"], found)))
+        channels, without = _logged(whole, puts, still)
         return Staged(
             channels=channels,
             step_s=float(STEP_S),
@@ -261,13 +260,13 @@ def fitted_valve(plant: Plant) -> dict[str, float]:
     openings = np.linspace(0.0, 1.0, 41)
     seen = np.array([_lifted(plant, float(opening)) for opening in openings])
 
-    def flow(x: FloatArray) -> FloatArray:
+    def missed(x: FloatArray) -> FloatArray:
         h_min, h_mid, v_mid, authority = x
         low = v_mid * (openings - h_min) / (h_mid - h_min)
         high = v_mid + (1.0 - v_mid) * (openings - h_mid) / (1.0 - h_mid)
         v = np.clip(np.where(openings < h_mid, low, high), 0.0, 1.0)
-        return np.asarray(v / np.sqrt(v * v * (1.0 - authority) + authority))
+        return np.asarray(v / np.sqrt(v * v * (1.0 - authority) + authority) - seen)
 
     bounds = ([0.0, 0.3, 0.05, 0.02], [0.28, 0.9, 0.95, 1.0])
-    best = least_squares(lambda x: flow(x) - seen, [plant.lift, 0.45, 0.5, plant.authority], bounds=bounds).x
+    best = least_squares(missed, [plant.lift, 0.45, 0.5, plant.authority], bounds=bounds).x
     return {name: round(float(v), 4) for name, v in zip(("h_min", "h_mid", "v_mid", "authority"), best, strict=True)}

@@ -19,7 +19,17 @@ WATER_J_L_K = 4180.0
 AIR_J_L_K = 1.206
 CELLS = 9  # of the floor: four above the pipes, two below, three of concrete
 RADIATION_W_M2K = 5.1
-COLUMNS = ("air_C", "reading_C", "output", "opening", "flow_L_h", "operative_C", "floor_surface_C", "return_C", "supply_C")
+COLUMNS = (
+    "air_C",
+    "reading_C",
+    "output",
+    "opening",
+    "flow_L_h",
+    "operative_C",
+    "floor_surface_C",
+    "return_C",
+    "supply_C",
+)
 AIR, READING, OUTPUT, OPENING, FLOW, OPERATIVE, SURFACE, RETURN, SUPPLY = range(len(COLUMNS))
 
 
@@ -170,8 +180,10 @@ def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: bool, found: An
             + p.gain_radiant * gains
         ) / r_all
         leak = p.leak_L_s * (1.0 + p.gust * w.wind[part])
-        is_open = p.window_from_h <= hour < p.window_to_h if p.window_from_h <= p.window_to_h else (
-            hour >= p.window_from_h or hour < p.window_to_h
+        is_open = (
+            p.window_from_h <= hour < p.window_to_h
+            if p.window_from_h <= p.window_to_h
+            else (hour >= p.window_from_h or hour < p.window_to_h)
         )
         if is_open:
             leak += p.window_L_s
@@ -199,9 +211,7 @@ def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: bool, found: An
             + 0.2 * rest
         ) / (board * p.wall_m2)
         partition += (
-            (h_part + h_ceil) * (air - partition)
-            + RADIATION_W_M2K * r_part * (star - partition)
-            + 0.5 * rest
+            (h_part + h_ceil) * (air - partition) + RADIATION_W_M2K * r_part * (star - partition) + 0.5 * rest
         ) / (board * r_part)
         pane += (
             h_pane * (air - pane)

@@ -64,10 +64,14 @@ def _irradiance(random: np.random.Generator, hour: FloatArray, clear: FloatArray
     is_up = high > 0.02
     height = np.where(is_up, high, 1.0)
     beam = np.where(is_up, SOLAR_W_M2 * 0.7 ** (height**-0.678), 0.0) * clear
-    azimuth = np.arctan2(np.sin(angle), np.cos(angle) * np.sin(latitude) - np.tan(declination) * np.cos(latitude)) + np.pi
+    azimuth = (
+        np.arctan2(np.sin(angle), np.cos(angle) * np.sin(latitude) - np.tan(declination) * np.cos(latitude)) + np.pi
+    )
     total = np.where(is_up, 60.0 * height**0.5, 0.0)
     for facing_deg, share in PANES:
-        total = total + share * beam * np.sqrt(1.0 - high**2) * np.maximum(0.0, np.cos(azimuth - np.radians(facing_deg)))
+        total = total + share * beam * np.sqrt(1.0 - high**2) * np.maximum(
+            0.0, np.cos(azimuth - np.radians(facing_deg))
+        )
     return np.asarray(total)
 
 
