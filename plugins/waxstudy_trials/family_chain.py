@@ -193,32 +193,36 @@ class WeakAtNight(Family):
 
 
 @dataclass
-class Plug:
-    sticking_valve_at: float = 0.0
+class Seat:
+    sticking_valve_closed_s: float = 0.0
+    sticking_valve_pushed_s: float = 0.0
 
 
 def sticking(p: Any, x: Any, u: float, t: float, dt: float) -> float:
-    """Let the plug follow only what is further away than its play."""
-    if u > x.sticking_valve_at + p.sticking_valve_play:
-        x.sticking_valve_at = u - p.sticking_valve_play
-    elif u < x.sticking_valve_at - p.sticking_valve_play:
-        x.sticking_valve_at = u + p.sticking_valve_play
-    at = x.sticking_valve_at
-    return believed(p, x, 1.0 if u >= 1.0 else (0.0 if u <= 0.0 else at), t, dt)
+    """Keep the plug on its seat for a while, after it has lain there for two hours."""
+    if u <= 0.0:
+        x.sticking_valve_closed_s += dt
+        x.sticking_valve_pushed_s = 0.0
+        return believed(p, x, u, t, dt)
+    x.sticking_valve_pushed_s += dt
+    if x.sticking_valve_closed_s >= 7200.0 and x.sticking_valve_pushed_s < p.sticking_valve_stuck_s:
+        return believed(p, x, 0.0, t, dt)
+    x.sticking_valve_closed_s = 0.0
+    return believed(p, x, u, t, dt)
 
 
 class StickingValve(Family):
-    """The valve's plug sticks: it follows the stem only once that has moved on by its play."""
+    """After a long pause the plug sticks to its seat, and comes loose some minutes after the stem has gone."""
 
     name = "sticking-valve"
     stage = "valve"
     stages = ("valve", "actuator")
-    Parameters = one("play", 0.0, "1", "Half of the hysteresis, of the whole travel.", 0.0, 0.45)
-    priors = {"play": Prior(0.0, 0.4, noticeable=0.02)}
+    Parameters = one("stuck_s", 0.0, "s", "How long it sticks, after two hours on its seat.", 0.0, 7200.0)
+    priors = {"stuck_s": Prior(0.0, 5400.0, noticeable=60.0)}
 
     @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
-        return belief.with_block("valve", wrapped(valve_of(belief), cls, p, sticking, memory=Plug))
+        return belief.with_block("valve", wrapped(valve_of(belief), cls, p, sticking, memory=Seat))
 
 
 def paused(p: Any, x: Any, u: float, t: float, dt: float) -> float:

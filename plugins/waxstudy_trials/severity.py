@@ -9,8 +9,8 @@ import numpy as np
 from waxstudy.plugin import Belief, Effect, Prior
 from waxstudy.plugin.trial import Unmakeable
 
-STEPS = (0.3, 40.0)  # noticeable steps from neutral, of a parameter on a straight scale
-LOG_STEPS = (0.3, 10.0)  # the same of a factor
+STEPS = (0.3, 120.0)  # noticeable steps from neutral, of a parameter on a straight scale
+LOG_STEPS = (0.3, 14.0)  # the same of a factor
 WAY = (0.05, 1.3)  # how far from neutral to a real device, where an effect puts one in the place of another
 SPREAD = 0.4  # of the logarithm of a time or a factor, among devices of a kind
 DIGITS = 5
