@@ -13,7 +13,7 @@ from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import Place
 
 CASES = 6
-KEY = Key(11, 32 * "c")  # a salt that is no secret, so that the same records are made every time
+KEY = Key(678, 32 * "c")  # a salt that is no secret, so that the same records are made every time
 DATA = "WAXSTUDY_DATA"
 NONE = '{"verdict": "none"}'
 
