@@ -33,6 +33,8 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(waxstudy: Waxstudy, 
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
     (thermostat,) = blocks(ROOT / "README.md", "toml")
     (tmp_path / "thermostat.toml").write_text(thermostat)
+    (fitted,) = blocks(ROOT / "docs" / "fit.md", "toml")
+    (tmp_path / "fitted.toml").write_text(fitted)
     shutil.copytree(ROOT / "docs", tmp_path / "docs")
     done = waxstudy("run", "studies/table5.toml")  # what `make run` calls
     assert done.stdout.splitlines()[-1] == "results/table5", done.stderr

@@ -56,6 +56,6 @@ def test_completion_offers_commands_and_options(waxstudy: Waxstudy) -> None:
         env = {"_WAXSTUDY_COMPLETE": "bash_complete", "COMP_WORDS": " ".join(words), "COMP_CWORD": str(len(words) - 1)}
         return [line.partition(",")[2] for line in waxstudy(env=env).stdout.splitlines()]
 
-    assert offered("waxstudy", "r") == ["run", "report", "reality"]
+    assert offered("waxstudy", "r") == ["run", "report", "reality", "rig"]
     assert offered("waxstudy", "run", "--no") == ["--no-jit"]
     assert offered("waxstudy", "report", "--format", "h") == ["html"]

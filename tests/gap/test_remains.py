@@ -17,7 +17,7 @@ from waxstudy.gap.judge import Errors
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.regimes import LONG_PAUSE_S, PHASES, of_chain, of_room, regimes
-from waxstudy.gap.result import Untestable
+from waxstudy.gap.result import FoundEffect, Interval, Untestable
 from waxstudy.gap.select import Selection, select
 from waxstudy.gap.stray import is_covered, opening, stray_s
 from waxstudy.gap.testable import clear, next_measurements, separating, too_short, uncovered, unshown
@@ -176,14 +176,32 @@ def test_merged_stages_are_told_apart_by_the_channel_between_them() -> None:
     merged = replace(seen, values={name: each for name, each in seen.values.items() if name != "displacement"})
     cut = links(merged, believed)
     assert separating(link_at("valve", cut)) == ["displacement"]
-    told = {each.what: list(each.splits) for each in next_measurements(cut, [], [], merged)}
+    told = {each.what: list(each.splits) for each in next_measurements(cut, [], [], {}, merged.interval_s)}
     assert told["record displacement"] == ["actuator+valve"]
+
+
+@pytest.mark.parametrize(
+    ("others", "wanted"),
+    [
+        ({"let-by": "valve", "stuck-open": "actuator"}, "record displacement"),
+        ({"let-by": "valve", "low-authority": "valve"}, "record flow_L_h every 10 s"),
+    ],
+)
+def test_a_group_is_split_by_the_channel_between_its_stages_or_by_a_closer_look(
+    others: dict[str, str], wanted: str
+) -> None:
+    seen, believed, _ = ready()
+    merged = replace(seen, values={name: each for name, each in seen.values.items() if name != "displacement"})
+    one = Interval(0.0, 0.0, 0.0)
+    group = FoundEffect("let-by", "valve", "", tuple(others), {}, 1.0, 0.0025, "flow_L_h", 5.0, 1.0, 1.0, one)
+    first = next(next_measurements(links(merged, believed), [group], [], others, interval_s=60.0))
+    assert (first.what, first.splits) == (wanted, list(others))
 
 
 def test_what_was_never_excited_asks_for_more_days() -> None:
     seen, _, cut = ready()
     unseen = [Untestable("let-by", "nothing in this record would look different with it")]
-    assert list(next_measurements(cut, [], unseen, seen))[-1].splits == ["let-by"]
+    assert list(next_measurements(cut, [], unseen, {}, seen.interval_s))[-1].splits == ["let-by"]
 
 
 # --- regimes ---------------------------------------------------------------------------------------------

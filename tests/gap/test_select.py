@@ -116,6 +116,27 @@ def test_what_is_wrong_in_the_closed_loop_is_claimed_at_its_link(true: Effects) 
         assert [each.group[0] for each in found] == ([name] if stage == "sensor" else [])
 
 
+def test_what_is_less_than_noticeable_gets_no_name() -> None:
+    """A meter without noise would show a leak of a thousandth: so little is not worth a name."""
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    fine = replace(seen, stated_noise={"flow_L_h": 0.01, "displacement": 1e-4})
+    for fraction, names in ((0.0015, []), (0.01, ["let-by"])):
+        leaking = planted(link, fine, believed, effects(let_by={"fraction": fraction}))
+        assert [each.effect.name for each in searched(link, leaking, believed).found] == names
+
+
+@pytest.mark.slow
+def test_a_room_departs_only_so_far_and_what_needs_more_is_claimed() -> None:
+    """Half of the sun is no doubt about the sun any more; a fifth less is."""
+    half = of_planted(effects(solar_factor={"factor": 0.5}), "room")
+    assert ["solar-factor" in found.group for found in half.found] == [True]
+    less = of_planted(effects(solar_factor={"factor": 0.8}), "room")
+    names = [unknown.name for unknown in less.fitter.unknowns]
+    departure = (less.after.departures / less.fitter.sd)[names.index("solar gain")]
+    assert (less.found, departure < -1.0) == ((), True)
+
+
 def test_two_effects_in_one_link_are_both_claimed() -> None:
     """A valve that sticks open a little may be told by the other's name, but is in its group."""
     selection = of_planted(effects(let_by={"fraction": 0.03}, max_flow={"factor": 0.8}), "valve")

@@ -60,7 +60,7 @@ def _value(channel: str, column: Column, table: pd.DataFrame, notes: Notes) -> p
             allowed = f"columns: {_some(table)}"
             notes.refuse(channel, f"there is no column '{part.column}'", near=near, allowed=allowed)
             continue
-        numbers = _numbers(channel, table[part.column], notes)
+        numbers = numbers_of(channel, table[part.column], notes)
         if numbers is not None:
             parts.append(part.scale * numbers)
     if len(parts) < len(column.parts):
@@ -71,7 +71,7 @@ def _value(channel: str, column: Column, table: pd.DataFrame, notes: Notes) -> p
     return total if (column.scale, column.offset) == (1.0, 0.0) else column.scale * total + column.offset
 
 
-def _numbers(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None:
+def numbers_of(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None:
     """Return a column's numbers; a cell that is none, or infinite, is missing, and the user is told."""
     import pandas as pd
 
@@ -86,12 +86,13 @@ def _numbers(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None
     if not bad.any():
         return numbers
     row = int(np.argmax(bad.to_numpy()))
-    example, line = shown(str(written.iloc[row])), row + 2
+    example = shown(str(written.iloc[row]))
     if bad.sum() > UNREADABLE_SHARE * written.notna().sum():
         wrong = f"{bad.sum()} of {len(written)} cells are no numbers"
         hint = '[dataset] decimal = "," if it is a decimal comma' if "," in example else ""
-        notes.refuse(channel, wrong, line=line, value=example, allowed=hint)
+        notes.refuse(channel, wrong, line=row + 2, value=example, allowed=hint)
         return None
+    line = notes.line_of(row + 2)
     notes.warn(f"{channel}: {bad.sum()} cells are no numbers (the first is {example} in line {line}): missing")
     return numbers
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from waxstudy.study.problems import Problem
@@ -15,11 +16,14 @@ class Notes:
     problems: list[Problem] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     assumptions: list[str] = field(default_factory=list)
+    # from the number of a row, its header being 1, to the file's line: they differ after comments and blank lines
+    line_of: Callable[[int], int] = lambda row: row
 
     def refuse(
         self, key: str, wrong: str, *, line: int = 0, value: str = "", near: str = "", allowed: str = ""
     ) -> None:
         """Note what makes the data file unusable."""
+        line = self.line_of(line) if line else 0
         self.problems.append(Problem(self.file, line, "", key, value, wrong, near, allowed))
 
     def warn(self, sentence: str) -> None:

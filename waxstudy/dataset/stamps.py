@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 YEARS = (1900, 2200)
+ZONED = r"(?:Z|[+-][0-9]{2}:?[0-9]{2}) *\Z"  # so written, pandas looks for it in compiled code
 DAY_FIRST = r"\s*\d{1,2}\.\d{1,2}\.\d{4}"
 
 
@@ -52,7 +53,7 @@ def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.Dat
         notes.refuse(TIME, "is a number, not a date and time", line=2, value=shown(written.iloc[0]))
         return None
     else:
-        zoned = written.str.contains(r"(?:Z|[+-]\d\d:?\d\d)\s*$", na=False)
+        zoned = written.str.contains(ZONED, na=False)
         if 0 < zoned.sum() < written.notna().sum():
             row = int(np.argmin(zoned.to_numpy()))
             notes.refuse(TIME, "some stamps have an offset from UTC and some have none", line=row + 2)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import re
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +21,8 @@ if TYPE_CHECKING:
 
 SEPARATORS = (",", ";", "\t", "|")
 MISSING = ("-", "--", "---")  # besides what pandas takes for missing: "", "NA", "NaN", "null", ...
+COMMENT = "#"  # begins the lines above a header that are passed over
+CHUNK = 2**20
 LOOKED_AT = 200  # lines in which the decimal mark is looked for
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
@@ -38,6 +44,7 @@ def read_table(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | 
     except OSError as error:
         notes.refuse("", f"cannot be read: {error.strerror or error}")
     except ValueError as error:  # pandas' and pyarrow's own errors are ValueErrors
+        notes.line_of = int  # the parser counts the file's lines
         notes.refuse("", f"is no table that can be read: {error}", line=_line_in(str(error)))
     return None
 
@@ -60,10 +67,12 @@ def _parquet(path: Path) -> pd.DataFrame:
 def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
     import pandas as pd
 
-    head, encoding = _head(path)
-    if not head or not head[0].strip():
-        notes.refuse("", "is empty: a header with the names of the columns is expected in line 1")
+    encoding = _encoding(path)
+    head, above = _head(path, encoding)
+    if not head:
+        notes.refuse("", "is empty: a header with the names of the columns is expected in its first line")
         return None
+    notes.line_of = partial(_line_of, path, encoding)
     layout = _layout(head, encoding, about)
     header = [name.strip() for name in next(csv.reader(head[:1], delimiter=layout.separator))]
     if twice := sorted({name for name in header if name and header.count(name) > 1}):
@@ -76,6 +85,7 @@ def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
             data = pd.read_csv(
                 path,
                 **options,
+                skiprows=above,
                 skipinitialspace=True,
                 index_col=False,
                 na_values=MISSING,
@@ -87,19 +97,42 @@ def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
     return pd.DataFrame(data).rename(columns=str.strip)
 
 
-def _head(path: Path) -> tuple[list[str], str]:
-    """Return the first lines and the encoding; a file that is not UTF-8 is taken for Windows' western one."""
-    data = path.read_bytes()
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        encoding = "utf-16"
-    else:
+def _encoding(path: Path) -> str:
+    """Return the encoding; a file that is not UTF-8 is taken for Windows' western one."""
+    with path.open("rb") as file:
+        if file.read(2) in (b"\xff\xfe", b"\xfe\xff"):
+            return "utf-16"
+        file.seek(0)
+        decoder = codecs.getincrementaldecoder("utf-8")()
         try:
-            data.decode("utf-8")
-            encoding = "utf-8-sig"
+            while part := file.read(CHUNK):
+                decoder.decode(part)
+            decoder.decode(b"", final=True)
         except UnicodeDecodeError:
-            encoding = "cp1252"
-    text = data.decode(encoding, errors="replace")
-    return text.splitlines()[: LOOKED_AT + 1], encoding
+            return "cp1252"
+    return "utf-8-sig"
+
+
+def _kept(path: Path, encoding: str) -> Iterator[tuple[int, str]]:
+    """Yield the lines that hold something with their numbers: no blank ones, no comments before the header."""
+    has_begun = False
+    with path.open(encoding=encoding, errors="replace") as file:
+        for number, line in enumerate(file, 1):
+            text = line.rstrip("\r\n")
+            if text.strip() and (has_begun or not text.startswith(COMMENT)):
+                has_begun = True
+                yield number, text
+
+
+def _head(path: Path, encoding: str) -> tuple[list[str], int]:
+    """Return the first lines that hold something, and how many lines are above them."""
+    first = list(islice(_kept(path, encoding), LOOKED_AT + 1))
+    return [text for _, text in first], first[0][0] - 1 if first else 0
+
+
+def _line_of(path: Path, encoding: str, row: int) -> int:
+    """Return the line of a row, the header being row 1."""
+    return next((number for number, _ in islice(_kept(path, encoding), row - 1, row)), row)
 
 
 def _layout(head: list[str], encoding: str, about: DatasetTable) -> Layout:

@@ -10,7 +10,7 @@ import pandas as pd
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.closed_loop import closed_loop
-from waxstudy.gap.fit import EffectType, Fitted, Fitter, Values
+from waxstudy.gap.fit import EffectType, Fitted, Fitter
 from waxstudy.gap.impact import impact
 from waxstudy.gap.interval import parameter_intervals, shrink
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, parts_of
@@ -139,6 +139,7 @@ def _assembled(
     remains = [each for selection in selections for each in unexplained(selection, work.seed)]
     untestable = list(_untestable(work, cut, short, selections))
     verdict = _verdict(found, remains, selections)
+    stages = {effect.name: effect.stage for effect in work.effects}
     return Diagnosis(
         dataset=work.dataset.name,
         verdict=verdict,
@@ -150,7 +151,7 @@ def _assembled(
         tried=[each for selection in selections for each in _tried(selection)],
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
-        next_measurements=list(next_measurements(cut, found, untestable, work.record)),
+        next_measurements=list(next_measurements(cut, found, untestable, stages, work.record.interval_s)),
         warnings=[*work.dataset.warnings, *_withdrawn(selections)],
         assumptions=[*work.dataset.assumptions, *_readings(selections)],
         departures=_departures(selections),
@@ -164,14 +165,11 @@ def _assembled(
 def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
     intervals = parameter_intervals(selection.fitter, selection.after) if selection.found else {}
     random = np.random.default_rng([seed, 2])
-    for place, found in enumerate(selection.found):
+    for found, without in zip(selection.found, selection.without, strict=True):
         channel = found.candidate.channel
-        without = _without(selection, found.effect)
         before, after = (_errors(model, channel) for model in (without, selection.after))
         floor = selection.floor.plain[channel]
         values = dict(selection.after.effects)[found.effect]
-        if place == 0 and len(selection.found) == 1:
-            before = _errors(selection.before, channel)
         yield FoundEffect(
             name=found.effect.name,
             stage=found.effect.stage,
@@ -186,16 +184,6 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             noise_floor=floor,
             shrink=shrink(before, after, floor, random),
         )
-
-
-def _without(selection: Selection, effect: EffectType) -> Fitted:
-    """Return the last model without one of its effects, the rest fitted again."""
-    rest: list[tuple[EffectType, Values]] = [pair for pair in selection.after.effects if pair[0] is not effect]
-    if not rest:
-        return selection.before
-    after = selection.after
-    again = selection.fitter.refined(rest, after.departures, after.reading, (FIT, SELECT))
-    return again or selection.before
 
 
 def _errors(fitted: Fitted, channel: str) -> Errors:

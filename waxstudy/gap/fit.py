@@ -21,11 +21,13 @@ SCAN_MORE = 64
 REFINE = {1: 30, 2: 60, 3: 110}
 REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
+OTHER = 9.0  # loss by which another reading must be better
 AGAIN = 2  # fits of the believed room from where the last one ended
+PROMISING = 5.0  # loss that an effect must take away from a room for a closer look; a quick diagnosis asks for more
 LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before
 MOST_DAMPING = 1e4
-MOST_SD = 6.0  # how far a departure may go
+MOST_SD = 2.5  # how far a departure may go: what needs more is a finding
 
 Values = Mapping[str, float]
 EffectType = type[Effect]
@@ -117,7 +119,10 @@ class Fitter:
     def base(self) -> Fitted:
         """The belief itself, its room fitted to the first part, read in the way that fits best."""
         start = np.zeros(len(self.sd))
-        best = self._best([self._room_fit((), start, reading, (FIT,)) for reading in self.link.readings])
+        first = self._best([self._room_fit((), start, self.link.readings[0], (FIT,))])
+        known = self._slopes_at(first) if len(self.link.readings) > 1 else None
+        others = [self._room_fit((), first.departures, reading, (FIT,), known) for reading in self.link.readings[1:]]
+        best = self._best([first, *others])
         for _ in range(AGAIN if self.unknowns else 0):
             best = self._room_fit((), best.departures, best.reading, (FIT,)) or best
         return best
@@ -126,13 +131,17 @@ class Fitter:
         done = [each for each in tried if each is not None]
         if not done:
             raise ValueError(f"what is believed of {self.link.name} cannot be simulated")
-        return min(done, key=lambda each: self._score(each, (FIT, SELECT)))
+        return min(done, key=lambda each: self.score(each, (FIT, SELECT)))
 
-    def _score(self, fitted: Fitted | None, parts: Sequence[int]) -> float:
+    def score(self, fitted: Fitted | None, parts: Sequence[int]) -> float:
+        """Return what a fit misses on some parts, with how far its departures went; much where it cannot be."""
         if fitted is None:
             return IMPOSSIBLE
-        prior = float(np.sum((fitted.departures / self.sd) ** 2)) if len(self.sd) else 0.0
-        return sum(fitted.loss(part) for part in parts) + prior + fitted.reading.handicap
+        return sum(fitted.loss(part) for part in parts) + self.strain(fitted) + fitted.reading.handicap
+
+    def strain(self, fitted: Fitted) -> float:
+        """Return the squares of the room's departures, in standard deviations."""
+        return float(np.sum((fitted.departures / self.sd) ** 2)) if len(self.sd) else 0.0
 
     def fit(self, effect: EffectType, given: Fitted, parts: Sequence[int] = (FIT,)) -> Fitted | None:
         """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""
@@ -143,7 +152,11 @@ class Fitter:
         possible = [each for each in sorted(scanned, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         # a first look cannot choose between ways to read the record; for a room looking closer at each takes too long
         ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]
-        return min(filter(None, ends), key=lambda each: self._score(each, parts), default=None)
+        done = [each for each in ends if each is not None]
+        best = min(done, key=lambda each: self.score(each, parts) + handicap(each.reading, given), default=None)
+        if best and self.unknowns and self.score(best, parts) < self.score(given, parts) - PROMISING / self.thorough:
+            return self.refined(best.effects, best.departures, best.reading, parts)
+        return best
 
     def _from(
         self, effect: EffectType, given: Fitted, parts: Sequence[int], values: Values, reading: Reading
@@ -154,9 +167,9 @@ class Fitter:
         self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
     ) -> tuple[float, Values, Reading]:
         tried = [*space.points(self.thorough), *effect.starts(self.belief)]
-        scores = [self._score(self._at((*given.effects, (effect, v)), given, reading, parts), parts) for v in tried]
+        scores = [self.score(self._at((*given.effects, (effect, v)), given, reading, parts), parts) for v in tried]
         best = int(np.argmin(scores))
-        return scores[best], tried[best], reading
+        return scores[best] + handicap(reading, given), tried[best], reading
 
     def _at(
         self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading, parts: Sequence[int]
@@ -173,6 +186,8 @@ class Fitter:
         whole = np.concatenate([each.whitened for each in fitted.errors])
         solution, fit = self._solution(tuple(parts))
         step = -solution @ np.concatenate((whole[fit], fitted.departures / self.sd))
+        most = MOST_SD * self.sd
+        step = np.clip(fitted.departures + step, -most, most) - fitted.departures
         moved = np.split(whole + self._slopes @ step, np.cumsum(sizes)[:-1])
         return [replace(each, whitened=vector) for each, vector in zip(fitted.errors, moved, strict=True)]
 
@@ -185,18 +200,20 @@ class Fitter:
 
     @cached_property
     def _slopes(self) -> FloatArray:
-        """Change of the whitened errors with each departure of the room (m, unknowns), at the base."""
-        base = self.base
-        whole = np.concatenate([each.whitened for each in base.errors])
-        columns = []
+        return self._slopes_at(self.base)
+
+    def _slopes_at(self, fitted: Fitted) -> FloatArray:
+        """Change of the whitened errors with each departure of the room (m, unknowns)."""
+        whole = np.concatenate([each.whitened for each in fitted.errors])
+        columns = [np.zeros((len(whole), 0))]
         for place, sd in enumerate(self.sd):
-            step = 0.1 * sd * (1.0 if base.departures[place] <= 0.0 else -1.0)
-            moved = base.departures.copy()
+            step = 0.1 * sd * (1.0 if fitted.departures[place] <= 0.0 else -1.0)
+            moved = fitted.departures.copy()
             moved[place] += step
-            other = self.at(base.effects, moved, base.reading)
+            other = self.at(fitted.effects, moved, fitted.reading)
             assert other
-            columns.append((np.concatenate([each.whitened for each in other.errors]) - whole) / step)
-        return np.column_stack(columns)
+            columns.append((np.concatenate([each.whitened for each in other.errors]) - whole)[:, None] / step)
+        return np.hstack(columns)
 
     def refined(
         self,
@@ -211,7 +228,7 @@ class Fitter:
         A rough fit takes the room's answer to its departures as it was at the base.
         """
         if self.unknowns:
-            return self._room_fit(effects, departures, reading, parts, is_rough)
+            return self._room_fit(effects, departures, reading, parts, self._slopes if is_rough else None)
         if not any(effect.priors for effect, _ in effects):
             return self.at(effects, departures, reading)
         smooth = self._smooth_fit(effects, departures, reading, parts)
@@ -219,7 +236,7 @@ class Fitter:
         start = np.concatenate([space.inside(v) for space, (_, v) in zip(spaces, smooth, strict=True)])
 
         def loss(x: FloatArray) -> float:
-            return self._score(self.at(_valued(effects, spaces, x), departures, reading), parts)
+            return self.score(self.at(_valued(effects, spaces, x), departures, reading), parts)
 
         most = REFINE.get(len(start), REFINE_MORE)
         found = _descend(loss, start, round(most * self.thorough))
@@ -245,18 +262,22 @@ class Fitter:
         departures: FloatArray,
         reading: Reading,
         parts: Sequence[int],
-        is_rough: bool = False,
+        known: FloatArray | None = None,
     ) -> Fitted | None:
         """Fit departures and effects together by damped Gauss-Newton steps, the departures held by their priors.
 
-        The slopes of the departures are kept as long as they serve: they hardly change.
+        The slopes of the departures are kept as long as they serve, they hardly change; known ones are kept throughout.
         """
         if not self.unknowns:
             return self.at(effects, departures, reading)
         problem = _Problem(self, effects, reading, parts)
-        known = self._slopes if is_rough else None
         most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
         return problem.solved(problem.vector(departures), most, known)
+
+
+def handicap(reading: Reading, given: Fitted) -> float:
+    """Return by how much another reading than a given one must be better: an effect may do no more than undo it."""
+    return 0.0 if reading == given.reading else OTHER
 
 
 class _Problem:
@@ -286,7 +307,7 @@ class _Problem:
         return np.concatenate((*chosen, x[: self.count]))
 
     def solved(self, x: FloatArray, most: int, known: FloatArray | None) -> Fitted | None:
-        """Return the best fit from a start; `known` are slopes of the departures to be kept, or None."""
+        """Return the best fit from a start; `known` are slopes of the departures to be kept throughout, or None."""
         best = self.at(x)
         if best is None:
             return None
@@ -297,6 +318,8 @@ class _Problem:
             slopes = np.column_stack((self.kept(best, known), self.slopes(x, missed, range(self.count, len(x)))))
         damping, is_fresh = 1e-3, True
         for _ in range(most):
+            if not missed.any():
+                break  # nothing is missed
             step = self.step(slopes, missed, damping, x)
             tried = self.at(x + step)
             new = self.missed(tried, x + step) if tried else None
@@ -311,8 +334,8 @@ class _Problem:
             if gained < LITTLE and is_fresh:
                 break
             # the slopes of the departures hardly change: they are taken again where that has become too little
-            is_fresh = bool(gained < ENOUGH)
-            fresh = range(len(x)) if is_fresh else range(self.count, len(x))
+            is_fresh = known is not None or bool(gained < ENOUGH)
+            fresh = range(len(x)) if is_fresh and known is None else range(self.count, len(x))
             slopes[:, list(fresh)] = self.slopes(x, missed, fresh)
         return best
 

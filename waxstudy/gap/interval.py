@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from waxstudy.gap.fit import EffectType, Fitted, Fitter, Space
+from waxstudy.gap.fit import OTHER, EffectType, Fitted, Fitter, Space
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
 from waxstudy.gap.links import Drift
 from waxstudy.gap.record import CONTINUOUS
@@ -25,7 +25,32 @@ def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, M
     """Return the parameters of each effect with 95 % intervals from the scatter of blocks (a sandwich estimate).
 
     Where an effect takes the place of an uncertainty of the room, that uncertainty's spread is added to its factor.
+    Where another reading of the record fits as well, the intervals reach to what it gives.
     """
+    found = _of_reading(fitter, fitted)
+    for other in _as_good(fitter, fitted):
+        values = dict(other.effects)
+        found = {
+            effect: {name: _reaching(interval, values[effect][name]) for name, interval in each.items()}
+            for effect, each in found.items()
+        }
+    return found
+
+
+def _as_good(fitter: Fitter, fitted: Fitted) -> Iterator[Fitted]:
+    """Yield the fits under other readings that cannot be told from this one."""
+    for reading in fitter.link.readings:
+        if reading != fitted.reading:
+            other = fitter.refined(fitted.effects, fitted.departures, reading, (FIT, SELECT))
+            if other and fitter.score(other, (FIT, SELECT)) <= fitter.score(fitted, (FIT, SELECT)) + OTHER:
+                yield other
+
+
+def _reaching(interval: Interval, value: float) -> Interval:
+    return Interval(interval.value, min(interval.low, value), max(interval.high, value))
+
+
+def _of_reading(fitter: Fitter, fitted: Fitted) -> dict[EffectType, dict[str, Interval]]:
     spaces = {effect: Space(effect) for effect, _ in fitted.effects}
     slopes, rows = _slopes(fitter, fitted, spaces)
     errors, part, block = whole(fitted)
@@ -104,7 +129,7 @@ def _slope(
 
 def _described(
     fitter: Fitter, fitted: Fitted, spaces: Mapping[EffectType, Space], sd: FloatArray, blocks: int
-) -> Mapping[EffectType, Mapping[str, Interval]]:
+) -> dict[EffectType, dict[str, Interval]]:
     from scipy.stats import t
 
     wide = float(t.ppf(0.975, max(1, blocks - 1)))

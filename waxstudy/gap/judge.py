@@ -65,7 +65,7 @@ class Judge:
         shaken = self._shaken(belief)
         switches = [channel for channel in link.judged if self._is_switch(channel)]
         self._timing = {channel: self._switching(channel, shaken) for channel in switches}
-        self._drives = {c: self._driven(c, shaken) for c in link.judged if c == "control_output"}
+        self._drives = {c: self._driven(c, shaken) for c in link.judged if c in ("control_output", "flow_L_h")}
         self._measured = {channel: self._quarters(channel) for channel in link.judged if self._is_quarterly(channel)}
         rest = [c for c in link.judged if c not in self._timing and c not in self._measured]
         self._runs = {channel: self._run_of(channel) for channel in rest}
@@ -145,10 +145,12 @@ class Judge:
         return np.asarray(np.bincount(windows, weights=differs, minlength=windows.max() + 1) * self.record.interval_s)
 
     def _driven(self, channel: str, shaken: Sequence[Predicted]) -> FloatArray:
-        """Return how far the noise of a link's drive moves a channel (n,), smoothed over time."""
-        if not shaken:
+        """Return how far the noise of a drive moves a channel (n,), smoothed over time where the loop is slow."""
+        if not shaken or self.link.driven_by in self.record.binary:
             return np.zeros(len(self.record))
         moved = np.mean([(each[channel] - shaken[0][channel]) ** 2 for each in shaken[1:]], axis=0)
+        if channel == "flow_L_h":
+            return np.asarray(np.sqrt(moved))
         width = max(1, round(3600.0 / self.record.interval_s))
         nearby = np.convolve(moved, np.full(width, 1.0 / width), mode="same")
         return np.sqrt(np.maximum(nearby, np.mean(moved)))
@@ -202,8 +204,9 @@ class Judge:
         resting = np.where(stands(record.filled(channel), full), max(least, 1e-3 * full), noise)
         if self.link.driven_by == "displacement":
             drive = record.drive("displacement")
-            moves = np.abs(np.gradient(drive)) > 3.0 * record.noise["displacement"]
-            return np.hypot(resting, np.where(moves, RIDGE * full, 0.0))
+            steps = np.maximum(np.abs(np.gradient(drive)), np.abs(np.diff(drive, prepend=drive[:1])))
+            moves = steps > 3.0 * record.noise["displacement"]
+            return np.hypot(np.hypot(resting, np.where(moves, RIDGE * full, 0.0)), self._drives[channel])
         return np.hypot(np.maximum(resting, 1e-3), self._drives.get(channel, 0.0))
 
     def _best_shift(self, predicted: FloatArray, run: _Run) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,18 +12,19 @@ from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK
 from waxstudy.gap.links import SUPPLY
 from waxstudy.gap.stray import is_covered
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import Belief, FloatArray
 
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_GAP = 1.1  # over the floor
-LEAST_SMOOTHED_GAP = 2.0
+LEAST_SMOOTHED_GAP = 2.5
 LEAST_PART = 0.15  # that one of them must explain alone
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
 LEAST_GAIN = 10.0  # whitened
 MOST_EFFECTS = 3
 ALIKE = 9.0  # difference of loss at which two effects cannot be told apart, in units of what is left
+SAME = 1e-6  # share of a gain that is but rounding
 DRAWS = 400
 CONFIRMED = 0.25  # of the square of a gap that an effect must take away on days that nobody looked at
 PAIRED = 2  # effects that others are tried beside, where none is enough alone
@@ -39,13 +40,16 @@ class Candidate:
     fitted: Fitted
     gain: float  # loss that it takes away on the second part, but for what the drive's noise adds to it
     loss: float  # on both parts, likewise
+    strain: float  # squares of how far the room had to depart from what is believed, in standard deviations
     p: float  # family-wise
     share: float  # of the gap above the floor, of the channel where it acts most, on the second part
     plain_share: float  # the same of errors in the channel's unit
     left: float  # whitened gap that is left of that channel, over its floor
+    missed: float  # the same, in standard deviations
     channel: str  # where it acts most
     over: float  # the gap of that channel before it, over the floor, in the channel's unit
     is_covered: bool  # by what real actuators are known to stray from the believed one
+    is_worth_naming: bool  # far enough from what is believed
 
     @property
     def is_seen(self) -> bool:
@@ -70,7 +74,7 @@ class Candidate:
         is_gap = self.over >= self.least_gap and min(self.share, self.plain_share) >= LEAST_SHARE
         # a heating curve is claimed to be shifted only where nothing else is left of its gap
         is_whole = self.channel != SUPPLY or self.left <= EXPLAINED
-        return self.is_seen and is_gap and is_whole and not self.is_covered
+        return self.is_seen and is_gap and is_whole and self.is_worth_naming and not self.is_covered
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,7 @@ class Selection:
 
     fitter: Fitter
     models: tuple[Fitted, ...]
+    without: tuple[Fitted, ...]  # the last model without each effect found
     found: tuple[Found, ...]
     tried: tuple[Candidate, ...]  # of the first round
     floor: Floor
@@ -124,7 +129,7 @@ class _Search:
             first = first or candidates
             chosen = [c for c in candidates if c.is_accepted]
             if chosen:
-                best = max(chosen, key=lambda c: c.gain)
+                best = best_of(chosen)
                 found.append(self.found(best, candidates, current))
             elif pair := self.pair(current, candidates):
                 best = pair[-1]
@@ -132,17 +137,20 @@ class _Search:
             else:
                 break
             current = best.fitted
-        models = self.models(found)
+        models, without = self.models(found)
         withdrawn: list[Found] = []
-        while doubtful := unconfirmed(found, models):
+        while doubtful := unconfirmed(found, models[-1], without):
             withdrawn.append(doubtful)
             found.remove(doubtful)
-            models = self.models(found)
+            models, without = self.models(found)
         floor = Floor.of(self.fitter, models[-1])
-        return Selection(self.fitter, models, tuple(found), tuple(first), floor, tuple(withdrawn))
+        return Selection(self.fitter, models, without, tuple(found), tuple(first), floor, tuple(withdrawn))
 
-    def models(self, found: Sequence[Found]) -> tuple[Fitted, ...]:
-        """Return the believed model and those with one more effect each, fitted to both first parts."""
+    def models(self, found: Sequence[Found]) -> tuple[tuple[Fitted, ...], tuple[Fitted, ...]]:
+        """Return the believed model and those with one more effect each, and the last without each one of them.
+
+        All are fitted to both first parts.
+        """
         base = self.fitter.base
         whole = [self.fitter.refined((), base.departures, base.reading, (FIT, SELECT)) or base]
         for each in found:
@@ -152,7 +160,15 @@ class _Search:
             effects = [(effect, values[effect]) for effect in (*earlier, each.effect)]
             again = self.fitter.refined(effects, fitted.departures, fitted.reading, (FIT, SELECT))
             whole.append(again or fitted)
-        return tuple(whole)
+        if len(found) < 2:
+            return tuple(whole), tuple(whole[:-1])
+        return tuple(whole), tuple(self.without(each.effect, whole) for each in found)
+
+    def without(self, effect: EffectType, models: Sequence[Fitted]) -> Fitted:
+        """Return the last model without one of its effects, the rest fitted again."""
+        last = models[-1]
+        rest = [(other, values) for other, values in last.effects if other is not effect]
+        return self.fitter.refined(rest, last.departures, last.reading, (FIT, SELECT)) or models[0]
 
     def tried(self, current: Fitted) -> list[Candidate]:
         """Return every effect that applies, fitted on top of a model and judged."""
@@ -185,7 +201,12 @@ class _Search:
         plain_share = (before**2 - after**2) / (before**2 - least**2) if before > least else 0.0
         over = before / least if least else np.inf
         both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
-        return Candidate(effect, fitted, gain, both, p, share, plain_share, left, channel, over, covered)
+        strain = self.fitter.strain(fitted)
+        missed = left * floor.whitened(channel)
+        worth = is_worth_naming(effect, dict(fitted.effects)[effect], self.fitter.belief)
+        return Candidate(
+            effect, fitted, gain, both, strain, p, share, plain_share, left, missed, channel, over, covered, worth
+        )
 
     def loss(self, fitted: Fitted, part: int) -> float:
         """Return a model's loss without what the noise of its drive adds to it."""
@@ -210,9 +231,29 @@ class _Search:
         return Found(best, group, inclusion(group, candidates, current, self.random))
 
 
-def unconfirmed(found: Sequence[Found], models: Sequence[Fitted]) -> Found | None:
-    """Return an effect that hardly shrinks its channel's gap on the last part, the last such, or None."""
-    for each, before, after in zip(reversed(found), reversed(models[:-1]), reversed(models[1:]), strict=True):
+def best_of(candidates: Sequence[Candidate]) -> Candidate:
+    """Return the candidate that gains most; of those that gain the same but for rounding, the first by name."""
+    most = max(c.gain for c in candidates)
+    return min((c for c in candidates if c.gain >= most * (1.0 - SAME)), key=lambda c: c.effect.name)
+
+
+def is_worth_naming(effect: EffectType, values: Mapping[str, float], believed: Belief) -> bool:
+    """Whether a parameter lies farther from what is believed than what the effect calls noticeable."""
+    neutral = effect.neutral(believed)
+    if neutral is None or not effect.priors:
+        return True
+    for name, prior in effect.priors.items():
+        value, still = values[name], neutral[name]
+        if prior.is_log and max(value / still, still / value) > prior.noticeable:
+            return True
+        if not prior.is_log and abs(value - still) > prior.noticeable:
+            return True
+    return False
+
+
+def unconfirmed(found: Sequence[Found], after: Fitted, without: Sequence[Fitted]) -> Found | None:
+    """Return an effect without which its channel's gap is hardly larger on the last part, the last such, or None."""
+    for each, before in zip(reversed(found), reversed(without), strict=True):
         old, new = (next(e for e in m.errors if e.channel == each.candidate.channel) for m in (before, after))
         had, left = old.gap(SHRINK), new.gap(SHRINK)
         if (old.judged & (old.part == SHRINK)).any() and left**2 > (1.0 - CONFIRMED) * had**2:
@@ -274,10 +315,10 @@ def by_block(values: FloatArray, member: np.ndarray, count: int) -> FloatArray:
 
 def alike(best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
     """Return the effects that cannot be told from the best one on what it was chosen by, the best first."""
-    left = max(1.0, best.left) ** 2
+    left = max(1.0, best.missed) ** 2
 
     def worse(other: Candidate) -> float:
-        return other.loss - best.loss
+        return other.loss + other.strain - best.loss - best.strain
 
     others = sorted((c for c in candidates if c.effect is not best.effect and c.is_seen), key=worse)
     return (best.effect.name, *(c.effect.name for c in others if worse(c) <= ALIKE * left))

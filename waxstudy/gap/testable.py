@@ -55,8 +55,9 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
     fitter, base = selection.fitter, selection.before
     now, part, _ = whole(base)
     believed = fitter.edited(base.effects, base.departures)
+    named = {name for found in selection.found for name in found.group}
     for effect in effects:
-        if effect.name in selection.after.names or effect.hindrance(believed):
+        if effect.name in named or effect.hindrance(believed):
             continue
         moved = max((_moved(selection, effect, values, now) for values in clear(effect, believed)), default=np.inf)
         left = max(1.0, float(np.mean(now[part >= 0] ** 2)))
@@ -93,12 +94,20 @@ def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]
 
 
 def next_measurements(
-    links: Sequence[Link], found: Sequence[FoundEffect], untestable: Sequence[Untestable], record: Record
+    links: Sequence[Link],
+    found: Sequence[FoundEffect],
+    untestable: Sequence[Untestable],
+    stages: Mapping[str, str],
+    interval_s: float,
 ) -> Iterator[Measurement]:
-    """Yield what to measure next: what splits groups, what separates merged stages, what was never shown."""
+    """Yield what to measure next: what splits groups, what separates merged stages, what was never shown.
+
+    `stages` are those of the effects by name.
+    """
     for effect in found:
         if len(effect.group) > 1:
-            yield Measurement(_splitting(effect, links, record), list(effect.group))
+            within = {stages[name] for name in effect.group if name in stages}
+            yield Measurement(_splitting(effect, links, within, interval_s), list(effect.group))
     for link in links:
         for channel in separating(link):
             yield Measurement(f"record {channel}", [f"{link.name}"])
@@ -114,11 +123,14 @@ def separating(link: Link) -> list[str]:
     return [SHOWN[stage] for stage in inner if SHOWN[stage] not in (*link.judged, link.driven_by)]
 
 
-def _splitting(effect: FoundEffect, links: Sequence[Link], record: Record) -> str:
-    stages = effect.stage.split("+")
+def _splitting(effect: FoundEffect, links: Sequence[Link], stages: set[str], interval_s: float) -> str:
+    """Return what tells the members of a group apart: a channel between their stages, else a closer look."""
     for link in links:
-        if stages[0] in link.stages and (channels := separating(link)):
-            return f"record {channels[0]}"
-    if record.interval_s > 20.0:
+        if effect.stage in link.stages:
+            for channel in separating(link):
+                before = link.stages[: 1 + next(i for i, s in enumerate(link.stages) if SHOWN.get(s) == channel)]
+                if 0 < len(stages & set(before)) < len(stages):
+                    return f"record {channel}"
+    if interval_s > 20.0:
         return f"record {effect.channel} every 10 s"
     return f"record {effect.channel} for more days, in other weather"

@@ -16,7 +16,10 @@ from waxstudy.report.content import Content
 from waxstudy.report.words import HEADINGS, Table, decimals, with_spread
 
 WIDEST = 1000  # columns that no comparison needs
-TEXT_HEADINGS = ("finding", "verdict", "our figure", "week", "resolved")
+TEXT_HEADINGS = (
+    *("finding", "verdict", "our figure", "week", "resolved"),
+    *("coefficient", "95 % interval", "model", "meaning", "left out"),
+)
 
 
 def resolved_word(row: Row) -> str:
@@ -194,7 +197,7 @@ def terminal(
                 heading,
                 justify="left" if i == 0 or heading in TEXT_HEADINGS else "right",
                 style="dim" if heading == published else None,
-                no_wrap=heading not in ("finding", "our figure"),
+                no_wrap=heading not in ("finding", "our figure", "left out"),
             )
         for row in rows:
             grid.add_row(*row)

@@ -9,6 +9,7 @@ from typing import Any
 from waxstudy.plugin import CHAIN
 from waxstudy.plugin.registry import nearest
 from waxstudy.study.check import Check
+from waxstudy.study.fragment import FROM, included
 from waxstudy.study.model import NAME_RULE, is_safe_name
 from waxstudy.study.problems import listed
 from waxstudy.study.spots import RawTable, Spot
@@ -93,6 +94,10 @@ def merge_block(check: Check, blocks: dict[str, RawTable], kind: str, block: Any
     if not isinstance(block, dict):
         example = block if isinstance(block, str) and block in check.registry.names(kind) else "..."
         check.problem(spot, f'must be a table such as {{ use = "{example}" }}', value=block)
+    elif FROM in block:
+        taken = included(check, kind, block, spot)
+        if taken is not None:
+            blocks[kind] = taken
     elif kind in blocks:
         blocks[kind] = blocks[kind].merged(block, spot)
     else:

@@ -18,6 +18,7 @@ from pydantic_core import core_schema
 
 from waxstudy.plugin import CHAIN, Component
 from waxstudy.plugin.registry import Registry
+from waxstudy.study.fragment import FROM
 from waxstudy.study.model import NAME_PATTERN, NAME_RULE, Comfort, Ensemble, Output, StudyTable
 
 DIALECT = "http://json-schema.org/draft-07/schema#"
@@ -33,7 +34,8 @@ def schema(registry: Registry) -> Json:
     for kind, named in kinds.items():
         definitions[kind] = _block(kind, named) | {"required": ["use"]}
     for kind in CHAIN:
-        definitions[f"step.{kind}"] = _block(kind, kinds[kind], definitions)
+        definitions[f"step.{kind}"] = _or_from(kind, _block(kind, kinds[kind], definitions))
+        definitions[kind] = _or_from(kind, definitions[kind])
     study = parameters(StudyTable)
     study["properties"]["name"]["pattern"] = NAME
     study["properties"]["against"]["enum"] = list(_usable(registry, "reference"))
@@ -125,6 +127,14 @@ def _block(kind: str, named: Mapping[str, type[Component]], step_of: Mapping[str
         "then": {"properties": {"use": {"enum": list(named)}}, "allOf": chosen or [True]},
         "else": _any_of([step_of[f"{kind}.{name}"] for name in named]) if step_of else {},
     }
+
+
+def _or_from(kind: str, block: Json) -> Json:
+    """Return a block that may also be taken from a file, with changes upon it."""
+    path = {"description": f"TOML file whose table [{kind}] is taken, relative to the study file.", "type": "string"}
+    shown = {key: block[key] for key in ("description", "type", "$comment", "anyOf")}
+    rest = {key: value for key, value in block.items() if key not in shown}
+    return shown | {"if": {"required": [FROM]}, "then": {"properties": {FROM: path}}, "else": rest}
 
 
 def _any_of(components: list[Json]) -> Json:

@@ -21,6 +21,8 @@ Tick = Callable[[str, float], None]
 @contextmanager
 def failures(folder: Path) -> Iterator[None]:
     """Turn what goes wrong into a message and an exit code."""
+    from concurrent.futures import BrokenExecutor
+
     from waxstudy.blind_test.key import KeyProblem
     from waxstudy.blind_test.make import BlindTestError
     from waxstudy.blind_test.plan import PlanProblem
@@ -38,6 +40,9 @@ def failures(folder: Path) -> Iterator[None]:
         raise CommandError(str(error), PLUGIN) from error
     except Unmakeable as error:
         raise CommandError(str(error), FAILED) from error
+    except BrokenExecutor as error:
+        ended = "a worker was ended, by lack of memory perhaps; what was finished is kept, take fewer --workers"
+        raise CommandError(ended, FAILED) from error
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
         raise CommandError(f"{folder}: {reason}", FAILED) from error

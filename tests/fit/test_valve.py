@@ -1,0 +1,113 @@
+"""The valve's curve comes back from a record of flow, with the authority given or fitted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from waxstudy.identification.description import Described
+from waxstudy.identification.flow import FlowRecord, read_flow
+from waxstudy.identification.performance import block
+from waxstudy.identification.valve import authority_of, curve, fit_valve
+from waxstudy.plugin import Choice
+from waxstudy.rig.bench import Motors, run_trial
+from waxstudy.rig.instruments import Bench
+from waxstudy.rig.programme import table_a1
+from waxstudy.study.problems import StudyError
+from waxstudy_paper.valves import QuickOpeningValve
+
+TRUE = {"h_min": 0.17, "h_mid": 0.41, "v_mid": 0.50, "authority": 2.9 / 30.0}
+(FLOW,) = (trial for trial in table_a1() if trial.measured == "flow")
+
+
+@pytest.fixture(scope="module")
+def motor() -> Choice:
+    return block("actuator", {"use": "variable-times", "product": "B"})
+
+
+def written(path: Path, bench: Bench, seed: int = 1, hours: float = 6.0) -> FlowRecord:
+    made = run_trial(
+        Motors("variable-times", {}, "quick-opening", bench, seed), replace(FLOW, duration_min=60.0 * hours)
+    )
+    table = pd.DataFrame({"time_s": made.time_s, "flow_L_h": made.value, "signal_V": made.signal_V})
+    table.to_csv(path, index=False)
+    return read_flow(Described(path, "flow"))
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> FlowRecord:
+    """The paper's flow: its noise, and an exemplar that is not quite the product."""
+    return written(tmp_path_factory.mktemp("flow") / "flow.csv", Bench())
+
+
+def test_the_curve_is_that_of_the_registered_valve() -> None:
+    parameters = QuickOpeningValve.Parameters()
+    opening = np.linspace(0.0, 1.0, 201)
+    theirs = [QuickOpeningValve.step(parameters, None, float(h), 0.0, 5.0) for h in opening]
+    np.testing.assert_allclose(curve(opening, *TRUE.values()), theirs, atol=1e-12)
+
+
+def test_the_curve_comes_back_within_two_hundredths_at_the_paper_s_noise(record: FlowRecord, motor: Choice) -> None:
+    found = fit_valve(record, motor, authority=authority_of(2.9, 30.0), how_authority="given")
+    values = {name: found.values[name].value for name in TRUE}
+    assert values == pytest.approx(TRUE, abs=0.02)
+    assert 0.005 < found.mae < 0.011
+    for name in ("h_min", "h_mid", "v_mid"):
+        assert found.values[name].low < found.values[name].value < found.values[name].high
+        assert 0.0 < found.values[name].width < 0.05
+
+
+def test_the_authority_can_be_fitted_too(record: FlowRecord, motor: Choice) -> None:
+    found = fit_valve(record, motor)
+    assert found.values["authority"].value == pytest.approx(TRUE["authority"], abs=0.02)
+    assert found.values["h_mid"].value == pytest.approx(0.41, abs=0.02)
+    assert found.how_authority == "fitted"
+
+
+def test_the_pace_of_the_exemplar_is_found(tmp_path: Path, motor: Choice) -> None:
+    made = written(tmp_path / "slow.csv", Bench(exemplar_scatter=0.05), seed=1)
+    pace = Motors("variable-times", {}, "quick-opening", Bench(exemplar_scatter=0.05), 1).exemplar_pace(FLOW)
+    assert abs(pace - 1.0) > 0.02
+    assert fit_valve(made, motor, authority=0.0967).values["pace"].value == pytest.approx(pace, abs=0.015)
+
+
+def test_a_fragment_is_the_block_of_a_study(record: FlowRecord, motor: Choice) -> None:
+    import tomllib
+
+    found = fit_valve(record, motor, authority=0.0967, how_authority="given", is_simulated=True)
+    text = found.fragment()
+    values = tomllib.loads(text)
+    assert text.startswith("# SIMULATED")
+    assert block("valve", values["valve"]).component.name == "quick-opening"
+    assert values["fit"]["records"][0]["sha256"] == record.sha256
+    assert set(values["fit"]["interval_95"]) == {"h_min", "h_mid", "v_mid", "pace"}
+
+
+def test_openings_near_closed_and_open_are_left_out(record: FlowRecord, motor: Choice) -> None:
+    found = fit_valve(record, motor, authority=0.0967)
+    considered = found.opening[found.considered]
+    assert 0.05 < considered.min() < 0.06
+    assert 0.9 < considered.max() < 0.95
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda f: f.assign(flow_L_h=100.0), "flow: is 100 throughout"),
+        (lambda f: f.assign(flow_L_h=f["flow_L_h"].iloc[::-1].to_numpy() * 0.0 + 60.0 * (f["signal_V"] < 12)), "flow"),
+        (lambda f: f.assign(signal_V=f["flow_L_h"], flow_L_h=(f["signal_V"] > 12.0) * 1.0), "takes two values only"),
+        (lambda f: f.rename(columns={"flow_L_h": "displacement_mm"}), "flow: no column has this name"),
+        (lambda f: f.iloc[:700], "at least 3 are needed"),
+    ],
+    ids=["constant flow", "flow of another valve", "swapped columns", "no flow", "too short"],
+)
+def test_a_flow_that_cannot_be_used_is_refused(tmp_path: Path, motor: Choice, change: object, said: str) -> None:
+    whole = run_trial(Motors("variable-times", {}, "quick-opening", Bench(), 1), replace(FLOW, duration_min=180.0))
+    table = pd.DataFrame({"time_s": whole.time_s, "flow_L_h": whole.value, "signal_V": whole.signal_V})
+    change(table).to_csv(tmp_path / "flow.csv", index=False)  # type: ignore[operator]
+    with pytest.raises(StudyError, match=said):
+        fit_valve(read_flow(Described(tmp_path / "flow.csv", "flow")), motor, authority=0.1)

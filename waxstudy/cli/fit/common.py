@@ -1,0 +1,83 @@
+"""What both fits share: column names, what goes wrong, and the files that are written."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, USAGE, CommandError
+from waxstudy.cli.output import stdout
+
+if TYPE_CHECKING:
+    from waxstudy.report.words import Table
+
+F = TypeVar("F", bound=Callable[..., Any])
+COLUMN = "Column that holds the time, signal, displacement or flow, if its name does not tell; repeatable."
+KNOWN = ("time", "signal", "displacement", "flow")
+
+
+def column_option(function: F) -> F:
+    option = click.option("--column", "columns", multiple=True, callback=_columns, metavar="WHAT=NAME", help=COLUMN)
+    decorated: F = option(function)
+    return decorated
+
+
+def _columns(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts:
+        what, _, name = text.partition("=")
+        if what not in KNOWN or not name:
+            raise click.BadParameter(f"'{text}' is not one of {', '.join(KNOWN)}, '=' and a column's name", ctx, param)
+        found[what] = name
+    return found
+
+
+@contextmanager
+def failures() -> Iterator[None]:
+    """Turn what is wrong with records and plugins into messages and exit codes."""
+    from waxstudy.plugin import SimulationError
+    from waxstudy.plugin.registry import PluginError
+    from waxstudy.study.problems import StudyError
+
+    try:
+        yield
+    except StudyError as error:
+        raise CommandError(str(error), INVALID, label="") from error
+    except PluginError as error:
+        raise CommandError(str(error), PLUGIN) from error
+    except SimulationError as error:
+        raise CommandError(str(error), FAILED) from error
+
+
+def refuse_unwritable(out: Path) -> None:
+    """Say before the work, not after it, that its results could not be written."""
+    if not out.parent.is_dir() or not os.access(out.parent, os.W_OK | os.X_OK):
+        raise CommandError(f"{out}: {out.parent} is no folder to write to", USAGE)
+    if out.is_dir():
+        raise CommandError(f"{out}: this is a folder; the name of a file is needed", USAGE)
+
+
+def write(texts: Mapping[Path, str]) -> None:
+    """Write all files whole, the first last."""
+    from waxstudy.results.atomic import whole_file
+
+    try:
+        with ExitStack() as files:
+            for path, text in texts.items():
+                files.enter_context(whole_file(path)).write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise CommandError(f"the results cannot be written: {reason}", FAILED) from error
+
+
+def printed(tables: Sequence[Table], notes: Sequence[str]) -> str:
+    from waxstudy.report.render import terminal
+
+    width = shutil.get_terminal_size((120, 24)).columns
+    return terminal(tables, notes, width, colour=stdout().isatty())

@@ -1,0 +1,114 @@
+"""`waxstudy rig`"""
+
+from __future__ import annotations
+
+import json
+import os
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError
+from waxstudy.cli.output import Command, print_out
+
+if TYPE_CHECKING:
+    from waxstudy.rig.instruments import Bench
+
+SET = "Parameter of the actuator; repeatable."
+BENCH = "Parameter of the bench, as noise_mm=0.01 (docs/fit.md lists them); repeatable."
+PROGRAMME = "CSV file of the records to make  [default: those of the paper's Table A1, and one of flow]"
+
+
+def _values(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, Any]:
+    """Return KEY=VALUE pairs; a value is a number, true or false, or else a text."""
+    found: dict[str, Any] = {}
+    for text in texts:
+        key, mark, value = text.partition("=")
+        if not mark or not key:
+            raise click.BadParameter(f"'{text}' is not a parameter, '=' and a value", ctx, param)
+        try:
+            found[key] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            found[key] = value
+    return found
+
+
+@click.command("rig", cls=Command)
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--actuator", default="variable-times", show_default=True, metavar="NAME", help="Actuator on the bench.")
+@click.option("--set", "values", multiple=True, callback=_values, metavar="KEY=VALUE", help=SET)
+@click.option("--valve", default="quick-opening", show_default=True, metavar="NAME", help="Valve of the flow record.")
+@click.option("--bench", multiple=True, callback=_values, metavar="KEY=VALUE", help=BENCH)
+@click.option("--programme", type=click.Path(exists=True, dir_okay=False, path_type=Path), help=PROGRAMME)
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of scatter and noise.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(
+    folder: Path,
+    actuator: str,
+    values: dict[str, Any],
+    valve: str,
+    bench: dict[str, Any],
+    programme: Path | None,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Make displacement and flow records of an actuator on a virtual test bench.
+
+    DIR gets the records and records.toml, which says what each is of. All are simulated and say so. The truth goes to
+    DIR-truth.json, beside the folder.
+    """
+    from waxstudy.dataset.write import truth_beside
+    from waxstudy.plugin.registry import PluginError
+    from waxstudy.rig.bench import Motors
+
+    truth = truth_beside(folder)
+    for path in (folder, truth):
+        if os.path.lexists(path):
+            raise CommandError(f"{path}: there is something of this name already; nothing was written", USAGE)
+    try:
+        motors = Motors(actuator, values, valve, _bench(bench), seed)
+        _make(folder, motors, programme)
+    except PluginError as error:
+        raise CommandError(str(error), USAGE) from error
+    print_out(json.dumps({"records": str(folder), "truth": str(truth)}) + "\n" if as_json else f"{truth}\n{folder}\n")
+
+
+def _bench(values: dict[str, Any]) -> Bench:
+    from waxstudy.plugin.parameters import checked
+    from waxstudy.plugin.registry import nearest
+    from waxstudy.rig.instruments import Bench
+
+    known = list(Bench.model_fields)
+    for key in values:
+        if key not in known:
+            near = nearest(key, known)
+            hint = f"; did you mean '{near}'?" if near else ""
+            raise CommandError(
+                f"--bench {key}: the bench has no such parameter{hint} (it has: {', '.join(known)})", USAGE
+            )
+    try:
+        return checked(Bench, values)
+    except ValueError as error:
+        raise CommandError(f"--bench {error}", USAGE) from error
+
+
+def _make(folder: Path, motors: Any, programme: Path | None) -> None:
+    from waxstudy.plugin import SimulationError
+    from waxstudy.rig.programme import read_programme, table_a1
+    from waxstudy.rig.write import write_rig
+    from waxstudy.study.problems import StudyError
+
+    try:
+        write_rig(folder, motors, read_programme(programme) if programme else table_a1())
+    except StudyError as error:
+        raise CommandError(str(error), INVALID, label="") from error
+    except ValueError as error:
+        raise CommandError(f"actuator '{motors.actuator}': {error}", USAGE) from error
+    except SimulationError as error:
+        raise CommandError(str(error), FAILED) from error
+    except OSError as error:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise CommandError(f"{folder}: the records cannot be written: {reason}", FAILED) from error

@@ -1,0 +1,1 @@
+"""From measurements to a model: displacement -> characteristic times -> actuator; flow -> valve curve."""

@@ -1,0 +1,264 @@
+"""Which model a characteristic time gets: common to all products, with a product term, separate, or constant.
+
+The steps are the paper's (section 3.1.4), with limits for each: p < 0.001 for every parameter of a model that is used.
+Products are compared against the scatter of whole records: cycles of one agree with each other more than records do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waxstudy.identification.curves import LONGEST_S, SHORTEST_S, Fitted, Shape, Test, fit_constant, fit_curve, t_test
+from waxstudy.identification.models import ProductCurve, TimeModel, Value
+from waxstudy.identification.scatter import Nesting, resampled, scatter_of
+from waxstudy.plugin import FloatArray
+
+LIMIT_P = 0.001
+FEWEST = 8  # cycles for a curve
+ENOUGH = 3  # cycles that a level of what came before must have at least
+SPAN = 2.0  # of the times before: a curve needs at least this factor between short and long ones
+REPEATS = 600
+WIDEST = 20.0  # of the interval of a tau, upper over lower end: beyond, it is as good as unknown
+AT_END = 0.025  # of the resampled taus: beyond, the data do not bound it
+IntArray = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Data:
+    """The cycles that tell of one time."""
+
+    name: str
+    products: Sequence[str]
+    product: IntArray  # (n,) index
+    before_s: FloatArray
+    outcome_s: FloatArray
+    nesting: Nesting
+
+    def of(self, products: Sequence[int]) -> NDArray[np.bool_]:
+        return np.isin(self.product, products)
+
+
+@dataclass
+class Part:
+    """Products that share a model, and its fit to given outcomes."""
+
+    form: str
+    products: Sequence[int]
+    group: IntArray  # of the part's own cycles
+    rows: NDArray[np.bool_]
+    shape: Shape | None  # None: constant
+    test: Test | None = None
+    tau_s: float | None = None  # taken, where the data do not tell it
+
+    def fit(self, data: Data, outcomes: FloatArray) -> Fitted:
+        if self.shape is None:
+            return fit_constant(self.group, outcomes[self.rows])
+        return fit_curve(self.shape, data.before_s[self.rows], self.group, outcomes[self.rows], self.tau_s)
+
+    def predicted(self, data: Data, fitted: Fitted) -> FloatArray:
+        b: FloatArray = fitted.b_s[self.group, 0]
+        if self.shape is None:
+            return b
+        return np.asarray(b + fitted.a_s[0] * self.shape(data.before_s[self.rows], fitted.tau_s[:1])[0])
+
+
+def model_of(data: Data, shape: Shape | None, draw: np.random.Generator) -> TimeModel:
+    """Return the model of one time; `shape` None for one that is taken for constant."""
+    steps: list[str] = []
+    untold: list[str] = []
+    everyone = range(len(data.products))
+    curved = [p for p in everyone if shape is not None and _spans(data, p, untold)]
+    parts = _chosen(data, shape, curved, steps) if shape is not None and curved else []
+    parts += _constants(data, [p for p in everyone if p not in {q for part in parts for q in part.products}], steps)
+    fits = [part.fit(data, data.outcome_s[:, None]) for part in parts]
+    predicted = np.empty(len(data.outcome_s))
+    for part, fitted in zip(parts, fits, strict=True):
+        predicted[part.rows] = part.predicted(data, fitted)
+    scatter = scatter_of(data.outcome_s / predicted - 1.0, data.nesting)
+    drawn = resampled(predicted, data.outcome_s, data.nesting, scatter, draw, REPEATS)
+    curves: dict[str, ProductCurve] = {}
+    for part, fitted in zip(parts, fits, strict=True):
+        again = part.fit(data, drawn)
+        if part.shape is not None and _is_unknown(again.tau_s):
+            part.tau_s = _middle(data.before_s[part.rows])
+            fitted = part.fit(data, data.outcome_s[:, None])
+        silent = [] if shape is None else [p for p in everyone if p not in curved]
+        curves |= _curves(data, part, silent, again, fitted, untold)
+    ordered = {name: curves[name] for name in data.products}
+    return TimeModel(data.name, ordered, steps, untold, scatter, data.outcome_s - predicted)
+
+
+def _is_unknown(tau_s: FloatArray) -> bool:
+    low, high = np.quantile(tau_s, (0.025, 0.975))
+    return bool(high > WIDEST * low)
+
+
+def _middle(before_s: FloatArray) -> float:
+    """Return the geometric mean of short and long times before: a curve that bends where the data are."""
+    ordered = np.sort(before_s)
+    return float(np.sqrt(max(ordered[ENOUGH - 1], 1.0) * ordered[-ENOUGH]))
+
+
+def _spans(data: Data, product: int, untold: list[str]) -> bool:
+    """Whether a product's cycles came after short and long times, so that a curve can be seen."""
+    before = np.sort(data.before_s[data.product == product])
+    name = data.products[product]
+    what = "overheating" if data.name == "hold" else "undercooling"
+    if len(before) < FEWEST:
+        untold.append(f"{data.name} time of {name}: {len(before)} cycles are too few for a curve (at least {FEWEST})")
+        return False
+    low, high = before[ENOUGH - 1], before[-ENOUGH]
+    if high < SPAN * max(low, 1.0):
+        untold.append(
+            f"{data.name}_a_s, {data.name}_b_s and {data.name}_tau_s of {name} cannot be told: {what} times lie "
+            f"within {before[0]:.0f} and {before[-1]:.0f} s, and a curve needs at least a factor of {SPAN:g}; the "
+            "constant that stands for it holds for these"
+        )
+        return False
+    return True
+
+
+def _part(data: Data, form: str, products: Sequence[int], shape: Shape | None) -> Part:
+    """Return a part: groups are the products, or all together where the model is common."""
+    rows = data.of(products)
+    group = (
+        np.zeros(int(rows.sum()), dtype=np.intp) if form == "common" else np.searchsorted(products, data.product[rows])
+    )
+    part = Part(form, products, group, rows, shape)
+    if shape is not None:
+        outcome = data.outcome_s[rows]
+        fitted = part.fit(data, data.outcome_s[:, None])
+        part.test = t_test(shape, data.before_s[rows], group, outcome, fitted)
+    return part
+
+
+def _chosen(data: Data, shape: Shape, products: list[int], steps: list[str]) -> list[Part]:
+    """Return the parts for products whose times before span enough."""
+    names = " and ".join(data.products[p] for p in products)
+    common = _part(data, "common" if len(products) > 1 else "separate", products, shape)
+    assert common.test is not None
+    fine = _is_significant(common.test)
+    if len(products) == 1:
+        steps.append(f"{data.name} of {names}, one model: {_told(common.test)}")
+        return [common] if fine else []
+    steps.append(f"{data.name} of {names}, common model: {_told(common.test)}")
+    term = _part(data, "product term", products, shape)
+    assert term.test is not None
+    p_term = _p_of_more(data, [common], [term], len(products) - 1)
+    steps.append(f"{data.name}, product term instead: products differ by it with {_p(p_term)}; {_told(term.test)}")
+    if fine and p_term >= LIMIT_P:
+        steps.append(f"{data.name}: the common model is used")
+        return [common]
+    alone = [_part(data, "separate", [p], shape) for p in products]
+    p_alone = _p_of_more(data, [term], alone, 2 * (len(products) - 1))
+    steps.append(f"{data.name}, separate models instead: curves differ beyond the term with {_p(p_alone)}")
+    if _is_significant(term.test) and p_alone >= LIMIT_P:
+        steps.append(f"{data.name}: the model with a product term is used")
+        return [term]
+    for part in alone:
+        assert part.test is not None
+        verdict = "is used" if _is_significant(part.test) else "is not used"
+        steps.append(
+            f"{data.name}: the separate model of {data.products[part.products[0]]} {verdict}: {_told(part.test)}"
+        )
+    return [part for part in alone if part.test and _is_significant(part.test)]
+
+
+def _constants(data: Data, products: list[int], steps: list[str]) -> list[Part]:
+    """Return a constant for each product: common to all if they do not differ."""
+    if not products:
+        return []
+    names = " and ".join(data.products[p] for p in products)
+    alone = _part(data, "constant", products, None)
+    if len(products) > 1:
+        common = _part(data, "common", products, None)
+        p = _p_of_more(data, [common], [alone], len(products) - 1)
+        steps.append(f"{data.name} of {names}, constant: products differ with {_p(p)}")
+        return [common if p >= LIMIT_P else alone]
+    steps.append(f"{data.name} of {names}: a constant is used")
+    return [alone]
+
+
+def _is_significant(test: Test) -> bool:
+    return test.largest_p < LIMIT_P
+
+
+def _told(test: Test) -> str:
+    return f"{_p(test.largest_p)} for its least significant parameter, R2 {test.r_squared:.3f}"
+
+
+def _p(p: float) -> str:
+    return "p < 0.001" if p < LIMIT_P else f"p = {p:.2g}"
+
+
+def _p_of_more(data: Data, small: Sequence[Part], large: Sequence[Part], more: int) -> float:
+    """Return the p-value of more parameters: F-test against the scatter of records, or of cycles if that is larger."""
+    from scipy.stats import f as fisher
+
+    rss = [sum(float(part.fit(data, data.outcome_s[:, None]).rss[0]) for part in parts) for parts in (small, large)]
+    rest, records = np.zeros(len(data.outcome_s)), data.nesting.record
+    for part in large:
+        rest[part.rows] = data.outcome_s[part.rows] - part.predicted(data, part.fit(data, data.outcome_s[:, None]))
+    rows = np.any([part.rows for part in large], axis=0)
+    counts = np.bincount(records[rows])
+    parameters = sum(len(set(part.group.tolist())) + (2 if part.shape else 0) for part in large)
+    mean_squares = [(rss[1], int(rows.sum()) - parameters)]
+    if (freedom := int(np.count_nonzero(counts)) - parameters) > 0:
+        sums = np.bincount(records[rows], rest[rows])
+        mean_squares.append((float((sums[counts > 0] ** 2 / counts[counts > 0]).sum()), freedom))
+    usable = [(square / freedom, freedom) for square, freedom in mean_squares if freedom > 0]
+    if not usable or rss[0] <= rss[1]:
+        return 1.0
+    error, freedom = max(usable)
+    return float(fisher.sf((rss[0] - rss[1]) / more / error, more, freedom)) if error > 0.0 else 0.0
+
+
+def _curves(
+    data: Data, part: Part, silent: Sequence[int], again: Fitted, fitted: Fitted, untold: list[str]
+) -> dict[str, ProductCurve]:
+    """Return the curve of each product of a part, with intervals from resampled fits.
+
+    Of `silent` products the data do not tell whether there is a curve.
+    """
+    bounded = (
+        part.shape is not None
+        and part.tau_s is None
+        and float(np.mean(~again.is_inside)) <= AT_END
+        and bool(fitted.is_inside[0])
+    )
+    names = [data.products[p] for p in part.products]
+    if part.tau_s is not None:
+        untold.append(
+            f"{data.name}_a_s, {data.name}_b_s and {data.name}_tau_s of {' and '.join(names)} cannot be told apart: "
+            f"a tau of {part.tau_s:.0f} s is taken, the middle of the times before; between those recorded the curve "
+            "holds"
+        )
+    elif part.shape is not None and not bounded:
+        untold.append(
+            f"{data.name}_tau_s of {' and '.join(names)} is not bounded within {SHORTEST_S:g} and {LONGEST_S:g} s, "
+            "and a and b go with it: other on and off times are needed; between those recorded the curve holds"
+        )
+    curves = {}
+    for place, name in zip(part.products, names, strict=True):
+        group = 0 if part.form == "common" else list(part.products).index(place)
+        before = data.before_s[data.product == place]
+        is_curve = part.shape is not None and part.tau_s is None
+        curves[name] = ProductCurve(
+            _value(fitted.a_s, again.a_s, is_curve),
+            _value(fitted.b_s[group], again.b_s[group], is_curve or (part.shape is None and place not in silent)),
+            _value(fitted.tau_s, again.tau_s, bounded),
+            part.form if part.shape is not None else "constant",
+            part.test,
+            len(before),
+            (float(before.min()), float(before.max())) if len(before) else (np.nan, np.nan),
+        )
+    return curves
+
+
+def _value(found: FloatArray, again: FloatArray, told: bool) -> Value:
+    low, high = np.quantile(again, (0.025, 0.975))
+    return Value(float(found[0]), float(low), float(high), told)

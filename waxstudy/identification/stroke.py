@@ -1,0 +1,107 @@
+"""The heating signal as on and off, and the displacement over its stroke (section 3.1.3)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from waxstudy.dataset.notes import Notes
+from waxstudy.plugin import FloatArray
+
+FEWEST_SWITCHES = 2
+LEAST_OVER_NOISE = 10.0  # stroke over noise
+MIDDLE = (0.25, 0.75)  # of its range: a signal that switches is hardly ever there, a ramp is
+MOST_BETWEEN = 0.02  # share of a signal's samples in the middle
+FOLLOWS = 0.2  # of the range: openings at switching off and at switching on differ by at least this
+SPIKE = 0.09  # of the range: more than the tip of a motor that turns round, less than counts as a movement
+
+BoolArray = NDArray[np.bool_]
+
+
+class Stroke(NamedTuple):
+    """An opening 0..1, and the length that it was normalised by."""
+
+    opening: FloatArray
+    length: float
+
+
+def switched(signal: FloatArray, values: FloatArray, wanted: str, notes: Notes) -> BoolArray | None:
+    """Return where the signal is on: above the middle of its range, 0.5 of a normalised one.
+
+    `values` are what is `wanted` beside the signal: swapped columns are told.
+    """
+    if len(np.unique(values)) == 2:
+        notes.refuse(wanted, "takes two values only, as a signal does: are the two columns swapped?")
+        return None
+    low, high = float(signal.min()), float(signal.max())
+    if high - low <= 0.0:
+        notes.refuse("signal", f"is {low:g} throughout: without a switch there is no cycle")
+        return None
+    share = (signal - low) / (high - low)
+    between = float(np.mean((share > MIDDLE[0]) & (share < MIDDLE[1])))
+    if between > MOST_BETWEEN:
+        wrong = "it does not switch between two levels; is it another column?"
+        notes.refuse("signal", f"{100.0 * between:.2g} % of its samples lie between on and off: {wrong}")
+        return None
+    on = share > 0.5
+    if int(np.count_nonzero(np.diff(on))) < FEWEST_SWITCHES:
+        notes.refuse("signal", "switches less than twice: there is no cycle")
+        return None
+    return np.asarray(on)
+
+
+def normalised(values: FloatArray, on: BoolArray, interval_s: float, notes: Notes) -> Stroke | None:
+    """Return |displacement - closed| / stroke; which end is closed is told by the signal.
+
+    Closed and open position are the medians of what lies within 2 % of the extremes, so that noise does not lengthen
+    the stroke. The paper takes the cold, closed position as the largest reading; here either end may be closed.
+    """
+    clean = without_spikes(values, interval_s, notes)
+    low, high = np.quantile(clean, (0.001, 0.999))
+    noise = 1.4826 * float(np.median(np.abs(np.diff(values, 2)))) / np.sqrt(6.0)
+    if high - low <= LEAST_OVER_NOISE * noise or high == low:
+        notes.refuse("displacement", f"has no stroke: it stays within {low:.4g} and {high:.4g}, as noise does")
+        return None
+    edges = np.flatnonzero(np.diff(on.astype(np.int8)))
+    rises = on[edges + 1]
+    heated, cooled = clean[edges[~rises]], clean[edges[rises]]
+    opens = float(np.median(heated) - np.median(cooled)) if len(heated) and len(cooled) else 0.0
+    if abs(opens) < FOLLOWS * (high - low):
+        notes.refuse("displacement", "does not follow the signal: it is where it was, heated or not; right columns?")
+        return None
+    _tell_stuck(clean, on, interval_s, notes)
+    margin = 0.02 * (high - low)
+    ends = float(np.median(clean[clean < low + margin])), float(np.median(clean[clean > high - margin]))
+    closed, opened = ends if opens > 0.0 else ends[::-1]
+    return Stroke((clean - closed) / (opened - closed), abs(opened - closed))
+
+
+def without_spikes(values: FloatArray, interval_s: float, notes: Notes) -> FloatArray:
+    """Return values with single samples, or two, that jump away and back replaced by the median around them."""
+    from scipy.ndimage import median_filter
+
+    low, high = np.quantile(values, (0.01, 0.99))
+    middle = median_filter(values, 5 if interval_s <= 2.0 else 3, mode="nearest")
+    bad = np.abs(values - middle) > SPIKE * (high - low)
+    count = int(bad.sum())
+    if not count or high == low:
+        return values
+    notes.warn(f"{count} {'sample is a spike' if count == 1 else 'samples are spikes'}: replaced by their neighbours")
+    return np.where(bad, middle, values)
+
+
+def _tell_stuck(clean: FloatArray, on: BoolArray, interval_s: float, notes: Notes) -> None:
+    """Warn of a sensor that shows one value for long, over switches."""
+    moves = np.flatnonzero(np.diff(clean) != 0.0)
+    edges = np.concatenate(([-1], moves, [len(clean) - 1]))
+    place = int(np.argmax(np.diff(edges)))
+    first, last = int(edges[place]) + 1, int(edges[place + 1])
+    switches = int(np.count_nonzero(np.diff(on[first : last + 1])))
+    if switches >= 3:
+        hours = (last - first) * interval_s / 3600.0
+        from_h = first * interval_s / 3600.0
+        notes.warn(
+            f"the sensor is stuck at {clean[first]:g} from {from_h:.3g} h for {hours:.3g} h, over {switches} switches"
+        )

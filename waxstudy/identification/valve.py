@@ -1,0 +1,254 @@
+"""The valve's curve from a record of flow: three points and an authority, at the smallest mean absolute error.
+
+Section 3.2.2 of the paper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from waxstudy.identification.flow import FlowRecord
+from waxstudy.identification.fragment import intervals, rounded, text_of
+from waxstudy.identification.models import Value
+from waxstudy.identification.performance import modelled
+from waxstudy.identification.records import BoolArray
+from waxstudy.plugin import Choice, FloatArray
+from waxstudy.study.problems import Problem, StudyError
+
+VALVE = "quick-opening"  # whose parameters are fitted
+BOUNDS: Mapping[str, tuple[float, float]] = {
+    "h_min": (0.1, 0.3),
+    "h_mid": (0.1, 1.0),
+    "v_mid": (0.0, 1.0),
+    "pace": (0.85, 1.15),
+    "authority": (0.01, 1.0),
+}
+EXCLUDED = (0.05, 0.95)  # openings outside are left out: many samples, little change
+PACES: FloatArray = np.linspace(*BOUNDS["pace"], 61)
+REPEATS = 100
+FEWEST_CYCLES = 3
+LEAST_APART = 0.01  # of h_min and h_mid
+
+
+@dataclass(frozen=True)
+class ValveFit:
+    """What `waxstudy fit valve` found."""
+
+    record: FlowRecord
+    actuator: Mapping[str, Any]
+    is_simulated: bool
+    values: Mapping[str, Value]  # h_min, h_mid, v_mid, authority, pace
+    how_authority: str
+    opening: FloatArray  # modelled, mean of each interval
+    flow: FloatArray  # measured, over full flow
+    full_flow: float
+    considered: BoolArray
+    mae: float
+    warnings: Sequence[str]
+
+    def parameters(self) -> dict[str, float]:
+        """Return the parameters of the block."""
+        return {name: rounded(value.value) for name, value in self.values.items() if name != "pace"}
+
+    def modelled_flow(self) -> FloatArray:
+        return curve(self.opening, *(self.values[name].value for name in ("h_min", "h_mid", "v_mid", "authority")))
+
+    def fragment(self) -> str:
+        about = {
+            "simulated": self.is_simulated,
+            "mae": rounded(self.mae),
+            "authority": self.how_authority,
+            "interval_95": intervals(self.values),
+            "records": [{"name": self.record.name, "file": self.record.file, "sha256": self.record.sha256}],
+            "actuator": dict(self.actuator),
+        }
+        return text_of("valve", {"use": VALVE, **self.parameters()}, about)
+
+    def described(self) -> dict[str, Any]:
+        return {
+            "simulated": self.is_simulated,
+            "valve": {"use": VALVE, **self.parameters()},
+            "values": {name: asdict(value) for name, value in self.values.items()},
+            "authority": self.how_authority,
+            "mae": self.mae,
+            "samples": int(self.considered.sum()),
+            "full_flow": self.full_flow,
+            "unit": self.record.unit,
+            "record": {"file": self.record.file, "sha256": self.record.sha256},
+            "actuator": dict(self.actuator),
+            "warnings": list(self.warnings),
+        }
+
+
+def curve(h: FloatArray, h_min: float, h_mid: float, v_mid: float, authority: float) -> FloatArray:
+    """Return the flow 0..1 of openings: V through three points, V / sqrt(V^2 (1 - N) + N) with authority N.
+
+    The same as the block `quick-opening` with h_max = 1.
+    """
+    v = np.interp(h, (h_min, h_mid, 1.0), (0.0, v_mid, 1.0))
+    flow: FloatArray = v / np.sqrt(v * v * (1.0 - authority) + authority)
+    return np.minimum(flow, 1.0)
+
+
+def fit_valve(
+    record: FlowRecord,
+    actuator: Choice,
+    *,
+    authority: float | None = None,
+    how_authority: str = "fitted",
+    is_simulated: bool = False,
+    seed: int = 1,
+) -> ValveFit:
+    """Return the curve with the smallest mean absolute error; raise `StudyError`.
+
+    Besides the paper's three parameters the pace of this exemplar is fitted, a factor on the actuator's times: flow
+    that begins late on opening and ends late on closing tells it from h_min. Intervals: resampled whole cycles.
+    """
+    openings = _openings(record, actuator)
+    middle = openings[len(PACES) // 2]
+    full = _full_flow(record, middle)
+    cycle = _cycle_of(record)
+    if cycle.max() + 1 < FEWEST_CYCLES:
+        wrong = f"has {cycle.max() + 1} cycles; at least {FEWEST_CYCLES} are needed"
+        raise StudyError([Problem(record.file, 0, "", "flow", "", wrong)])
+    names = ["h_min", "h_mid", "v_mid", "pace", *(["authority"] if authority is None else [])]
+    near = _near(openings) & ~record.missing & (cycle >= 0)
+    problem = _Problem(openings[:, near], record.flow[near] / full, cycle[near], authority)
+    best = _best(problem, names, seed)
+    again = _again(problem, best, np.random.default_rng(seed))
+    values = {name: _value(float(best[i]), again[:, i]) for i, name in enumerate(names)}
+    if authority is not None:
+        values["authority"] = Value(authority, authority, authority, told=False)
+    opening = _at_pace(openings, values["pace"].value)
+    considered = (opening > EXCLUDED[0]) & (opening < EXCLUDED[1]) & near
+    return ValveFit(
+        record,
+        actuator.described(),
+        is_simulated or record.is_simulated,
+        values,
+        how_authority,
+        opening,
+        record.flow / full,
+        full,
+        considered,
+        float(problem.error(best)),
+        [*(f"{record.file}: {sentence}" for sentence in record.warnings), *_notes(values, names)],
+    )
+
+
+def _openings(record: FlowRecord, actuator: Choice) -> FloatArray:
+    """Return the mean opening of each interval for each pace (paces, n): a slower motor lives in slower time."""
+    return np.array([modelled(actuator, record.on, record.interval_s, float(pace))[1] for pace in PACES])
+
+
+def _at_pace(openings: FloatArray, pace: float) -> FloatArray:
+    place = float(np.clip((pace - PACES[0]) / (PACES[1] - PACES[0]), 0.0, len(PACES) - 1.0))
+    low = min(int(place), len(PACES) - 2)
+    mixed: FloatArray = openings[low] + (place - low) * (openings[low + 1] - openings[low])
+    return mixed
+
+
+def _near(openings: FloatArray) -> BoolArray:
+    """Return the samples that any pace puts within the considered openings."""
+    return np.asarray(((openings > EXCLUDED[0]) & (openings < EXCLUDED[1])).any(axis=0))
+
+
+def _full_flow(record: FlowRecord, opening: FloatArray) -> float:
+    """Return the median flow of the fully open valve; raise `StudyError` where it never is, or nothing flows."""
+    open_ = (opening > EXCLUDED[1]) & ~record.missing
+    full = float(np.median(record.flow[open_])) if open_.any() else 0.0
+    closed = (opening < EXCLUDED[0]) & ~record.missing
+    shut = float(np.median(record.flow[closed])) if closed.any() else 0.0
+    if full <= 0.0 or shut > 0.5 * full:
+        wrong = f"does not follow the signal: {full:g} with the valve open, {shut:g} with it closed; right columns?"
+        raise StudyError([Problem(record.file, 0, "", "flow", "", wrong)])
+    return full
+
+
+def _cycle_of(record: FlowRecord) -> np.ndarray:
+    """Return the number of the cycle that each sample is of, -1 before the second: nobody knows how the first began."""
+    rises = np.diff(record.on.astype(np.int8), prepend=0) == 1
+    return np.cumsum(rises) - 2
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """The error of parameters (h_min, h_mid, v_mid, pace, authority if it is fitted)."""
+
+    openings: FloatArray  # (paces, n)
+    flow: FloatArray
+    cycle: np.ndarray
+    authority: float | None
+
+    def error(self, x: Sequence[float] | FloatArray, weight: FloatArray | None = None) -> float:
+        """Return the mean absolute error over the considered openings; 1 and more for what is out of order."""
+        h_min, h_mid, v_mid, pace = (float(value) for value in x[:4])
+        authority = self.authority if self.authority is not None else float(x[4])
+        out = sum(
+            max(0.0, low - value) + max(0.0, value - high)
+            for value, (low, high) in zip(x, BOUNDS.values(), strict=False)
+        )
+        if out > 0.0 or h_mid < h_min + LEAST_APART:
+            return 1.0 + float(out) + max(0.0, h_min + LEAST_APART - h_mid)
+        opening = _at_pace(self.openings, pace)
+        share = ((opening > EXCLUDED[0]) & (opening < EXCLUDED[1])).astype(float)
+        if weight is not None:
+            share *= weight
+        wrong = np.abs(curve(opening, h_min, h_mid, v_mid, authority) - self.flow)
+        total = float(share.sum())
+        return float((share * wrong).sum() / total) if total > 0.0 else 1.0
+
+
+def _best(problem: _Problem, names: Sequence[str], seed: int) -> FloatArray:
+    from scipy.optimize import differential_evolution
+
+    bounds: Any = [BOUNDS[name] for name in names]
+    found = differential_evolution(problem.error, bounds, rng=seed, popsize=20, tol=1e-8, maxiter=400, polish=False)
+    return _polished(problem.error, found.x)
+
+
+def _polished(error: Callable[[FloatArray], float], start: FloatArray) -> FloatArray:
+    from scipy.optimize import minimize
+
+    options = {"xatol": 1e-4, "fatol": 1e-7, "maxiter": 600}
+    polished: FloatArray = minimize(error, start, method="Nelder-Mead", options=options).x  # type: ignore[call-overload]
+    return polished
+
+
+def _again(problem: _Problem, best: FloatArray, draw: np.random.Generator) -> FloatArray:
+    """Return the parameters of resampled cycles (repeats, parameters)."""
+    cycles = np.unique(problem.cycle)
+    found = []
+    for _ in range(REPEATS):
+        counts = np.bincount(draw.choice(cycles, len(cycles)), minlength=int(cycles[-1]) + 1).astype(float)
+        found.append(_polished(partial(problem.error, weight=counts[problem.cycle]), best))
+    return np.array(found)
+
+
+def _value(found: float, again: FloatArray) -> Value:
+    low, high = np.quantile(again, (0.025, 0.975))
+    return Value(found, float(low), float(high))
+
+
+def _notes(values: Mapping[str, Value], names: Sequence[str]) -> list[str]:
+    """Say which parameter ends at a bound, where it means little."""
+    at_bound = [
+        name
+        for name in names
+        if min(abs(values[name].value - bound) for bound in BOUNDS[name]) < 1e-3 * np.ptp(BOUNDS[name])
+    ]
+    return [f"{name} = {values[name].value:.3g} lies at the bound of its search" for name in at_bound]
+
+
+def authority_of(valve_kPa: float, pump_kPa: float) -> float:
+    """Return N = dp_valve / dp_pump, of the open valve and the pump (Petitjean 1994).
+
+    >>> round(authority_of(2.9, 30.0), 4)
+    0.0967
+    """
+    return valve_kPa / pump_kPa

@@ -1,0 +1,1 @@
+"""Reports of fits to measurements: tables, figures, pages."""

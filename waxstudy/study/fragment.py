@@ -1,0 +1,46 @@
+"""A block that a study file takes from another file: `{ from = "my_actuator.toml" }`."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from waxstudy.study.check import Check
+from waxstudy.study.spots import RawTable, Spot, Written
+
+FROM = "from"
+
+
+def included(check: Check, kind: str, block: Mapping[str, Any], spot: Spot) -> RawTable | None:
+    """Return the table named as the kind of the file that `from` names, with what the block says besides put upon it.
+
+    It replaces the block before it. A value of the file has the place of `from`. None: what is wrong is noted.
+    """
+    place = spot.at(FROM)
+    table = _table(check, kind, block[FROM], place)
+    if table is None:
+        return None
+    written = {key: Written(value, place.at(key)) for key, value in table.items()}
+    own = {key: Written(value, spot.at(key)) for key, value in block.items() if key != FROM}
+    return RawTable({**written, **own}, spot, spot)
+
+
+def _table(check: Check, kind: str, path: object, place: Spot) -> Mapping[str, Any] | None:
+    if not isinstance(path, str):
+        check.problem(place, "must be the name of a file in quotes", value=path)
+        return None
+    full = Path(check.resolved(Written(path, place)))
+    try:
+        values = tomllib.loads(full.read_text(encoding="utf-8-sig"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        check.problem(place, f"is no TOML file: {error}", value=path)
+        return None
+    except (OSError, ValueError):  # what `resolved` has told
+        return None
+    table = values.get(kind)
+    if not isinstance(table, dict):
+        check.problem(place, f"describes no {kind}: it has no table [{kind}]", value=path)
+        return None
+    return table
