@@ -19,12 +19,13 @@ from typing import Any
 
 from benchmarks.self_consistency_outcome import outcome
 from benchmarks.self_consistency_records import SEVERITIES, Made, nulls, with_effect
+from waxstudy.blind_test import figures
 from waxstudy.results.atomic import whole_file
 from waxstudy.simulation.sources import digest
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "results" / "self-consistency"
-PACKAGES = ("dataset", "gap", "plugin", "results", "simulation", "study")
+PACKAGES = ("blind_test", "dataset", "gap", "plugin", "results", "simulation", "study")
 LEAST = 2.0  # true gap over the noise floor from which an effect must be found
 
 
@@ -51,12 +52,10 @@ def computed(records: Sequence[Made], folder: Path, workers: int) -> list[dict[s
 
 def share(count: int, of: int) -> str:
     """Return a share with its 95 % interval (Wilson)."""
-    from scipy.stats import binomtest
-
     if of == 0:
         return "none of none"
-    interval = binomtest(count, of).proportion_ci(method="wilson")
-    return f"{count} of {of}: {count / of:.3f} (95 % {interval.low:.3f} to {interval.high:.3f})"
+    figure = figures.share([True] * count + [False] * (of - count))
+    return f"{count} of {of}: {figure.value:.3f} (95 % {figure.low:.3f} to {figure.high:.3f})"
 
 
 def line(told: Mapping[str, Any]) -> str:

@@ -4,26 +4,25 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from benchmarks.self_consistency_records import Made, study
+from waxstudy.blind_test.truth import THOROUGH, Stand, gap_and_floor, gaps, is_alike, over
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.dataset.effects import applied, with_effects
+from waxstudy.dataset.effects import with_effects
 from waxstudy.dataset.measure import Instruments
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.dataset.write import Telling, write
-from waxstudy.gap.diagnose import diagnose, installed_effects, record_of
+from waxstudy.gap.diagnose import diagnose, installed_effects
 from waxstudy.gap.fit import Fitter
-from waxstudy.gap.judge import Errors, Judge
-from waxstudy.gap.links import Link, Reading, links
-from waxstudy.gap.record import Record
+from waxstudy.gap.links import Link
 from waxstudy.gap.result import Diagnosis
-from waxstudy.plugin import Belief, Choice, Effect
+from waxstudy.plugin import Choice, Effect
+from waxstudy.plugin.trial import Cause
 
-THOROUGH = 4.0  # times the points that a diagnosis looks at first: an alike effect must not be missed here
 NOTHING = dict.fromkeys(CHANNELS, 0.0)
 
 
@@ -93,45 +92,29 @@ class Size:
     floor: float
     floors: Mapping[str, float]
     link: Link
-    record: Record  # without noise
-    belief: Belief
+    stand: Stand
 
     @classmethod
     def of(cls, effects: Sequence[Choice], seen: Dataset, free: Dataset) -> Size:
-        noisy = record_of(seen)
-        record = replace(record_of(free), stated_noise=noisy.noise)  # judged with the same weights
-        belief, noisy_belief = (Belief(free.nominal, free.room, each.inputs) for each in (record, noisy))
+        stand = Stand.of(seen, free)
         effect = effects[0].component
         assert issubclass(effect, Effect)
-        link = next(each for each in links(noisy, noisy_belief) if effect.stage in each.stages)
-        truth = applied(effects, belief)
-        reading = min(link.readings, key=lambda each: sum(e.loss() for e in missed(link, record, truth, each)))
-        floors = gaps(missed(link, noisy, applied(effects, noisy_belief), reading))
-        true_gaps = gaps(missed(link, record, belief, reading))
+        link = stand.link_of(Cause(effect.name, (effect.stage,)))
+        assert link
+        floors, true_gaps = gap_and_floor(stand, link, effects, effects[0])
         channel = max(true_gaps, key=lambda name: true_gaps[name] / floors[name])
-        return cls(channel, true_gaps[channel], floors[channel], floors, link, record, belief)
+        return cls(channel, true_gaps[channel], floors[channel], floors, link, stand)
 
     @property
     def beyond(self) -> float:
         """Largest gap over its floor once what nobody knows of the room is fitted; at other links nothing is."""
-        left = gaps(Fitter(self.link, self.record, self.belief).base.errors)
-        return max(left[channel] / self.floors[channel] for channel in left)
+        return over(gaps(Fitter(self.link, self.stand.free, self.stand.belief).base.errors), self.floors)
 
     def tells_apart(self, name: str) -> bool:
         """Whether an effect, fitted to the record without noise, leaves more of some channel than noise would."""
         effect = next((each for each in installed_effects() if each.name == name), None)
         if effect is None or effect.stage not in self.link.stages:
             return True
-        fitter = Fitter(self.link, self.record, self.belief, thorough=THOROUGH)
+        fitter = Fitter(self.link, self.stand.free, self.stand.belief, thorough=THOROUGH)
         fitted = fitter.fit(effect, fitter.base)
-        left = gaps(fitted.errors) if fitted else {}
-        return not left or any(left[channel] > self.floors[channel] for channel in left)
-
-
-def missed(link: Link, record: Record, belief: Belief, reading: Reading) -> list[Errors]:
-    return Judge(link, record, belief).errors(link.predict(record, belief, reading))
-
-
-def gaps(errors: Iterable[Errors]) -> dict[str, float]:
-    """Return the gap of each channel; a floor of nothing at all would make any gap a large one."""
-    return {each.channel: max(each.gap(), 1e-9) for each in errors}
+        return fitted is None or not is_alike(fitted, self.floors, {})

@@ -30,9 +30,9 @@ class Instruments:
     missing: float = 0.0  # share of the samples, at most a half
     seed: int = 1
 
-    def chosen(self, reality: Reality) -> list[Channel]:
-        """Return the channels to write: all that the reality tells, but those left out."""
-        told = [channel for channel in CHANNELS.values() if channel.source in reality.week.channels]
+    def chosen(self, sources: Mapping[str, FloatArray]) -> list[Channel]:
+        """Return the channels to write: all whose source is told, but those left out."""
+        told = [channel for channel in CHANNELS.values() if channel.source in sources]
         return [channel for channel in told if channel.name not in self.without]
 
     def noise_of(self, channel: Channel) -> float:
@@ -45,17 +45,22 @@ class Instruments:
 
 def measure(reality: Reality, instruments: Instruments) -> pd.DataFrame:
     """Return the rows of data.csv; raise `RealityError`."""
-    interval_s, step_s = instruments.interval_s, reality.week.step_s
+    return rows(reality.week.channels, reality.week.step_s, reality.first_day, instruments)
+
+
+def rows(sources: Mapping[str, FloatArray], step_s: float, first_day: str, instruments: Instruments) -> pd.DataFrame:
+    """Return what instruments show of `Channel.source` -> values at the end of every step; raise `RealityError`."""
+    interval_s = instruments.interval_s
     if not is_multiple(interval_s, of=step_s):
         raise RealityError(f"an interval of {interval_s:g} s is no multiple of the study's step_s = {step_s:g}")
     length = round(interval_s / step_s)
-    count = len(reality.week.channels["air_C"]) // length
+    count = len(sources["air_C"]) // length
     if count < 2:
         raise RealityError(f"the record is shorter than two intervals of {interval_s:g} s")
     lost = gaps(count, interval_s, instruments.missing, instruments.random("gaps"))
-    columns: dict[str, object] = {"time": _stamps(reality.first_day, interval_s, count)}
-    for channel in instruments.chosen(reality):
-        values = sampled(channel, reality.week.channels[channel.source], length)
+    columns: dict[str, object] = {"time": _stamps(first_day, interval_s, count)}
+    for channel in instruments.chosen(sources):
+        values = sampled(channel, sources[channel.source], length)
         values = _read(channel, values, instruments)
         columns[channel.name] = values if channel.is_assumed else np.where(lost, np.nan, values)
     return pd.DataFrame(columns)

@@ -1,0 +1,272 @@
+"""The plants as engines of the blind test, with what an engineer would honestly believe of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from datetime import date, timedelta
+from typing import Any, ClassVar
+
+import numpy as np
+
+from waxstudy.plugin import Choice, FloatArray
+from waxstudy.plugin.trial import Cause, Engine, Scene, Staged, Unmakeable
+from waxstudy_trials.family import Channels, logged
+from waxstudy_trials.plant.causes import PUTS
+from waxstudy_trials.plant.description import Plant
+from waxstudy_trials.plant.weather import Weather, weather
+
+WARM_UP_DAYS = 3
+STEP_S = 10  # of what is kept
+DAY_S = 86_400
+FIRST = date(2023, 1, 8)
+# column of the loop -> what a channel is taken from
+SOURCES = {
+    "air_C": "air_C",
+    "reading_C": "reading_C",
+    "output": "output",
+    "opening": "opening",
+    "flow_L_h": "flow_L_h",
+    "operative_C": "operative_C",
+    "floor_surface_C": "floor_surface_C",
+    "return_C": "return_C",
+}
+UNTOUCHED = 1e-9  # the least change that a cause makes of a channel
+
+
+class OtherPlant(Engine):
+    """The plant of `plant.loop` in the room of the realities: wet screed, on-off thermostat, wax motor."""
+
+    name = "other-plant"
+    departs = ("actuator", "valve", "emitter", "room")
+    base: ClassVar[Plant] = Plant()
+    building: ClassVar[Mapping[str, Any]] = {
+        "facade_m": {"south": 4.0, "west": 2.6},
+        "window_area_m2": {"south": 3.0, "west": 3.0},
+        "height_m": 2.6,
+    }
+
+    @classmethod
+    def causes(cls) -> Sequence[Cause]:
+        return [put.cause for put in PUTS.values()]
+
+    @classmethod
+    def draw(cls, random: np.random.Generator, names: Sequence[str], days: int) -> Scene:
+        if len({name for name in names if PUTS[name].logger}) > 1:
+            raise Unmakeable("one logger cannot be wrong in two ways")
+        scene: Scene = {
+            "days": days,
+            "seed": int(random.integers(2**31)),
+            "day": int(random.integers(45)),
+            "outdoor_C": round(float(random.uniform(-9.0, 4.0)), 1),
+            "gains_W": round(float(random.uniform(25.0, 60.0)), 1),
+            "setpoint_C": round(float(random.uniform(20.3, 22.0)), 1),
+            "plant": cls._scatter(random),
+            "gains_factor": round(float(random.normal(1.0, 0.07)), 3),
+            "sun_factor": round(float(random.normal(1.0, 0.06)), 3),
+        }
+        return {**scene, "causes": [{"name": name, "values": PUTS[name].drawn(random)} for name in names]}
+
+    @classmethod
+    def _scatter(cls, random: np.random.Generator) -> dict[str, float]:
+        """Return numbers in which one plant is not another."""
+        scattered = {
+            "sensor_s": cls.base.sensor_s * float(np.exp(random.normal(0.0, 0.25))),
+            "band_K": float(random.choice([0.4, 0.5, 0.6, 1.0])),
+            "power_W": cls.base.power_W * float(np.exp(random.normal(0.0, 0.04))),
+            "latent_J": cls.base.latent_J * float(np.exp(random.normal(0.0, 0.06))),
+            "curve": cls.base.curve * float(np.exp(random.normal(0.0, 0.15))),
+            "full_flow_L_h": cls.base.full_flow_L_h * float(random.uniform(0.85, 1.15)),
+            "coupling": float(random.uniform(0.0, 0.2)),
+            "furniture_J_K": cls.base.furniture_J_K * float(np.exp(random.normal(0.0, 0.4))),
+        }
+        return {name: float(f"{value:.4g}") for name, value in scattered.items()}
+
+    @classmethod
+    def make(cls, scene: Mapping[str, Any]) -> Staged:
+        from waxstudy_trials.plant.loop import simulate
+
+        plant = cls.base._replace(**scene["plant"])
+        puts = [(PUTS[each["name"]], each["values"]) for each in scene["causes"]]
+        assumed = cls._weather(scene)
+        true = assumed._replace(
+            sun_W=scene["sun_factor"] * assumed.sun_W, gains_W=scene["gains_factor"] * assumed.gains_W
+        )
+        found = simulate(_with(plant, puts), true, scene["setpoint_C"])
+        if not np.isfinite(found).all():
+            raise Unmakeable("the plant does not settle")
+        whole = _kept(found) | _inputs(assumed, scene["setpoint_C"])
+        still = []
+        for put in puts:
+            rest = _with(plant, [other for other in puts if other is not put])
+            is_logger = put[0].logger is not None
+            still.append({} if is_logger else _changed(whole, simulate(rest, true, scene["setpoint_C"], found)))
+        channels, without = _logged(whole, puts, still)
+        return Staged(
+            channels=channels,
+            step_s=float(STEP_S),
+            first_day=(FIRST + timedelta(days=scene["day"])).isoformat(),
+            described={"nominal": cls._nominal(plant, scene["setpoint_C"]), "building": cls._building(plant)},
+            effects=[None] * len(puts),
+            without=without,
+        )
+
+    @classmethod
+    def _weather(cls, scene: Mapping[str, Any]) -> Weather:
+        random, days = np.random.default_rng(scene["seed"]), scene["days"] + WARM_UP_DAYS
+        return weather(random, days, scene["outdoor_C"], scene["gains_W"], cls.base.window_m2)
+
+    @classmethod
+    def _nominal(cls, plant: Plant, setpoint_C: float) -> dict[str, Any]:
+        """Return the chain of its data sheets: the motor's of Table 2, the valve's curve as it was measured."""
+        return {
+            "sensor": {"use": "lag", "time_constant_s": plant.sensor_s},
+            "controller": {"use": "on-off", "dead_band_K": plant.band_K},
+            "actuator": {"use": "variable-times", "product": "B"},
+            "valve": {"use": "quick-opening", **fitted_valve(plant)},
+            "setpoint_C": setpoint_C,
+        }
+
+    @classmethod
+    def _building(cls, plant: Plant) -> dict[str, Any]:
+        """Return what is known of the room as built; nobody has weighed the furniture."""
+        return {
+            **cls.building,
+            "floor_area_m2": plant.area_m2,
+            "window_U_W_m2K": plant.window_U_W_m2K,
+            "window_g": 0.30,
+            "wall_U_W_m2K": plant.wall_U_W_m2K,
+            "thermal_bridge_W_m2K": 0.031,
+            "floor_U_W_m2K": plant.floor_U_W_m2K,
+            "screed_W_mK": plant.screed_W_mK,
+            "screed_J_m3K": plant.screed_J_m3K,
+            "concrete_J_m3K": plant.concrete_J_m3K,
+            "pipe": {
+                "outer_mm": 1000.0 * plant.pipe_outer_m,
+                "wall_mm": round(500.0 * (plant.pipe_outer_m - plant.pipe_inner_m), 3),
+                "spacing_mm": 1000.0 * plant.spacing_m,
+                "conductivity_W_mK": plant.pipe_W_mK,
+            },
+            "air_capacity_multiplier": 3.0,
+            "infiltration_L_s": plant.leak_L_s,
+            "ventilation_L_s": plant.ventilation_L_s,
+            "gain_radiant_share": plant.gain_radiant,
+            "nominal_flow_L_h": plant.full_flow_L_h,
+            "heating_curve_C": [[-22.0, 34.0], [20.0, 22.0]],
+        }
+
+
+class ThinFloorPlant(OtherPlant):
+    """A corner office with a thin floor, a nearly linear valve of high authority and a slow motor; kept."""
+
+    name = "thin-floor-plant"
+    is_kept = True
+    base = Plant(
+        sensor_s=240.0,
+        power_W=15.0,
+        heat_J_K=95.0,
+        friction=0.03,
+        lift=0.05,
+        curve=0.6,
+        authority=0.45,
+        full_flow_L_h=170.0,
+        pipe_m=120.0,
+        spacing_m=0.15,
+        area_m2=18.0,
+        above_m=0.028,
+        below_m=0.014,
+        concrete_m=0.16,
+        floor_U_W_m2K=0.15,
+        volume_m3=50.0,
+        furniture_J_K=5.0e5,
+        furniture_W_K=45.0,
+        wall_m2=17.1,
+        partition_m2=24.1,
+        board_J_m2K=22_000.0,
+        wall_U_W_m2K=0.17,
+        window_m2=7.0,
+        window_U_W_m2K=0.9,
+        bridge_W_K=1.4,
+        leak_L_s=0.4,
+        ventilation_L_s=9.0,
+    )
+    building: ClassVar[Mapping[str, Any]] = {
+        "facade_m": {"south": 5.0, "west": 3.6},
+        "window_area_m2": {"south": 4.0, "west": 3.0},
+        "height_m": 2.8,
+        "screed_above_m": 0.028,
+        "screed_below_m": 0.014,
+        "concrete_m": 0.16,
+        "gypsum_m": 0.026,
+        "partition_gypsum_m": 0.026,
+    }
+
+
+def _with(plant: Plant, puts: Sequence[tuple[Any, Mapping[str, float]]]) -> Plant:
+    for put, values in puts:
+        plant = put.edited(plant, values)
+    return plant
+
+
+def _kept(found: FloatArray) -> dict[str, FloatArray]:
+    """Return the record's columns at longer steps, the flow as its mean, without the warm-up."""
+    from waxstudy_trials.plant.loop import COLUMNS
+
+    rows = found[WARM_UP_DAYS * DAY_S :].reshape(-1, STEP_S, len(COLUMNS))
+    kept = {ours: rows[:, -1, COLUMNS.index(column)] for column, ours in SOURCES.items()}
+    kept["flow_L_h"] = rows[:, :, COLUMNS.index("flow_L_h")].mean(axis=1)
+    kept["supply_C"] = rows[:, -1, COLUMNS.index("supply_C")]
+    return kept
+
+
+def _inputs(assumed: Weather, setpoint_C: float) -> dict[str, FloatArray]:
+    """Return what is known or assumed besides, and what follows from it."""
+    steps = 900 // STEP_S
+    first = WARM_UP_DAYS * DAY_S // 900
+    held = {name: np.repeat(getattr(assumed, name)[first:], steps) for name in ("sun_W", "gains_W", "neighbour_C")}
+    at = np.arange(len(held["sun_W"]) + first * steps) / steps
+    outdoor_C = np.interp(at, np.arange(len(assumed.outdoor_C)), assumed.outdoor_C)[first * steps :]
+    return {
+        "outdoor_C": outdoor_C,
+        "solar_gain_W": held["sun_W"],
+        "internal_gain_W": held["gains_W"],
+        "neighbour_C": held["neighbour_C"],
+        "setpoint_C": np.full(len(outdoor_C), setpoint_C),
+    }
+
+
+def _changed(channels: Channels, still: FloatArray) -> dict[str, FloatArray]:
+    """Return the channels that a cause changes, as they would be without it."""
+    without = _kept(still)
+    return {n: values for n, values in without.items() if np.max(np.abs(values - channels[n])) > UNTOUCHED}
+
+
+def _logged(
+    channels: Channels, puts: Sequence[tuple[Any, Mapping[str, float]]], still: Sequence[Channels]
+) -> tuple[Channels, list[Channels]]:
+    """Return what is logged of the signal, which is the output, and of what a logger changes."""
+    channels = {**channels, "signal": channels["output"]}
+    choices = [Choice.of(put.logger, values) for put, values in puts if put.logger]
+    shown, of_loggers = logged(channels, float(STEP_S), choices)
+    rest = iter(of_loggers)
+    return shown, [next(rest) if put.logger else each for (put, _), each in zip(puts, still, strict=True)]
+
+
+def fitted_valve(plant: Plant) -> dict[str, float]:
+    """Return the three-point curve that a commissioning engineer would fit to the valve's flows, by least squares."""
+    from scipy.optimize import least_squares
+
+    from waxstudy_trials.plant.loop import _lifted
+
+    openings = np.linspace(0.0, 1.0, 41)
+    seen = np.array([_lifted(plant, float(opening)) for opening in openings])
+
+    def missed(x: FloatArray) -> FloatArray:
+        h_min, h_mid, v_mid, authority = x
+        low = v_mid * (openings - h_min) / (h_mid - h_min)
+        high = v_mid + (1.0 - v_mid) * (openings - h_mid) / (1.0 - h_mid)
+        v = np.clip(np.where(openings < h_mid, low, high), 0.0, 1.0)
+        return np.asarray(v / np.sqrt(v * v * (1.0 - authority) + authority) - seen)
+
+    bounds = ([0.0, 0.3, 0.05, 0.02], [0.28, 0.9, 0.95, 1.0])
+    best = least_squares(missed, [plant.lift, 0.45, 0.5, plant.authority], bounds=bounds).x
+    return {name: round(float(v), 4) for name, v in zip(("h_min", "h_mid", "v_mid", "authority"), best, strict=True)}

@@ -1,0 +1,52 @@
+"""A small blind test, made once by the command itself."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import call
+from waxstudy.blind_test.key import Key
+from waxstudy.blind_test.make import Place
+
+CASES = 4
+KEY = Key(767, 32 * "c")  # a salt that is no secret, so that the same records are made every time
+DATA = "WAXSTUDY_DATA"
+NONE = '{"verdict": "none"}'
+
+
+@pytest.fixture(scope="session")
+def finished_test(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with four records in `test` and their key in `key`; not to be changed."""
+    folder = tmp_path_factory.mktemp("blind")
+    (folder / "key").write_text(f"{KEY}\n")
+    done = call(folder, "blind-test", "make", "--cases", CASES, "--out", "test", "--key-file", "key")
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.fixture
+def small_test(finished_test: Path, tmp_path: Path) -> Path:
+    """A copy of the folder `test`, its key beside it."""
+    shutil.copy(finished_test / "key", tmp_path / "key")
+    return shutil.copytree(finished_test / "test", tmp_path / "test")
+
+
+@pytest.fixture
+def place(small_test: Path) -> Place:
+    return Place(small_test)
+
+
+@pytest.fixture
+def key(small_test: Path) -> Key:
+    return Key.read(small_test.with_name("key").read_text())
+
+
+def answering(folder: Path, text: str) -> list[str]:
+    """Return a command that prints the same of every dataset."""
+    script = folder / "answer.py"
+    script.write_text(f"import sys, pathlib\nassert pathlib.Path(sys.argv[1], 'data.csv').exists()\nprint({text!r})\n")
+    return [sys.executable, str(script)]

@@ -1,0 +1,211 @@
+"""Claims about marks and figures, on truths and answers whose right figures can be told by hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from waxstudy.blind_test.answer import Answer, NoAnswer
+from waxstudy.blind_test.figures import median, share
+from waxstudy.blind_test.marks import Mark, TrueCause, Truth
+from waxstudy.blind_test.score import figures, scored
+
+STAGE = {
+    "let-by": "valve",
+    "stuck-open": "valve",
+    "low-authority": "valve",
+    "sensor-bias": "sensor",
+    "max-flow": "valve",
+}
+
+
+def cause(
+    name: str, *alike: str, over: float = 5.0, family: bool = False, stages: str = "", **values: float
+) -> TrueCause:
+    places = frozenset(stages.split()) or frozenset({STAGE.get(name, "valve")})
+    return TrueCause(name, places, family, values, over, over, frozenset(alike))
+
+
+def truth(*causes: TrueCause, kind: str = "", departs: str = "", **changes: Any) -> Truth:
+    kinds = {0: "null", 1: "family" if causes and causes[0].is_family else "single", 2: "pair"}
+    about: dict[str, Any] = {
+        "channels": "all",
+        "noise_factor": 1.0,
+        "interval_s": 60.0,
+        "days": 14,
+        "is_measured": False,
+    }
+    return Truth(
+        name=changes.pop("name", "x"),
+        stratum="goal",
+        kind=kind or kinds[len(causes)],
+        engine="fast-room",
+        causes=causes,
+        departs=frozenset(departs.split()),
+        **{**about, **changes},
+    )
+
+
+def effect(*group: str, stage: str = "", **parameters: tuple[float, float, float]) -> dict[str, Any]:
+    said = {name: dict(zip(("value", "low", "high"), v, strict=True)) for name, v in parameters.items()}
+    return {"name": group[0], "stage": stage or STAGE[group[0]], "group": list(group), "parameters": said}
+
+
+def mark(true: Truth, *effects: dict[str, Any], unexplained: str = "", verdict: str = "") -> Mark:
+    verdict = verdict or ("effect" if effects else ("unknown" if unexplained else "none"))
+    open_ = [{"stage": stage} for stage in unexplained.split()]
+    return Mark(true, Answer.read({"verdict": verdict, "effects": list(effects), "unexplained": open_}))
+
+
+LET_BY = cause("let-by", "stuck-open")
+ALONE = cause("let-by")
+
+
+def test_a_group_is_right_if_it_holds_the_truth_and_nothing_outside_its_class() -> None:
+    assert mark(truth(LET_BY), effect("stuck-open", "let-by")).right_group
+    assert mark(truth(LET_BY), effect("let-by")).right_group
+    assert not mark(truth(ALONE), effect("let-by", "stuck-open")).right_group
+    assert not mark(truth(LET_BY), effect("stuck-open")).right_group
+    assert not mark(truth(LET_BY), effect("let-by"), effect("sensor-bias")).right_group
+    assert not mark(truth(LET_BY)).right_group
+
+
+def test_top_1_is_the_truth_named_alone() -> None:
+    assert mark(truth(ALONE), effect("let-by")).top_1
+    assert not mark(truth(LET_BY), effect("let-by", "stuck-open")).top_1
+    assert mark(truth(ALONE), effect("let-by")).is_nameable
+    assert not mark(truth(LET_BY), effect("let-by")).is_nameable
+
+
+def test_to_name_one_where_nobody_could_is_an_over_claim() -> None:
+    assert mark(truth(LET_BY), effect("let-by")).over_claim
+    assert not mark(truth(LET_BY), effect("let-by", "stuck-open")).over_claim
+    assert not mark(truth(ALONE), effect("let-by")).over_claim
+
+
+def test_a_stage_is_right_by_claims_else_by_what_stays_open() -> None:
+    assert mark(truth(ALONE), effect("low-authority")).right_stage
+    assert mark(truth(ALONE), unexplained="actuator+valve").right_stage
+    assert not mark(truth(ALONE), unexplained="valve sensor").right_stage
+    assert not mark(truth(ALONE), effect("sensor-bias"), unexplained="valve").right_stage
+
+
+def test_a_claim_on_a_null_is_a_false_alarm_and_elsewhere_a_misdiagnosis() -> None:
+    assert mark(truth(), effect("let-by")).false_alarm
+    assert not mark(truth(), effect("let-by")).misdiagnosis
+    assert mark(truth(ALONE), effect("sensor-bias")).misdiagnosis
+    assert not mark(truth(LET_BY), effect("stuck-open")).misdiagnosis
+    assert not mark(truth(ALONE)).misdiagnosis
+
+
+def test_something_outside_the_library_is_to_stay_open_at_its_stage() -> None:
+    sticking = truth(cause("sticking-valve", family=True, stages="valve actuator"))
+    assert mark(sticking, unexplained="valve").unknown_found
+    assert not mark(sticking, unexplained="room").unknown_found
+    assert not mark(sticking, effect("let-by"), unexplained="valve").unknown_found
+    assert not mark(sticking).unknown_found
+    explained = truth(cause("sticking-valve", "low-authority", family=True))
+    assert mark(explained, effect("low-authority")).unknown_found
+
+
+def test_with_the_true_effect_left_out_the_honest_answer_is_open_or_of_its_class() -> None:
+    assert mark(truth(LET_BY), effect("stuck-open")).left_out_honestly
+    assert mark(truth(LET_BY), unexplained="valve").left_out_honestly
+    assert not mark(truth(LET_BY), effect("max-flow")).left_out_honestly
+    assert not mark(truth(LET_BY)).left_out_honestly
+
+
+def test_both_of_two_are_found_in_groups_of_their_own() -> None:
+    both = truth(ALONE, cause("sensor-bias"))
+    assert mark(both, effect("let-by"), effect("sensor-bias")).right_group
+    assert not mark(both, effect("let-by")).right_group
+    assert not mark(both, effect("let-by"), effect("sensor-bias"), effect("max-flow")).right_group
+
+
+def test_findings_where_the_model_differs_in_form_are_counted_apart() -> None:
+    null = mark(truth(departs="valve room"), effect("low-authority"), unexplained="room")
+    assert not null.false_alarm
+    assert not null.unknown_claimed
+    assert null.has_apart
+    assert mark(truth(departs="valve"), effect("sensor-bias")).false_alarm
+    assert mark(truth(ALONE, departs="valve"), effect("let-by"), effect("low-authority")).right_group
+
+
+def test_a_measured_house_may_be_untestable() -> None:
+    bias = truth(cause("sensor-bias"), is_measured=True)
+    said = {"verdict": "none", "untestable": [{"name": "sensor-bias", "reason": "no channel"}]}
+    assert Mark(bias, Answer.read(said)).right_or_untestable
+    assert not mark(bias).right_or_untestable
+    assert not Mark(bias, Answer.failed()).right_or_untestable
+
+
+def test_a_model_s_form_alone_is_no_finding() -> None:
+    said = {"verdict": "none", "unexplained": [{"stage": "room", "is_room_form": True}]}
+    assert Answer.read(said).open_stages == ()
+
+
+@pytest.mark.parametrize(
+    "said",
+    [None, [], {}, {"verdict": "maybe"}, {"verdict": "effect", "effects": [{}]}, {"verdict": "none", "effects": 3}],
+)
+def test_what_is_no_diagnosis_is_refused(said: Any) -> None:
+    with pytest.raises(NoAnswer):
+        Answer.read(said)
+
+
+def test_figures_are_what_can_be_counted_by_hand() -> None:
+    """Four singles: one right with its value in the interval, one with two names, one missed, one wrong; two nulls."""
+    value = truth(cause("let-by", fraction=0.02), name="a")
+    own = [
+        mark(value, effect("let-by", fraction=(0.021, 0.019, 0.023))),
+        mark(truth(LET_BY), effect("stuck-open", "let-by")),
+        mark(truth(ALONE)),
+        mark(truth(ALONE), effect("sensor-bias")),
+        mark(truth()),
+        mark(truth(), unexplained="valve"),
+    ]
+    told = figures(own)
+    assert (told["right_group"].count, told["right_group"].of) == (2, 4)
+    assert (told["top_1"].count, told["top_1"].of) == (1, 3)
+    assert (told["stage"].count, told["stage"].of) == (2, 4)
+    assert (told["detection"].count, told["detection"].of) == (3, 4)
+    assert (told["misdiagnosis"].count, told["misdiagnosis"].of) == (1, 4)
+    assert (told["false_alarm"].count, told["false_alarm"].of) == (0, 2)
+    assert (told["unknown_claimed"].count, told["unknown_claimed"].of) == (1, 6)
+    assert told["group_size"].value == 1.5
+    assert (told["coverage"].count, told["coverage"].of) == (1, 1)
+    assert told["parameter_error"].value == pytest.approx(0.05)
+    assert told["both"].of == 0
+    goals = {(goal["name"], goal["where"]): goal for goal in scored(own, 6, [], {})["goals"]}
+    assert goals["right group", "fast room"]["value"] == 0.5
+    assert goals["right group", "fast room"]["met"] is False
+    assert goals["right group", "other physics"]["value"] is None
+    assert goals["false alarms on nulls", "fast room"]["met"] is True
+
+
+def test_goals_take_full_channels_nominal_noise_and_gaps_above_twice_the_floor() -> None:
+    small = cause("let-by", over=1.9)
+    others = [truth(small), truth(ALONE, channels="no flow"), truth(ALONE, noise_factor=2.0)]
+    own = [mark(truth(ALONE), effect("let-by")), *(mark(each) for each in others)]
+    goals = {(goal["name"], goal["where"]): goal for goal in scored(own, 4, [], {})["goals"]}
+    assert (goals["right group", "fast room"]["count"], goals["right group", "fast room"]["of"]) == (1, 1)
+
+
+def test_failures_are_listed_with_their_truth() -> None:
+    own = [mark(truth(cause("let-by", fraction=0.02), name="a"), effect("sensor-bias")), mark(truth(name="b"))]
+    (failure,) = scored(own, 2, [], {})["failures"]
+    assert (failure["record"], failure["truth"], failure["said"]) == ("a", "let-by", "sensor-bias")
+    assert failure["values"] == {"let-by": {"fraction": 0.02}}
+
+
+def test_shares_have_wilson_s_interval_and_medians_one_of_cases_drawn_again() -> None:
+    """Wilson 1927 for 45 of 50: 0.786 to 0.957."""
+    figure = share([True] * 45 + [False] * 5)
+    assert figure.low == pytest.approx(0.786, abs=0.001)
+    assert figure.high == pytest.approx(0.957, abs=0.001)
+    middle = median([float(n) for n in range(101)])
+    assert middle.value == 50.0
+    assert middle.low is not None
+    assert middle.high is not None
+    assert 35.0 < middle.low < 50.0 < middle.high < 65.0

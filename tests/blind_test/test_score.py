@@ -1,0 +1,60 @@
+"""Claims about the score as a user gets it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.blind_test.conftest import CASES, answering
+from tests.conftest import Waxstudy
+from waxstudy.blind_test.key import Key
+from waxstudy.blind_test.make import Place
+from waxstudy.plugin.trial import engine_of
+
+CONSTANT = json.dumps({"verdict": "effect", "effects": [{"name": "let-by", "stage": "valve", "group": ["let-by"]}]})
+
+
+@pytest.fixture
+def constant(small_test: Path, waxstudy: Waxstudy) -> Path:
+    """The small test, answered by one who always says the same."""
+    command = answering(small_test.parent, CONSTANT)
+    assert waxstudy("blind-test", "solve", "test", "--name", "constant", "--", *command).returncode == 0
+    return small_test
+
+
+def test_a_diagnoser_that_always_says_the_same_scores_as_such(constant: Path, waxstudy: Waxstudy, key: Key) -> None:
+    done = waxstudy("blind-test", "score", "test", "--key-file", "key", "--json")
+    assert done.returncode == 0, done.stderr
+    place = Place(constant)
+    truths = [key.opened(name, place.box(name).read_bytes()) for name in place.names()]
+    own = json.loads(done.stdout)["diagnosers"]["constant"]["all"]
+    nulls = [truth for truth in truths if truth["kind"] == "null"]
+    apart = [truth for truth in nulls if "valve" in engine_of(truth["engine"]).departs]
+    let_by = [t for t in truths if t["kind"] == "single" and t["causes"][0]["name"] == "let-by"]
+    assert (own["false_alarm"]["count"], own["false_alarm"]["of"]) == (len(nulls) - len(apart), len(nulls))
+    assert own["right_group"]["count"] == (len(let_by) if own["right_group"]["of"] else None)
+    assert own["unknown_found"]["count"] in (0, None)
+    assert own["detection"]["of"] == len(truths) - len(nulls)
+
+
+def test_the_table_fits_a_screen_and_page_and_json_are_written(constant: Path, waxstudy: Waxstudy) -> None:
+    done = waxstudy("blind-test", "score", "test", "--key-file", "key")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith(f"{CASES} records (")
+    assert lines[0].endswith("all seals whole")
+    assert len(lines) < 50
+    assert max(map(len, lines)) <= 160
+    page = (constant / "score" / "score.html").read_text()
+    told = json.loads((constant / "score" / "score.json").read_text())
+    assert told["records"] == CASES
+    for failure in told["diagnosers"]["constant"]["failures"]:
+        assert failure["record"] in page
+    assert "http" not in page.replace("http://www.w3.org", "")
+
+
+def test_without_answers_there_is_nothing_to_score(small_test: Path, waxstudy: Waxstudy) -> None:
+    done = waxstudy("blind-test", "score", "test", "--key-file", "key")
+    assert (done.returncode, "nobody has answered" in done.stderr) == (2, True)

@@ -1,0 +1,171 @@
+"""Claims about what the records give away, and what their seals tell."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.blind_test.conftest import CASES, NONE, answering
+from tests.conftest import Waxstudy, call
+from waxstudy.blind_test.draw import Case, drawn
+from waxstudy.blind_test.key import BOX_BYTES, Key, KeyProblem
+from waxstudy.blind_test.make import Place
+from waxstudy.blind_test.plan import Plan, available
+from waxstudy.blind_test.record import FILES, PAGE_BYTES, WIDTH
+from waxstudy.plugin.trial import Unmakeable
+
+DRAWS = 500
+STAMP = len("2021-01-01T00:01:00")
+
+
+def test_names_are_random_and_all_files_have_one_time(place: Place) -> None:
+    names = place.names()
+    assert len(names) == CASES == len(list(place.records.iterdir()))
+    files = [path for folder in place.records.iterdir() for path in (folder, *folder.iterdir())]
+    boxes = [place.box(name) for name in names]
+    assert {path.name for path in files if path.is_file()} == set(FILES)
+    assert len({path.stat().st_mtime for path in [*files, *boxes]}) == 1 or os.name != "posix"
+
+
+def test_a_file_is_as_long_as_its_rows_and_columns_make_it(place: Place) -> None:
+    for name in place.names():
+        folder = place.record(name)
+        header, *rows = (folder / "data.csv").read_text().splitlines()
+        columns = len(header.split(",")) - 1
+        assert {len(row) for row in rows} == {STAMP + columns * (WIDTH + 1)}
+        assert (folder / "dataset.toml").stat().st_size % PAGE_BYTES == 0
+        assert place.box(name).stat().st_size == BOX_BYTES + 32
+    assert len({(place.record(name) / "dataset.toml").stat().st_size for name in place.names()}) == 1
+
+
+def cases(count: int) -> list[Case]:
+    """Return what a key draws, in its own order."""
+    key, plan = Key(5, "b" * 32), Plan(cases=count, engines=available(is_judged=False))
+    found = []
+    for index, slot in enumerate(plan.slots(key)):
+        try:
+            found.append(drawn(key, slot, index, 0, is_judged=False))
+        except Unmakeable:
+            continue
+    return found
+
+
+def shown_of(case: Case, place: int) -> list[float]:
+    """Return all that a folder gives away: name, place among the others, and sizes, which rows and columns make."""
+    rows = case.measured.days * 86_400 / case.measured.interval_s
+    letters = [int(letter, 16) for letter in case.name]
+    return [place, rows, np.log(rows), *letters]
+
+
+def accuracy(features: np.ndarray, labels: np.ndarray, neighbours: int = 9) -> float:
+    """Return how often the nearest others, by what is shown, have a record's own label."""
+    scaled = (features - features.mean(axis=0)) / features.std(axis=0)
+    distance = np.sum((scaled[:, None] - scaled[None]) ** 2, axis=2)
+    np.fill_diagonal(distance, np.inf)
+    near = labels[np.argsort(distance, axis=1)[:, :neighbours]]
+    votes = [np.argmax(np.bincount(row)) for row in near]
+    return float(np.mean(votes == labels))
+
+
+@pytest.mark.parametrize("what", ["kind", "stage"])
+def test_folder_order_and_sizes_predict_the_truth_no_better_than_chance(what: str) -> None:
+    """Permutation test: the nearest neighbours' vote, against the same with the labels shuffled 200 times.
+
+    Channels are left out: they are drawn by themselves, and a record cannot hide which it has.
+    """
+    found = cases(DRAWS)
+    words = [case.kind if what == "kind" else (case.causes[0].stages[0] if case.causes else "") for case in found]
+    labels = np.unique(words, return_inverse=True)[1]
+    order = np.argsort([case.name for case in found])
+    features = np.array([shown_of(found[place], number) for number, place in enumerate(order)])
+    labels = labels[order]
+    random = np.random.default_rng(1)
+    chance = [accuracy(features, random.permutation(labels)) for _ in range(200)]
+    assert accuracy(features, labels) <= max(chance)
+
+
+def test_such_a_vote_would_see_a_leak() -> None:
+    random = np.random.default_rng(2)
+    labels = random.integers(0, 4, DRAWS)
+    features = np.column_stack([labels + random.normal(0.0, 0.6, DRAWS), random.normal(size=DRAWS)])
+    chance = [accuracy(features, random.permutation(labels)) for _ in range(50)]
+    assert accuracy(features, labels) > max(chance)
+
+
+def test_what_is_told_to_everybody_says_nothing_of_a_record(place: Place) -> None:
+    said = json.dumps([place.about, place.sealed])
+    assert not any(word in said for word in ("cause", "let-by", "sensor", "null", "single"))
+
+
+def test_the_same_key_draws_the_same_and_another_salt_does_not() -> None:
+    plan = Plan(cases=20, engines=available(is_judged=False))
+    slots = [[slot for slot in plan.slots(Key(7, salt * 32))] for salt in "aab"]
+    assert slots[0] == slots[1] != slots[2]
+    assert Key(7, "a" * 32).record_name(3) != Key(7, "b" * 32).record_name(3)
+
+
+def test_a_box_opens_with_its_own_key_only_and_unchanged_only(key: Key) -> None:
+    box = key.closed("x", {"causes": []})
+    assert key.opened("x", box) == {"causes": []}
+    for wrong, name, changed in ((Key(key.seed, "0" * 32), "x", box), (key, "y", box), (key, "x", box[:-1] + b"!")):
+        with pytest.raises(KeyProblem):
+            wrong.opened(name, changed)
+
+
+def scored(folder: Path, *more: str) -> tuple[int, str]:
+    done = call(folder.parent, "blind-test", "score", folder.name, *more)
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.fixture
+def answered(small_test: Path, waxstudy: Waxstudy) -> Path:
+    command = answering(small_test.parent, NONE)
+    assert waxstudy("blind-test", "solve", small_test, "--", *command).returncode == 0
+    return small_test
+
+
+def test_a_changed_record_and_a_changed_truth_are_told(answered: Path, key: Key) -> None:
+    place = Place(answered)
+    first, second, third = place.names()[:3]
+    data = place.record(first) / "data.csv"
+    data.write_text(data.read_text().replace("1", "2", 1))
+    truth = key.opened(second, place.box(second).read_bytes())
+    place.box(second).write_bytes(key.closed(second, {**truth, "attempt": 99}))
+    place.box(third).write_bytes(b"nothing")
+    code, said = scored(answered, "--key-file", "key")
+    assert code == 1
+    assert f"{first}: its files are not those that were sealed" in said
+    assert f"{second}: its truth is not the one that was sealed" in said
+    assert f"{third}: the sealed truth of {third} does not open" in said
+
+
+def test_a_wrong_key_and_none_are_told(answered: Path, key: Key) -> None:
+    assert scored(answered, "--key", str(Key(key.seed, "0" * 32))) == (
+        2,
+        "error: this is not the key of these records\n",
+    )
+    assert scored(answered, "--key", "abc")[0] == 2
+
+
+def test_a_test_that_is_not_made_to_the_end_is_told(answered: Path) -> None:
+    (answered / "sealed.json").unlink()
+    code, said = scored(answered, "--key-file", "key")
+    assert (code, "not all records are made" in said) == (2, True)
+
+
+def test_going_on_needs_the_key_and_the_same_plan(small_test: Path) -> None:
+    def made(*more: object) -> tuple[int, str]:
+        done = call(small_test.parent, "blind-test", "make", "--out", "test", *more)
+        return done.returncode, done.stderr
+
+    assert "give their key" in made("--cases", CASES)[1]
+    assert "another plan" in made("--cases", CASES + 1, "--key-file", "key")[1]
+    shutil.rmtree(small_test / "boxes")
+    shutil.rmtree(small_test / "records")
+    (small_test / "blind-test.json").unlink()
+    assert "something else" in made("--cases", CASES)[1]

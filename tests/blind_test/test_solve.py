@@ -1,0 +1,151 @@
+"""Claims about letting diagnosers loose: alone with one record, any command, failures, and being killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.blind_test.conftest import CASES, NONE, answering
+from tests.conftest import WAXSTUDY, Waxstudy
+from waxstudy.blind_test.make import Place
+from waxstudy.blind_test.record import digest_of
+
+# prints what it can see instead of a diagnosis of anything
+LOOK = """\
+import json, os, pathlib, sys
+folder = pathlib.Path(sys.argv[-1])
+seen = sorted(str(path.relative_to(folder.parent)) for path in folder.parent.rglob("*"))
+print(json.dumps({"verdict": "none", "seen": seen, "words": sys.argv[1:-1]}))
+"""
+
+
+def answers(place: Place, name: str = "external") -> dict[str, Any]:
+    folder = place.folder / "answers" / name
+    return {path.stem: json.loads(path.read_text()) for path in folder.glob("*.json") if path.stem != "command"}
+
+
+def test_a_diagnoser_sees_one_record_and_nothing_else(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:
+    (tmp_path / "look.py").write_text(LOOK)
+    done = waxstudy("blind-test", "solve", "test", "--name", "looker", "--", sys.executable, "look.py", "--fast")
+    assert (done.returncode, done.stdout) == (0, f"looker: {CASES} records answered, 0 of them by a failure\n")
+    found = answers(place, "looker")
+    assert sorted(found) == place.names()
+    for each in found.values():
+        assert each["answer"]["seen"] == ["record", "record/data.csv", "record/dataset.toml"]
+        assert each["answer"]["words"] == ["--fast"]
+        assert each["exit_code"] == 0
+        assert each["seconds"] > 0.0
+
+
+def test_what_fails_is_kept_with_what_it_said_and_counts_as_untestable(
+    place: Place, waxstudy: Waxstudy, tmp_path: Path
+) -> None:
+    script = tmp_path / "bad.py"
+    script.write_text("import sys; print('no'); sys.exit('out of order' if sys.argv[1].endswith('record') else 0)")
+    assert waxstudy("blind-test", "solve", "test", "--", sys.executable, "bad.py").returncode == 0
+    one = next(iter(answers(place).values()))
+    assert (one["exit_code"], one["answer"], one["stderr"]) == (1, None, "out of order\n")
+    done = waxstudy("blind-test", "score", "test", "--key-file", "key", "--json")
+    own = json.loads(done.stdout)["diagnosers"]["external"]
+    assert sorted(own["failed"]) == place.names()
+    assert own["all"]["right_group"]["count"] in (0, None)
+    assert {each["said"] for each in own["failures"]} == {"failed"}
+
+
+def test_a_diagnoser_that_takes_too_long_is_ended(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:
+    (tmp_path / "slow.py").write_text("import time; time.sleep(60)")
+    options = ("--timeout-s", 1, "--share", 0.1)
+    assert waxstudy("blind-test", "solve", "test", *options, "--", sys.executable, "slow.py").returncode == 0
+    (one,) = answers(place).values()
+    assert one["answer"] is None
+    assert "ended after 1 s" in one["stderr"]
+
+
+def test_answers_of_another_command_are_not_mixed_in(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:
+    assert waxstudy("blind-test", "solve", "test", "--", *answering(tmp_path, NONE)).returncode == 0
+    done = waxstudy("blind-test", "solve", "test", "--", *answering(tmp_path, NONE), "--other")
+    assert (done.returncode, "answers of another command" in done.stderr) == (2, True)
+
+
+@pytest.mark.parametrize("baseline", ["random", "rules"])
+def test_baselines_answer_every_record(place: Place, waxstudy: Waxstudy, baseline: str) -> None:
+    assert waxstudy("blind-test", "solve", "test", "--with", baseline, "--share", 0.3).returncode == 0
+    assert all(each["answer"] for each in answers(place, baseline).values())
+
+
+def test_an_unknown_diagnoser_is_refused_with_those_that_there_are(place: Place, waxstudy: Waxstudy) -> None:
+    done = waxstudy("blind-test", "solve", "test", "--with", "mine")
+    assert done.returncode == 2
+    assert "ours, forward, random, refit, rules" in done.stderr
+
+
+def test_leave_one_out_waits_for_the_ordinary_answers(place: Place, waxstudy: Waxstudy) -> None:
+    done = waxstudy("blind-test", "solve", "test", "--leave-one-out", "--key-file", "key")
+    assert (done.returncode, "first solve all records with ours" in done.stderr) == (2, True)
+
+
+@pytest.mark.slow
+def test_an_effect_is_taken_out_of_the_library(small_study: Path, waxstudy: Waxstudy) -> None:
+    """Of a record of the valve alone, which a diagnosis is soon done with."""
+    lacking = ("sensor_temperature_C", "control_output", "heating_signal", "supply_temperature_C")
+    without = [word for channel in lacking for word in ("--without", channel)]
+    reality = ("reality", small_study, "--case", "O_WM", "--interval-s", 120, "--out", "valve")
+    assert waxstudy(*reality, "--effect", "let-by", "--set", "fraction=0.02", *without).returncode == 0
+    done = waxstudy("blind-test", "without", "let-by", "valve")
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert "let-by" not in {each["name"] for each in said["tried"]}
+    assert "stuck-open" in {each["name"] for each in said["tried"]}
+    assert waxstudy("blind-test", "without", "let-bye", "valve").returncode == 4
+
+
+def killed(folder: Path, begun: int, count: str, *arguments: object) -> None:
+    """Start a command and kill it, with its processes, once it has written so many files."""
+    command = [str(WAXSTUDY), *map(str, arguments)]
+    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, start_new_session=True)
+    while len(list(folder.glob(count))) < begun:
+        assert process.poll() is None, "it ended before it could be killed"
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+def test_making_that_was_killed_loses_and_changes_nothing(
+    finished_test: Path, tmp_path: Path, waxstudy: Waxstudy
+) -> None:
+    (tmp_path / "key").write_text((finished_test / "key").read_text())
+    arguments = ("blind-test", "make", "--cases", CASES, "--out", "test", "--key-file", "key")
+    killed(tmp_path, 2, "test/boxes/*.box", *arguments)
+    made = {path: path.stat().st_ino for path in (tmp_path / "test" / "boxes").glob("*.box")}
+    assert 2 <= len(made) < CASES
+    assert waxstudy(*arguments).returncode == 0
+    assert {path: path.stat().st_ino for path in made} == made
+    whole, again = Place(finished_test / "test"), Place(tmp_path / "test")
+    assert again.sealed == whole.sealed
+    assert [digest_of(again.record(name)) for name in again.names()] == [
+        digest_of(whole.record(name)) for name in whole.names()
+    ]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+def test_solving_that_was_killed_goes_on_from_there(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:
+    script = tmp_path / "slowly.py"
+    script.write_text(f"import time; time.sleep(0.2); print({NONE!r})")
+    arguments = ("blind-test", "solve", "test", "--", sys.executable, "slowly.py")
+    killed(tmp_path, 2, "test/answers/external/[!c]*.json", *arguments)
+    before = answers(place)
+    assert 2 <= len(before) < CASES
+    assert waxstudy(*arguments).returncode == 0
+    after = answers(place)
+    assert sorted(after) == place.names()
+    assert {name: after[name] for name in before} == before

@@ -1,0 +1,109 @@
+"""Drawing a case: what is put into a record, and how it is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from waxstudy.blind_test.key import Key
+from waxstudy.blind_test.plan import Slot, causes_of
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.measure import Instruments
+from waxstudy.plugin.trial import Cause, Engine, Scene, engine_of
+
+# channel set -> what it lacks; a return says nothing without flow
+CHANNEL_SETS: Mapping[str, tuple[str, ...]] = {
+    "all": (),
+    "no displacement": ("displacement",),
+    "no flow": ("flow_L_h", "return_temperature_C"),
+    "no signal": ("control_output", "heating_signal"),
+    "temperatures only": ("control_output", "heating_signal", "displacement", "flow_L_h", "return_temperature_C"),
+}
+INTERVALS_S = {10.0: 0.1, 30.0: 0.15, 60.0: 0.4, 120.0: 0.15, 300.0: 0.12, 900.0: 0.08}  # -> how often
+NOISE = (0.5, 4.0)  # factor on the nominal noise, log-uniform
+MISSING = (0.0, 0.0, 0.003, 0.02)
+PATIENCE = 8  # attempts after which a record is measured in another way: its sampling may hide what it must show
+
+
+@dataclass(frozen=True)
+class Measured:
+    """How a record is measured, in JSON's words."""
+
+    channels: str  # of CHANNEL_SETS
+    interval_s: float
+    days: int
+    noise_factor: float
+    missing: float
+    seed: int
+
+    def instruments(self, noise: bool = True) -> Instruments:
+        """Return the instruments, or with no noise at all."""
+        factor = self.noise_factor if noise else 0.0
+        return Instruments(
+            interval_s=self.interval_s,
+            without=CHANNEL_SETS[self.channels],
+            noise={name: factor * channel.noise for name, channel in CHANNELS.items()},
+            resolution={} if noise else dict.fromkeys(CHANNELS, 0.0),
+            missing=self.missing if noise else 0.0,
+            seed=self.seed,
+        )
+
+
+@dataclass(frozen=True)
+class Case:
+    """A record that was drawn; `scene["causes"]` is its truth."""
+
+    name: str
+    stratum: str
+    kind: str
+    engine: str
+    attempt: int
+    measured: Measured
+    scene: Scene
+
+    def described(self) -> dict[str, Any]:
+        return asdict(self)
+
+    @property
+    def causes(self) -> list[Cause]:
+        """The causes in the scene."""
+        known = {cause.name: cause for cause in engine_of(self.engine).causes()}
+        return [known[each["name"]] for each in self.scene["causes"]]
+
+
+def drawn(key: Key, slot: Slot, index: int, attempt: int, is_judged: bool) -> Case:
+    """Return a case, always the same of the same key; raise `Unmakeable`.
+
+    How it is measured, and all of the scene but its causes, is drawn alike whether there are causes or not. Where the
+    scene must be drawn again, for a larger gap, the record stays as it is measured, for a while.
+    """
+    random, engine = key.random("scene", index, attempt), engine_of(slot.engine)
+    measured = _measured(key.random("measured", index, attempt // PATIENCE), slot, engine)
+    names = _names(random, slot, causes_of(engine, slot.kind, is_judged))
+    scene = engine.draw(random, names, measured.days)
+    if slot.kind == "null":
+        scene = {**scene, "causes": []}
+    return Case(key.record_name(index), slot.stratum, slot.kind, slot.engine, attempt, measured, scene)
+
+
+def _measured(random: np.random.Generator, slot: Slot, engine: type[Engine]) -> Measured:
+    interval_s = engine.interval_s or float(random.choice(list(INTERVALS_S), p=list(INTERVALS_S.values())))
+    days = int(random.integers(engine.days[0], engine.days[1] + 1))
+    channels = str(random.choice(list(CHANNEL_SETS)))
+    factor = round(float(np.exp(random.uniform(*np.log(NOISE)))), 2)
+    missing, seed = float(random.choice(MISSING)), int(random.integers(2**31))
+    if not slot.is_free:
+        channels, factor = "all", 1.0
+    if engine.is_measured:
+        missing = 0.0
+    return Measured(channels, interval_s, days, factor, missing, seed)
+
+
+def _names(random: np.random.Generator, slot: Slot, known: Sequence[str]) -> list[str]:
+    count = 2 if slot.kind == "pair" else 1
+    if slot.cause:
+        return [slot.cause]
+    return [str(name) for name in random.choice(known, size=count, replace=False)]

@@ -1,0 +1,176 @@
+"""Making the records of a plan and sealing their truth; what is there already is kept."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from waxstudy.blind_test.draw import Case, drawn
+from waxstudy.blind_test.key import Key, KeyProblem
+from waxstudy.blind_test.plan import Plan, Slot
+from waxstudy.blind_test.record import LONG_AGO_S, digest_of, set_times, write_record
+from waxstudy.plugin.trial import Staged, Unmakeable, engine_of
+from waxstudy.results.atomic import whole_file
+
+FORMAT = 1
+ATTEMPTS = 24  # draws until a record has the gap that its stratum asks for
+ABOUT, SEALED, RECORDS, BOXES = "blind-test.json", "sealed.json", "records", "boxes"
+Tick = Callable[[str, float], None]
+
+
+class BlindTestError(ValueError):
+    """A folder that is no blind test, or another one than was asked for; the message says why."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """The folder of a blind test."""
+
+    folder: Path
+
+    @property
+    def records(self) -> Path:
+        return self.folder / RECORDS
+
+    def record(self, name: str) -> Path:
+        return self.records / name
+
+    def box(self, name: str) -> Path:
+        return self.folder / BOXES / f"{name}.box"
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """What is told to everybody: plan, fingerprint of the key; raise `BlindTestError`."""
+        path = self.folder / ABOUT
+        try:
+            found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise BlindTestError(f"{self.folder}: this is no blind test: {ABOUT} cannot be read ({error})") from error
+        if found.get("format") != FORMAT:
+            raise BlindTestError(f"{path}: format {found.get('format')} is not {FORMAT}, which this version reads")
+        return found
+
+    @property
+    def plan(self) -> Plan:
+        said = self.about["plan"]
+        lists = {name: tuple(said[name]) for name in ("strata", "engines")}
+        return Plan(cases=said["cases"], share=said["share"], **lists)
+
+    @property
+    def sealed(self) -> dict[str, Any]:
+        """The hashes: record -> that of its truth and of its files; raise `BlindTestError`."""
+        try:
+            found: dict[str, Any] = json.loads((self.folder / SEALED).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise BlindTestError(
+                f"{self.folder}: not all records are made: run `blind-test make` to the end"
+            ) from error
+        return found
+
+    def names(self) -> list[str]:
+        return sorted(self.sealed["records"])
+
+    def check_key(self, key: Key) -> None:
+        """Raise `KeyProblem` for another key."""
+        if self.about["key_fingerprint"] != key.fingerprint:
+            raise KeyProblem("this is not the key of these records")
+
+
+def begin(place: Place, plan: Plan, key: Key) -> None:
+    """Make the folder, or take up one that the same command began; raise `BlindTestError` or `KeyProblem`."""
+    if (place.folder / ABOUT).exists():
+        place.check_key(key)
+        if place.plan != plan:
+            raise BlindTestError(f"{place.folder}: another plan was begun here: take another folder")
+        return
+    if place.folder.exists() and any(place.folder.iterdir()):
+        raise BlindTestError(f"{place.folder}: there is something else in this folder")
+    for folder in (place.records, place.folder / BOXES):
+        folder.mkdir(parents=True, exist_ok=True)
+    about = {"format": FORMAT, "plan": asdict(plan), "key_fingerprint": key.fingerprint}
+    _write(place.folder / ABOUT, about)
+
+
+def make(place: Place, plan: Plan, key: Key, workers: int, tick: Tick) -> None:
+    """Make every record that is not there yet, then the seals; raise `BlindTestError`, `Unmakeable` or `OSError`."""
+    slots = plan.slots(key)
+    done = {index for index in range(len(slots)) if is_made(place, key, index)}
+    missing = [index for index in range(len(slots)) if index not in done]
+    tick(f"{len(done)} of {len(slots)} records", len(done) / max(1, len(slots)))
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(workers, max(1, len(missing))), mp_context=context) as pool:
+        jobs = [pool.submit(make_one, place, key, slots[index], index, plan.is_judged) for index in missing]
+        try:
+            for number, job in enumerate(as_completed(jobs), start=len(done) + 1):
+                job.result()
+                tick(f"{number} of {len(slots)} records", number / len(slots))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    seal(place, key, [key.record_name(index) for index in range(len(slots))])
+
+
+def is_made(place: Place, key: Key, index: int) -> bool:
+    """Whether a record and its box are there, whole and unchanged."""
+    name = key.record_name(index)
+    try:
+        truth = key.opened(name, place.box(name).read_bytes())
+        return bool(truth["files"] == digest_of(place.record(name)))
+    except (OSError, KeyProblem):
+        return False
+
+
+def make_one(place: Place, key: Key, slot: Slot, index: int, is_judged: bool) -> None:
+    """Make a record, and then the box with its truth."""
+    from waxstudy.blind_test.truth import told
+
+    case, staged, found = settled(place, key, slot, index, is_judged)
+    truth = {**told(case, staged, found), "files": digest_of(place.record(case.name))}
+    with whole_file(place.box(case.name)) as path:
+        path.write_bytes(key.closed(case.name, truth))
+
+
+def settled(place: Place, key: Key, slot: Slot, index: int, is_judged: bool) -> tuple[Case, Staged, Sequence[Any]]:
+    """Draw until the record can be had and its gaps are as large as its stratum asks for, and write it.
+
+    The last draw stays, whatever its gap, but one that cannot be had.
+    """
+    from waxstudy.blind_test.truth import sizes
+    from waxstudy.dataset.read import read_dataset
+
+    reason = ""
+    for attempt in range(ATTEMPTS):
+        try:
+            case = drawn(key, slot, index, attempt, is_judged)
+            staged = engine_of(case.engine).make(case.scene)
+            write_record(place.record(case.name), staged, case.measured)
+            seen = read_dataset(place.record(case.name))
+            quick = sizes(case, staged, seen, with_alike=False) if slot.least_over else []
+            if any(each is None or each.over < slot.least_over for each in quick) and attempt < ATTEMPTS - 1:
+                continue
+            return case, staged, sizes(case, staged, seen)
+        except Unmakeable as error:
+            reason = str(error)
+    raise Unmakeable(f"{slot.engine}: no record of {slot.cause or slot.kind} can be had: {reason}")
+
+
+def seal(place: Place, key: Key, names: Sequence[str]) -> None:
+    """Write the hash of every truth and of every record's files, and give all files one time."""
+    records: dict[str, Mapping[str, str]] = {}
+    for name in sorted(names):
+        truth = key.opened(name, place.box(name).read_bytes())
+        records[name] = {"truth": key.seal_of(name, truth), "files": truth["files"]}
+        set_times(place.record(name))
+        os.utime(place.box(name), (LONG_AGO_S, LONG_AGO_S))
+    _write(place.folder / SEALED, {"format": FORMAT, "records": records})
+
+
+def _write(path: Path, value: Any) -> None:
+    with whole_file(path) as temporary:
+        temporary.write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,225 @@
+"""One answer held against one truth: what was right in it, and what was not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from waxstudy.blind_test.answer import Answer, Claim
+from waxstudy.plugin.trial import engine_of
+
+
+@dataclass(frozen=True)
+class TrueCause:
+    """A cause that is in a record, with the size of its gap; `members` are the names that a group may hold."""
+
+    name: str
+    stages: frozenset[str]
+    is_family: bool
+    values: Mapping[str, float]
+    over: float  # true gap over its floor, 0 where no channel shows it
+    beyond: float  # the same when all that nobody knows of the room is fitted
+    alike: frozenset[str]
+
+    @property
+    def members(self) -> frozenset[str]:
+        return self.alike if self.is_family else self.alike | {self.name}
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The truth of a record, as its box has it."""
+
+    name: str
+    stratum: str
+    kind: str
+    engine: str
+    channels: str
+    noise_factor: float
+    interval_s: float
+    days: int
+    causes: tuple[TrueCause, ...]
+    departs: frozenset[str]
+    is_measured: bool
+
+    @classmethod
+    def read(cls, box: Mapping[str, Any]) -> Truth:
+        engine, measured = engine_of(box["engine"]), box["measured"]
+        return cls(
+            name=box["name"],
+            stratum=box["stratum"],
+            kind=box["kind"],
+            engine=box["engine"],
+            channels=measured["channels"],
+            noise_factor=measured["noise_factor"],
+            interval_s=measured["interval_s"],
+            days=measured["days"],
+            causes=tuple(_cause(each) for each in box["causes"]),
+            departs=frozenset(engine.departs),
+            is_measured=engine.is_measured,
+        )
+
+    @property
+    def over(self) -> float:
+        """The least of its causes' gaps over their floors; of a null 0."""
+        return min((cause.over for cause in self.causes), default=0.0)
+
+    @property
+    def beyond(self) -> float:
+        return min((cause.beyond for cause in self.causes), default=0.0)
+
+    @property
+    def label(self) -> str:
+        return " + ".join(sorted(cause.name for cause in self.causes)) or "nothing"
+
+
+def _cause(said: Mapping[str, Any]) -> TrueCause:
+    size = said["size"] or {"over": 0.0, "beyond": 0.0, "alike": ()}
+    stages, alike = frozenset(said["stages"]), frozenset(size["alike"])
+    return TrueCause(said["name"], stages, said["is_family"], said["values"], size["over"], size["beyond"], alike)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """What an answer is worth. Claims at stages where the believed model differs in form are counted apart."""
+
+    truth: Truth
+    answer: Answer
+    seconds: float = 0.0
+
+    # --- what it says, without what is counted apart ---
+
+    @cached_property
+    def claims(self) -> tuple[Claim, ...]:
+        return tuple(claim for claim in self.answer.claims if not self._is_apart(claim.stages, claim.group))
+
+    @cached_property
+    def open_stages(self) -> tuple[frozenset[str], ...]:
+        return tuple(stages for stages in self.answer.open_stages if not self._is_apart(stages, frozenset()))
+
+    @property
+    def has_apart(self) -> bool:
+        """Whether anything was found where the believed model differs in form."""
+        return len(self.claims) + len(self.open_stages) < len(self.answer.claims) + len(self.answer.open_stages)
+
+    def _is_apart(self, stages: frozenset[str], group: frozenset[str]) -> bool:
+        of_causes = any(group & c.members or (not group and stages & c.stages) for c in self.truth.causes)
+        return stages <= self.truth.departs and not of_causes
+
+    # --- figures ---
+
+    @property
+    def detected(self) -> bool:
+        return bool(self.claims or self.open_stages)
+
+    @property
+    def false_alarm(self) -> bool:
+        """A null in which an effect is named."""
+        return self.truth.kind == "null" and bool(self.claims)
+
+    @property
+    def right_claims(self) -> tuple[tuple[TrueCause, Claim], ...]:
+        """Each cause with the claim that holds it and nothing that could be told from it."""
+        return tuple(
+            (cause, claim)
+            for cause in self.truth.causes
+            for claim in self.claims
+            if not cause.is_family and cause.name in claim.group and claim.group <= cause.members
+        )
+
+    @property
+    def right_group(self) -> bool:
+        """All causes found, each in a group of its own, and nothing else claimed."""
+        causes = {cause.name for cause, _ in self.right_claims}
+        claims = {claim.name for _, claim in self.right_claims}
+        return len(causes) == len(claims) == len(self.truth.causes) == len(self.claims) > 0
+
+    @property
+    def is_nameable(self) -> bool:
+        """Whether some diagnoser could name the cause alone."""
+        return all(not cause.alike for cause in self.truth.causes)
+
+    @property
+    def top_1(self) -> bool:
+        return self.right_group and all(len(claim.group) == 1 for claim in self.claims)
+
+    @property
+    def right_stage(self) -> bool:
+        """Every cause is placed at one of its stages, and nothing elsewhere: by claims, else by what stays open."""
+        places = [claim.stages for claim in self.claims] or list(self.open_stages)
+        hit = [any(place & cause.stages for place in places) for cause in self.truth.causes]
+        elsewhere = [place for place in places if not any(place & cause.stages for cause in self.truth.causes)]
+        return bool(places) and all(hit) and not elsewhere
+
+    @property
+    def misdiagnosis(self) -> bool:
+        """A claim that holds neither a cause nor what nobody could tell from one."""
+        members = frozenset().union(*(cause.members for cause in self.truth.causes))
+        return bool(self.truth.causes) and any(not claim.group & members for claim in self.claims)
+
+    @property
+    def over_claim(self) -> bool:
+        """An effect named alone though nobody could tell it from others."""
+        known = [cause.members for cause in self.truth.causes if len(cause.members) > 1]
+        return any(len(claim.group) == 1 and claim.group <= members for claim in self.claims for members in known)
+
+    @property
+    def unknown_claimed(self) -> bool:
+        """Something that the library has, or nothing at all, said to be unknown."""
+        return self.answer.verdict == "unknown" and bool(self.open_stages)
+
+    @property
+    def unknown_found(self) -> bool:
+        """Something outside the library said to be unknown at an acceptable stage, or one of its class named."""
+        return all(self.honest(cause, cause.alike) for cause in self.truth.causes)
+
+    def honest(self, cause: TrueCause, alike: frozenset[str]) -> bool:
+        """Whether a cause that cannot be named is left open at its stage, or one of its class is named."""
+        if any(not claim.group & alike for claim in self.claims):
+            return False
+        return bool(self.claims) or any(stages & cause.stages for stages in self.open_stages)
+
+    @property
+    def left_out_honestly(self) -> bool:
+        return all(self.honest(cause, cause.alike - {cause.name}) for cause in self.truth.causes)
+
+    @property
+    def right_or_untestable(self) -> bool:
+        names = {cause.name for cause in self.truth.causes}
+        says_so = self.answer.verdict == "untestable" or names <= self.answer.untestable
+        return self.right_group or (not self.claims and says_so and not self.answer.has_failed)
+
+    @property
+    def is_right(self) -> bool:
+        """Whether nothing has to be listed as a failure."""
+        if self.answer.has_failed:
+            return False
+        if self.truth.kind == "null":
+            return not (self.false_alarm or self.unknown_claimed)
+        if self.truth.is_measured:
+            return self.unknown_found if self.truth.kind == "family" else self.right_or_untestable
+        if self.truth.over <= 2.0:
+            return not self.misdiagnosis
+        return self.unknown_found if self.truth.kind == "family" else self.right_group
+
+    @property
+    def outcome(self) -> str:
+        """In a word, for lists and the confusion matrix."""
+        if self.answer.has_failed:
+            return "failed"
+        if self.claims:
+            return " + ".join(sorted("|".join(sorted(claim.group)) for claim in self.claims))
+        return "unknown" if self.open_stages else self.answer.verdict.replace("unknown", "none")
+
+    @property
+    def parameters(self) -> Sequence[tuple[str, float, tuple[float, float, float]]]:
+        """Each parameter of a cause that is named: its name, what is true, and value, low and high as said."""
+        found = []
+        for cause, claim in self.right_claims:
+            if claim.name == cause.name:
+                found += [
+                    (f"{cause.name}.{n}", cause.values[n], s) for n, s in claim.parameters.items() if n in cause.values
+                ]
+        return found

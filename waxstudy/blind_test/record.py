@@ -1,0 +1,106 @@
+"""Writing a record so that nothing but its values tells anything, and reading it back with and without noise."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import tomli_w
+
+from waxstudy.blind_test.draw import Measured
+from waxstudy.dataset.channels import CHANNELS, Channel
+from waxstudy.dataset.measure import DECIMALS, rows
+from waxstudy.dataset.read import Dataset, read_dataset
+from waxstudy.plugin import FloatArray
+from waxstudy.plugin.trial import Staged
+from waxstudy.results.atomic import whole_folder
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+NAME, ORIGIN = "record", "a record of a blind test"  # the same for all
+WIDTH = 11  # letters of a cell: a number's size would show in the file's
+PAGE_BYTES = 32_768  # dataset.toml is filled up to a multiple
+FILES = ("dataset.toml", "data.csv")
+LONG_AGO_S = 946_684_800  # 2000-01-01, the time of every file
+
+
+def write_record(folder: Path, staged: Staged, measured: Measured) -> None:
+    """Write a record's folder whole; raise `RealityError` or `OSError`."""
+    table = shown(staged, measured)
+    with whole_folder(folder) as place:
+        (place / "data.csv").write_text(text_of(table), encoding="utf-8")
+        (place / "dataset.toml").write_bytes(_padded(_described(table, staged, measured)))
+    set_times(folder)
+
+
+def shown(staged: Staged, measured: Measured, noise: bool = True) -> pd.DataFrame:
+    """Return what the instruments show of what happened."""
+    return rows(
+        staged.channels, staged.step_s, staged.first_day, measured.instruments(noise and not staged.is_measured)
+    )
+
+
+def _described(table: pd.DataFrame, staged: Staged, measured: Measured) -> dict[str, Any]:
+    instruments = measured.instruments()
+    names = [str(name) for name in table.columns[1:]]
+    noise = {} if staged.is_measured else {name: instruments.noise_of(CHANNELS[name]) for name in names}
+    about = {
+        "name": NAME,
+        "interval_s": measured.interval_s,
+        "origin": ORIGIN,
+        "inputs": [name for name in staged.inputs if name in names],
+    }
+    tables = dict(staged.described)
+    about |= tables.pop("dataset", {})
+    return {"dataset": about, **tables, "noise": {name: sd for name, sd in noise.items() if sd > 0.0}}
+
+
+def _padded(tables: Mapping[str, Any]) -> bytes:
+    text = tomli_w.dumps(tables).encode()
+    space = -(len(text) + 3) % PAGE_BYTES
+    return text + b"# " + b"." * space + b"\n"
+
+
+def text_of(table: pd.DataFrame) -> str:
+    """Return a table as CSV whose cells are equally long."""
+    columns = [table["time"].astype(str).tolist()]
+    columns += [_cells(CHANNELS[str(name)], table[name].to_numpy(dtype=float)) for name in table.columns[1:]]
+    header = ",".join(map(str, table.columns))
+    return "\n".join([header, *map(",".join, zip(*columns, strict=True))]) + "\n"
+
+
+def _cells(channel: Channel, values: FloatArray) -> list[str]:
+    step = channel.resolution
+    decimals = DECIMALS if not step else len(f"{step:.10f}".rstrip("0").split(".")[1])
+    blank = " " * WIDTH
+    return [f"{value:{WIDTH}.{decimals}f}" if value == value else blank for value in values.tolist()]
+
+
+def without_noise(staged: Staged, measured: Measured) -> Dataset:
+    """Return the record as perfect instruments would show it."""
+    table = shown(staged, measured, noise=False)
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place) / NAME
+        folder.mkdir()
+        table.to_csv(folder / "data.csv", index=False, lineterminator="\n")
+        (folder / "dataset.toml").write_bytes(tomli_w.dumps(_described(table, staged, measured)).encode())
+        return read_dataset(folder)
+
+
+def set_times(folder: Path) -> None:
+    """Give all files of a folder, and itself, one time."""
+    for path in (*folder.iterdir(), folder):
+        os.utime(path, (LONG_AGO_S, LONG_AGO_S))
+
+
+def digest_of(folder: Path) -> str:
+    """Return the hash of a record's files."""
+    found = hashlib.sha256()
+    for name in FILES:
+        found.update((folder / name).read_bytes())
+    return found.hexdigest()

@@ -1,0 +1,87 @@
+"""How far a gap truly shrinks with what was claimed: on the record without noise, on held-out days."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from typing import Any
+
+from waxstudy.blind_test.draw import Case, Measured
+from waxstudy.blind_test.make import Place, Tick
+from waxstudy.blind_test.marks import Mark
+from waxstudy.plugin import Belief, Effect, Parameters
+from waxstudy.plugin.trial import engine_of
+from waxstudy.results.atomic import whole_file
+
+Job = tuple[str, Mapping[str, Any], str, Mapping[str, float]]  # record, box, effect, values
+
+
+def true_shrinkages(
+    place: Place, who: str, own: Sequence[Mark], boxes: Mapping[str, Mapping[str, Any]], workers: int, tick: Tick
+) -> dict[str, float]:
+    """Return the true shrinkage of each record whose one effect was found; what was computed is kept."""
+    folder = place.folder / "shrinkage" / who
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs = [job for mark in own if (job := _job(mark, boxes))]
+    missing = [job for job in jobs if not (folder / f"{job[0]}.json").exists()]
+    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+        futures = {pool.submit(true_shrinkage, *job): job for job in missing}
+        for number, future in enumerate(as_completed(futures)):
+            with whole_file(folder / f"{futures[future][0]}.json") as path:
+                path.write_text(json.dumps(future.result()) + "\n", encoding="utf-8")
+            tick(f"shrinkage of {number + 1} of {len(missing)}", (number + 1) / len(missing))
+    found = {job[0]: json.loads((folder / f"{job[0]}.json").read_text(encoding="utf-8")) for job in jobs}
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def _job(mark: Mark, boxes: Mapping[str, Mapping[str, Any]]) -> Job | None:
+    """Return what is to be computed of a record, None where no effect with its values was rightly named."""
+    if mark.truth.kind != "single" or mark.truth.is_measured or not mark.right_claims or mark.truth.over <= 1.0:
+        return None
+    claim = mark.right_claims[0][1]
+    values = {name: said[0] for name, said in claim.parameters.items()}
+    return (mark.truth.name, boxes[mark.truth.name], claim.name, values) if values else None
+
+
+def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: Mapping[str, float]) -> float | None:
+    """Return 1 - after^2 / before^2 of the channel where the true gap stands out, on the last days; or None."""
+    from waxstudy.blind_test.record import without_noise
+    from waxstudy.blind_test.truth import Stand
+    from waxstudy.gap.diagnose import installed_effects
+    from waxstudy.gap.judge import FIT, SELECT, SHRINK
+
+    case = _case(box)
+    free = without_noise(engine_of(case.engine).make(case.scene), case.measured)
+    stand = Stand.of(free, free)
+    link = stand.link_of(case.causes[0])
+    effect = next((each for each in installed_effects() if each.name == effect_name), None)
+    if link is None or effect is None:
+        return None
+    fitter = stand.fitter(link, stand.free, stand.belief)
+    base = fitter.base
+    after = fitter.refined([(fixed(effect, values), {})], base.departures, base.reading, (FIT, SELECT))
+    channel = box["causes"][0]["size"]["channel"]
+    if after is None:
+        return None
+    old, new = (next(e for e in each.errors if e.channel == channel) for each in (base, after))
+    part = SHRINK if (old.part == SHRINK).any() else SELECT
+    before = old.gap(part)
+    return 1.0 - new.gap(part) ** 2 / before**2 if before > 0.0 else None
+
+
+def _case(box: Mapping[str, Any]) -> Case:
+    scene, measured = box["scene"], Measured(**box["measured"])
+    return Case(box["name"], box["stratum"], box["kind"], box["engine"], box["attempt"], measured, scene)
+
+
+def fixed(effect: type[Effect], values: Mapping[str, float]) -> type[Effect]:
+    """Return an effect with these values and nothing to fit."""
+    chosen = effect.Parameters(**values)
+
+    def apply(cls: type[Effect], belief: Belief, p: Any) -> Belief:
+        return effect.apply(belief, chosen)
+
+    members = {"Parameters": Parameters, "priors": {}, "apply": classmethod(apply), "__module__": __name__}
+    return type(f"Fixed{effect.__name__}", (effect,), members)

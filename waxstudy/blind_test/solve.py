@@ -1,0 +1,204 @@
+"""Letting a diagnoser loose on the records, each alone in a temporary folder."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from waxstudy.blind_test.answer import Answer, NoAnswer
+from waxstudy.blind_test.key import Key
+from waxstudy.blind_test.make import BlindTestError, Place, Tick
+from waxstudy.blind_test.record import FILES, NAME
+from waxstudy.plugin.trial import baseline_names
+from waxstudy.results.atomic import whole_file
+
+OURS = "ours"
+LEAVE_ONE_OUT = "ours-leave-one-out"
+PROGRAM = (sys.executable, "-c", "from waxstudy.cli import main; main()")
+HERE = "{}"  # where a command wants the dataset's folder, if not at its end
+TAIL = 2000  # letters of stderr that are kept of a failure
+ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+@dataclass(frozen=True)
+class Diagnoser:
+    """A command that reads a dataset's folder and prints a diagnosis as JSON; `words` are put in by record."""
+
+    name: str
+    command: tuple[str, ...]
+    words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # record -> what replaces the word RECORD
+
+    def called(self, record: str, folder: Path) -> list[str]:
+        command = [*self.command, *self.words.get(record, ())]
+        if HERE not in command:
+            command.append(HERE)
+        return [str(folder) if word == HERE else word for word in command]
+
+
+def known() -> list[str]:
+    """Return the diagnosers that can be named."""
+    return [OURS, *baseline_names()]
+
+
+def diagnoser(name: str) -> Diagnoser:
+    """Return ours or a baseline; raise `BlindTestError`."""
+    if name == OURS:
+        return Diagnoser(name, (*PROGRAM, "diagnose", "--json", "--quiet"))
+    if name not in known():
+        raise BlindTestError(f"no diagnoser '{name}' (there are: {', '.join(known())}; or -- and a command)")
+    return Diagnoser(name, (*PROGRAM, "blind-test", "baseline", name))
+
+
+def external(name: str, command: Sequence[str]) -> Diagnoser:
+    """Return any command; what is a file here is named so that it is found from elsewhere."""
+    if name in (*known(), LEAVE_ONE_OUT):
+        raise BlindTestError(f"'{name}' is a diagnoser of waxstudy: give yours another name")
+    return Diagnoser(name, tuple(str(Path(word).absolute()) if Path(word).is_file() else word for word in command))
+
+
+def leaving_one_out(place: Place, key: Key) -> tuple[Diagnoser, list[str]]:
+    """Return ours with the true effect taken out of its library, and the records that this can be asked of.
+
+    Their ordinary answers must be there: what is told here cannot have helped them. Raises `BlindTestError`.
+    """
+    removed = {}
+    for name in place.names():
+        truth = key.opened(name, place.box(name).read_bytes())
+        if truth["kind"] == "single" and truth["stratum"] in ("goal", "mixture"):
+            removed[name] = (truth["causes"][0]["name"],)
+    if missing := [name for name in removed if not answer_path(place, OURS, name).exists()]:
+        raise BlindTestError(f"first solve all records with {OURS}: {len(missing)} are not answered yet")
+    found = Diagnoser(LEAVE_ONE_OUT, (*PROGRAM, "blind-test", "without"), removed)
+    return found, list(removed)
+
+
+def chosen(names: Sequence[str], share: float) -> list[str]:
+    """Return a share of the records, the first by name: names are random."""
+    return list(names)[: math.ceil(share * len(names))]
+
+
+def answer_path(place: Place, diagnoser: str, record: str) -> Path:
+    return place.folder / "answers" / diagnoser / f"{record}.json"
+
+
+def solve(place: Place, who: Diagnoser, names: Sequence[str], workers: int, timeout_s: float, tick: Tick) -> int:
+    """Store the answer to every record that has none yet; return how many are failures. Raise `BlindTestError`."""
+    _begin(place, who)
+    paths = {name: answer_path(place, who.name, name) for name in names}
+    missing = [name for name in names if not is_answered(paths[name])]
+    done = len(names) - len(missing)
+    tick(f"{done} of {len(names)} records", done / max(1, len(names)))
+    with ThreadPoolExecutor(workers) as pool:
+        jobs = [pool.submit(_solve_one, place, who, name, timeout_s) for name in missing]
+        try:
+            for number, job in enumerate(as_completed(jobs), start=done + 1):
+                job.result()
+                tick(f"{number} of {len(names)} records", number / len(names))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            _end_all()
+            raise
+    return sum(stored(path)["answer"] is None for path in paths.values())
+
+
+def _begin(place: Place, who: Diagnoser) -> None:
+    """Note the command of a diagnoser's name; raise `BlindTestError` if answers of another are there."""
+    folder = place.folder / "answers" / who.name
+    folder.mkdir(parents=True, exist_ok=True)
+    path, said = (
+        folder / "command.json",
+        list(who.command[len(PROGRAM) :] if who.command[:3] == PROGRAM else who.command),
+    )
+    if path.exists() and json.loads(path.read_text(encoding="utf-8")) != said:
+        raise BlindTestError(f"{folder}: here are answers of another command; give a name with --name")
+    with whole_file(path) as temporary:
+        temporary.write_text(json.dumps(said) + "\n", encoding="utf-8")
+
+
+def stored(path: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def is_answered(path: Path) -> bool:
+    try:
+        return "answer" in stored(path)
+    except (OSError, ValueError):
+        return False
+
+
+_running: set[subprocess.Popen[str]] = set()
+
+
+def _end_all() -> None:
+    """End what still runs, with its children."""
+    for process in list(_running):
+        _end(process)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    if os.name == "posix":
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()
+
+
+def _solve_one(place: Place, who: Diagnoser, record: str, timeout_s: float) -> None:
+    with tempfile.TemporaryDirectory(prefix="waxstudy-", ignore_cleanup_errors=True) as temporary:
+        folder = Path(temporary) / NAME
+        folder.mkdir()
+        for name in FILES:
+            shutil.copyfile(place.record(record) / name, folder / name)
+        told = _called(who.called(record, folder), Path(temporary), timeout_s)
+    with whole_file(answer_path(place, who.name, record)) as path:
+        path.write_text(json.dumps({"record": record, **told}, indent=1) + "\n", encoding="utf-8")
+
+
+def _called(command: Sequence[str], folder: Path, timeout_s: float) -> dict[str, Any]:
+    """Run a command; return its answer, or None and what it said instead."""
+    begin = time.perf_counter()
+    streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    try:
+        process = subprocess.Popen(
+            command, cwd=folder, env={**os.environ, **ONE_THREAD}, text=True, start_new_session=True, **streams
+        )
+    except OSError as error:
+        raise BlindTestError(f"{command[0]}: cannot be run: {error.strerror or error}") from error
+    _running.add(process)
+    try:
+        out, err = process.communicate(timeout=timeout_s)
+    except subprocess.TimeoutExpired:
+        _end(process)
+        out, err = process.communicate()
+        err += f"\nended after {timeout_s:g} s"
+    finally:
+        _running.discard(process)
+    told: dict[str, Any] = {"seconds": round(time.perf_counter() - begin, 2), "exit_code": process.returncode}
+    answer, problem = _read(out, process.returncode)
+    return {**told, "answer": answer} if answer else {**told, "answer": None, "problem": problem, "stderr": err[-TAIL:]}
+
+
+def _read(out: str, exit_code: int) -> tuple[Any, str]:
+    """Return the answer and no problem, or None and why there is none."""
+    if exit_code:
+        return None, f"it ended with exit code {exit_code}"
+    try:
+        said = json.loads(out)
+        Answer.read(said)
+    except (ValueError, NoAnswer) as error:
+        return None, f"it printed no diagnosis: {error}"
+    return said, ""

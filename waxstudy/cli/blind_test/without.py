@@ -1,0 +1,27 @@
+"""`waxstudy blind-test without`"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from waxstudy.cli.blind_test.common import failures
+from waxstudy.cli.output import Command
+
+
+@click.command("without", cls=Command)
+@click.argument("name", metavar="EFFECT")
+@click.argument("dataset", metavar="DATASET", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.pass_context
+def command(ctx: click.Context, name: str, dataset: Path) -> None:
+    """Print the diagnosis of a dataset as JSON, with an effect taken out of the library."""
+    with failures(dataset):
+        from waxstudy.plugin.registry import installed
+
+        registry = installed()
+        registry.get("effect", name)
+        del registry.components["effect", name]
+    from waxstudy.cli.diagnose import command as diagnose
+
+    ctx.invoke(diagnose, dataset=dataset, as_json=True, quiet=True, seed=1)

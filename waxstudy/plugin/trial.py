@@ -1,0 +1,144 @@
+"""The contract of an engine: where the records of a blind test come from.
+
+No study file can name an engine, so it is none of the registry's kinds, which are what a study is made of; it has
+an entry-point group of its own, `waxstudy.engines`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any, ClassVar
+
+import numpy as np
+
+from waxstudy.plugin.contracts import Choice, FloatArray
+from waxstudy.plugin.registry import PluginError, nearest, told
+
+GROUP = "waxstudy.engines"
+Scene = dict[str, Any]  # plain JSON: all that an engine needs to make a record once more
+
+
+class Unmakeable(ValueError):
+    """A scene that cannot be had from this engine; another one is drawn in its place."""
+
+
+@dataclass(frozen=True)
+class Cause:
+    """Something that an engine can put into a record and that the modeller does not believe in.
+
+    `name` is that of an effect of the library, or of a family that none of its effects describes. An answer may place
+    it at one of `stages`, its own first. One that is kept is drawn in judged runs only.
+    """
+
+    name: str
+    stages: tuple[str, ...]
+    is_family: bool = False
+    is_kept: bool = False
+    about: str = ""
+
+
+@dataclass(frozen=True)
+class Staged:
+    """What happened in a scene, free of noise: `Channel.source` -> values at the end of every step.
+
+    `described` holds the tables of dataset.toml that say what is believed: nominal, and room or building. `effects`
+    has each cause as an edit of that belief, where it is one, and None where it is not; then `without` has the channels
+    that would show another value had the cause not been there and everything before it been the same.
+    """
+
+    channels: Mapping[str, FloatArray]
+    step_s: float
+    first_day: str
+    described: Mapping[str, Any]
+    effects: Sequence[Choice | None] = ()
+    without: Sequence[Mapping[str, FloatArray]] = ()
+    inputs: tuple[str, ...] = ("solar_gain_W", "internal_gain_W")  # channels that are assumed
+    is_measured: bool = False  # the noise is in it already, and nobody has stated it
+    about: Mapping[str, Any] = field(default_factory=dict)  # whatever the truth should tell besides
+
+
+class Engine:
+    """Draws scenes and makes records of them.
+
+    `departs` names the stages where what is believed differs in form from what the engine does, whatever is put in. One
+    that is kept takes part in judged runs only. A record that was measured is shown as it is: `is_measured`; then its
+    interval is `interval_s`. `days` are the fewest and the most that a record can have.
+    """
+
+    name: ClassVar[str]
+    is_kept: ClassVar[bool] = False
+    is_measured: ClassVar[bool] = False
+    interval_s: ClassVar[float | None] = None
+    days: ClassVar[tuple[int, int]] = (3, 14)
+    departs: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def hindrance(cls) -> str:
+        """Return why no record can be had of it here, or an empty text."""
+        return ""
+
+    @classmethod
+    def causes(cls) -> Sequence[Cause]:
+        """Return what can be put in."""
+        raise NotImplementedError
+
+    @classmethod
+    def draw(cls, random: np.random.Generator, names: Sequence[str], days: int) -> Scene:
+        """Return a scene of some days with these causes, severities log-uniform from below to far above the noise.
+
+        `scene["causes"]` lists them: `name`, and `values` in the engine's own terms, the effect's where it has it so.
+        What else is drawn does not depend on them but for what they apply to: without them the scene is a null.
+        Raises `Unmakeable`.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def make(cls, scene: Mapping[str, Any]) -> Staged:
+        """Return what happens in a scene, the same for the same scene; raise `Unmakeable`."""
+        raise NotImplementedError
+
+
+@cache
+def engines() -> Mapping[str, type[Engine]]:
+    """Return the installed engines by name; raise `PluginError` for one that cannot be loaded."""
+    found: dict[str, type[Engine]] = {}
+    for point in sorted(entry_points(group=GROUP), key=lambda each: each.name):
+        with told(f"engine '{point.name}'"):
+            engine = point.load()
+        if not (isinstance(engine, type) and issubclass(engine, Engine)):
+            raise PluginError(f"engine '{point.name}' is {engine!r:.60}, no class derived from Engine")
+        if found.setdefault(engine.name, engine) is not engine:
+            raise PluginError(f"two engines are called '{engine.name}': uninstall one of their packages")
+    return found
+
+
+def engine_of(name: str) -> type[Engine]:
+    """Return an engine; raise `PluginError` naming the nearest one and what is installed."""
+    known = engines()
+    if name not in known:
+        near = nearest(name, known)
+        hint = f"; did you mean '{near}'?" if near else ""
+        raise PluginError(f"no engine '{name}'{hint} (installed: {', '.join(known) or 'none'})")
+    return known[name]
+
+
+# --- baselines: simple diagnosers to compare with, of the entry-point group `waxstudy.baselines` ---
+
+BASELINES = "waxstudy.baselines"
+
+
+def baseline_names() -> list[str]:
+    return sorted(point.name for point in entry_points(group=BASELINES))
+
+
+def baseline_of(name: str) -> Callable[[Any], dict[str, Any]]:
+    """Return a baseline: dataset -> a diagnosis' JSON (the keys of `waxstudy diagnose --json`); raise `PluginError`."""
+    for point in entry_points(group=BASELINES):
+        if point.name == name:
+            with told(f"baseline '{name}'"):
+                found: Callable[[Any], dict[str, Any]] = point.load()
+            return found
+    raise PluginError(f"no baseline '{name}' (installed: {', '.join(baseline_names()) or 'none'})")

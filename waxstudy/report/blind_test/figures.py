@@ -1,0 +1,128 @@
+"""The drawings of a score: goals with their intervals, the confusion matrix, what size of gap is found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from waxstudy.report.blind_test.words import Score, ordered
+from waxstudy.report.figures.places import Lacking
+from waxstudy.report.figures.style import BLACK, COLOURS, GREY, MARKERS, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+NOT_CAUSES = ("nothing", "none", "unknown", "untestable", "failed")
+SIZES = ("0 to 1", "1 to 2", "2 to 4", "4 to 10", "above 10")
+
+
+@styled
+def figure_goals(score: Score) -> Figure:
+    """Each goal's figure of everybody, with its 95 % interval, beside what is wanted."""
+    names = ordered(score)
+    goals = [goal for goal in score["diagnosers"][names[0]]["goals"] if goal["name"] != "mean size of right groups"]
+    shown = [goal for goal in goals if goal["value"] is not None]
+    if not shown:
+        raise Lacking("no goal has a record")
+    figure, axes = panels(1, 1, 1.2 + 0.34 * len(shown))
+    panel = axes[0, 0]
+    for place, goal in enumerate(shown):
+        _wanted(panel, place, goal)
+        for number, name in enumerate(names):
+            own = next(g for g in score["diagnosers"][name]["goals"] if (g["name"], g["where"]) == _which(goal))
+            _point(panel, place, own, number, len(names))
+    panel.set_yticks(range(len(shown)), [f"{goal['name']}  ({goal['where']})" for goal in shown])
+    panel.set_ylim(len(shown) - 0.4, -0.6)
+    panel.set_xlim(-0.02, 1.02)
+    panel.grid(axis="y", visible=False)
+    panel.set_xlabel("share, or median shrinkage, with its 95 % interval; black bar: what is wanted")
+    _legend(figure, names)
+    return figure
+
+
+def _which(goal: Mapping[str, Any]) -> tuple[str, str]:
+    return goal["name"], goal["where"]
+
+
+def _wanted(panel: Axes, place: int, goal: Mapping[str, Any]) -> None:
+    if goal["wanted"] is not None:
+        panel.plot([goal["wanted"]] * 2, [place - 0.4, place + 0.4], color=BLACK, linewidth=2.0)
+
+
+def _point(panel: Axes, place: int, goal: Mapping[str, Any], number: int, count: int) -> None:
+    if goal["value"] is None:
+        return
+    at = place + 0.6 * ((number + 0.5) / count - 0.5)
+    value, low, high = (min(1.0, max(0.0, goal[key])) for key in ("value", "low", "high"))
+    colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
+    panel.plot([low, high], [at, at], color=colour, linewidth=1.2)
+    panel.plot([value], [at], markersize=5.0, linestyle="none", color=colour, marker=marker)
+
+
+def _legend(figure: Figure, names: list[str]) -> None:
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D([], [], label=n, color=COLOURS[i % len(COLOURS)], marker=MARKERS[i % len(MARKERS)], linestyle="none")
+        for i, n in enumerate(names)
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+
+
+@styled
+def figure_confusion(score: Score) -> Figure:
+    """True cause against what the first diagnoser named; raise `Lacking` without answers."""
+    import numpy as np
+
+    rows = score["diagnosers"][ordered(score)[0]]["confusion"]
+    if not rows:
+        raise Lacking("nothing was answered")
+    truths = sorted(rows, key=lambda name: (name in NOT_CAUSES, name))
+    said = sorted({name for row in rows.values() for name in row}, key=lambda name: (name in NOT_CAUSES, name))
+    counts = np.array([[rows[true].get(name, 0) for name in said] for true in truths], dtype=float)
+    shares = counts / counts.sum(axis=1, keepdims=True)
+    figure, axes = panels(1, 1, 2.4 + 0.24 * len(truths))
+    panel = axes[0, 0]
+    panel.imshow(shares, cmap="Greys", vmin=0.0, vmax=1.4, aspect="auto")
+    for i, j in zip(*np.nonzero(counts), strict=True):
+        panel.annotate(f"{counts[i, j]:.0f}", (j, i), ha="center", va="center", fontsize=8.0)
+    panel.set_xticks(range(len(said)), said, rotation=90)
+    panel.set_yticks(range(len(truths)), truths)
+    panel.grid(visible=False)
+    panel.set_xlabel("said")
+    panel.set_ylabel("true")
+    return figure
+
+
+@styled
+def figure_sizes(score: Score) -> Figure:
+    """How often the right group is found, and a wrong effect named, by the size of the true gap."""
+    names = ordered(score)
+    split = score["diagnosers"][names[0]]["by"]["gap over floor"]
+    shown = [size for size in SIZES if size in split and split[size]["right_group"]["value"] is not None]
+    if not shown:
+        raise Lacking("no record with one effect was answered")
+    figure, axes = panels(1, 2, 3.6)
+    for panel, key, title in zip(
+        axes[0], ("right_group", "misdiagnosis"), ("right group", "misdiagnosis"), strict=True
+    ):
+        for number, name in enumerate(names):
+            _course(panel, score["diagnosers"][name]["by"]["gap over floor"], shown, key, number)
+        panel.set_xticks(range(len(shown)), shown)
+        panel.set_ylim(-0.03, 1.03)
+        panel.set_title(title)
+        panel.set_xlabel("true gap over its noise floor")
+    axes[0, 0].set_ylabel("share of records with one effect")
+    _legend(figure, names)
+    return figure
+
+
+def _course(panel: Axes, split: Mapping[str, Any], shown: list[str], key: str, number: int) -> None:
+    points = [(place, split[size][key]) for place, size in enumerate(shown) if size in split]
+    seen = [(place, figure) for place, figure in points if figure["value"] is not None]
+    colour = COLOURS[number % len(COLOURS)] if seen else GREY
+    for place, each in seen:
+        panel.plot([place] * 2, [each["low"], each["high"]], color=colour, linewidth=1.0)
+    places, values = [place for place, _ in seen], [each["value"] for _, each in seen]
+    panel.plot(places, values, color=colour, marker=MARKERS[number % len(MARKERS)], markersize=5.0)
