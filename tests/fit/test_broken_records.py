@@ -240,6 +240,45 @@ def test_cycles_that_touch_a_gap_or_a_stuck_sensor_are_left_out(steady: Frame, r
     assert (lost == "does not move").sum() >= 2
 
 
+@pytest.mark.parametrize(
+    ("from_s", "to_s", "known"), [(60, 200, False), (-100, 70, False), (-300, -60, True), (200, 400, True)]
+)
+def test_after_a_gap_that_touches_a_fall_nobody_knows_how_long_it_cooled(
+    steady: Frame, read: Read, from_s: float, to_s: float, known: bool
+) -> None:
+    whole = cycles_of(read(steady, "steady.csv"))
+    falls = whole["off_at_s"][3] + whole["hold_s"][3]
+    seconds = steady["time_s"]
+    cycles = cycles_of(read(steady[(seconds < falls + from_s) | (seconds > falls + to_s)]))
+    assert cycles["lost"].tolist()[3:5] == ["gap", ""]
+    assert bool(cycles["before_s"].notna()[4]) == known
+    if known:
+        assert cycles["before_s"][4] == pytest.approx(whole["before_s"][4], abs=0.1)
+
+
+def test_a_copy_of_a_record_is_passed_over(steady: Frame, tmp_path: Path) -> None:
+    from waxstudy.identification.description import described
+    from waxstudy.identification.records import read_records
+
+    for name in ("a", "b"):
+        steady.to_csv(tmp_path / f"{name}.csv", index=False)
+    steady.iloc[:-10].to_csv(tmp_path / "c.csv", index=False)
+    records = read_records(described([tmp_path]), "B")
+    assert [record.name for record in records] == ["a", "c"]
+    assert records[0].warnings == ("b.csv is a copy of this file: passed over",)
+
+
+@pytest.mark.parametrize("wrong", [[99.0], [99.0, 99.0], [-50.0], [240.0, 99.0, 3000.0]])
+@pytest.mark.parametrize("row", [2000, 0, 14399 - 2])
+def test_an_outlier_of_the_signal_is_no_switch(steady: Frame, read: Read, wrong: list[float], row: int) -> None:
+    signal = steady["signal_V"].copy()
+    places = [row + (step if step < 2 else 300) for step in range(len(wrong))] if row < 14000 else [row]
+    signal.iloc[places] = wrong[: len(places)]
+    record = read(changed(steady, signal_V=signal))
+    assert medians(record) == pytest.approx(medians(read(steady, "steady.csv")))
+    assert [warning for warning in record.warnings if f"the first {wrong[0]:g} in line {row + 2}" in warning]
+
+
 def test_all_problems_of_all_records_are_told_at_once(steady: Frame, tmp_path: Path) -> None:
     from waxstudy.identification.description import described
     from waxstudy.identification.records import read_records
