@@ -101,7 +101,7 @@ def test_openings_near_closed_and_open_are_left_out(record: FlowRecord, motor: C
         (lambda f: f.assign(flow_L_h=f["flow_L_h"].iloc[::-1].to_numpy() * 0.0 + 60.0 * (f["signal_V"] < 12)), "flow"),
         (lambda f: f.assign(signal_V=f["flow_L_h"], flow_L_h=(f["signal_V"] > 12.0) * 1.0), "takes two values only"),
         (lambda f: f.rename(columns={"flow_L_h": "displacement_mm"}), "flow: no column has this name"),
-        (lambda f: f.iloc[:700], "at least 3 are needed"),
+        (lambda f: f.iloc[:700], "1 cycle after the first, whose start is unknown; at least 3 are needed"),
     ],
     ids=["constant flow", "flow of another valve", "swapped columns", "no flow", "too short"],
 )

@@ -113,8 +113,8 @@ def fit_valve(
     middle = openings[len(PACES) // 2]
     full = _full_flow(record, middle)
     cycle = _cycle_of(record)
-    if cycle.max() + 1 < FEWEST_CYCLES:
-        wrong = f"has {cycle.max() + 1} cycles; at least {FEWEST_CYCLES} are needed"
+    if (count := max(0, int(cycle.max()) + 1)) < FEWEST_CYCLES:
+        wrong = f"{count} cycle{'s' * (count != 1)} after the first, whose start is unknown; at least {FEWEST_CYCLES} are needed"
         raise StudyError([Problem(record.file, 0, "", "flow", "", wrong)])
     names = ["h_min", "h_mid", "v_mid", "pace", *(["authority"] if authority is None else [])]
     near = _near(openings) & ~record.missing & (cycle >= 0)
