@@ -74,22 +74,25 @@ def model_of(data: Data, shape: Shape | None, draw: np.random.Generator) -> Time
     curved = [p for p in everyone if shape is not None and _spans(data, p, untold)]
     parts = _chosen(data, shape, curved, steps) if shape is not None and curved else []
     parts += _constants(data, [p for p in everyone if p not in {q for part in parts for q in part.products}], steps)
-    fits = [part.fit(data, data.outcome_s[:, None]) for part in parts]
-    predicted = np.empty(len(data.outcome_s))
-    for part, fitted in zip(parts, fits, strict=True):
-        predicted[part.rows] = part.predicted(data, fitted)
+    predicted = _predicted(data, parts)
     scatter = scatter_of(data.outcome_s / predicted - 1.0, data.nesting)
     drawn = resampled(predicted, data.outcome_s, data.nesting, scatter, draw, REPEATS)
     curves: dict[str, ProductCurve] = {}
-    for part, fitted in zip(parts, fits, strict=True):
+    silent = [] if shape is None else [p for p in everyone if p not in curved]
+    for part in parts:
         again = part.fit(data, drawn)
         if part.shape is not None and _is_unknown(again.tau_s):
             part.tau_s = _middle(data.before_s[part.rows])
-            fitted = part.fit(data, data.outcome_s[:, None])
-        silent = [] if shape is None else [p for p in everyone if p not in curved]
-        curves |= _curves(data, part, silent, again, fitted, untold)
+        curves |= _curves(data, part, silent, again, part.fit(data, data.outcome_s[:, None]), untold)
     ordered = {name: curves[name] for name in data.products}
-    return TimeModel(data.name, ordered, steps, untold, scatter, data.outcome_s - predicted)
+    return TimeModel(data.name, ordered, steps, untold, scatter, data.outcome_s - _predicted(data, parts))
+
+
+def _predicted(data: Data, parts: Sequence[Part]) -> FloatArray:
+    predicted: FloatArray = np.empty(len(data.outcome_s))
+    for part in parts:
+        predicted[part.rows] = part.predicted(data, part.fit(data, data.outcome_s[:, None]))
+    return predicted
 
 
 def _is_unknown(tau_s: FloatArray) -> bool:
@@ -246,10 +249,9 @@ def _curves(
     for place, name in zip(part.products, names, strict=True):
         group = 0 if part.form == "common" else list(part.products).index(place)
         before = data.before_s[data.product == place]
-        is_curve = part.shape is not None and part.tau_s is None
         curves[name] = ProductCurve(
-            _value(fitted.a_s, again.a_s, is_curve),
-            _value(fitted.b_s[group], again.b_s[group], is_curve or (part.shape is None and place not in silent)),
+            _value(fitted.a_s, again.a_s, bounded),
+            _value(fitted.b_s[group], again.b_s[group], bounded or (part.shape is None and place not in silent)),
             _value(fitted.tau_s, again.tau_s, bounded),
             part.form if part.shape is not None else "constant",
             part.test,
