@@ -97,7 +97,16 @@ def _fit(path: Path, actuator: Path, columns: dict[str, str], authority: float |
     (known,) = described([path], "flow")
     record = read_flow(replace(known, columns={**known.columns, **columns}))
     simulated = about.get("simulated") is True
-    return fit_valve(record, chosen, authority=authority, how_authority=how, is_simulated=simulated, seed=seed)
+    product = about.get("product")
+    return fit_valve(
+        record,
+        chosen,
+        authority=authority,
+        how_authority=how,
+        is_simulated=simulated,
+        product=product if isinstance(product, str) else None,
+        seed=seed,
+    )
 
 
 def _page(found: ValveFit) -> str:
