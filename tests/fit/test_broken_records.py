@@ -77,6 +77,10 @@ def missing_time(frame: Frame) -> str:
     return joined(rows)
 
 
+def thousands(frame: Frame) -> str:
+    return text(frame.assign(time_s=[f"{value:,.1f}" for value in frame["time_s"]]))
+
+
 def huge_gap(frame: Frame) -> Frame:
     return changed(frame, time_s=np.where(frame.index > 3000, frame["time_s"] + 4e8, frame["time_s"]))
 
@@ -97,6 +101,10 @@ REFUSED: dict[str, tuple[Callable[[Frame], str | bytes | Frame], str]] = {
     "a stamp that goes back": (stamps_go_back, "record.csv:702: time: time goes back, from 2024-03-01"),
     "a time twice": (same_stamp_twice, "record.csv:502: time_s = 500.0: the same time as in the row before"),
     "a row without time": (missing_time, "record.csv:42: time_s: is no number (1 such rows)"),
+    "a mark between thousands": (
+        thousands,
+        'record.csv:1001: time_s = "1,000.0": is no number (13401 such rows) (numbers are written without a mark',
+    ),
     "half a cycle": (lambda f: f.iloc[:900], "switches less than twice: there is no cycle"),
     "too many cells in a row": (too_many_cells, "record.csv:322: is no table that can be read"),
     "another quantity": (
@@ -200,6 +208,10 @@ RIGHT: dict[str, tuple[Callable[[Frame], str | bytes | Frame], str]] = {
     "an opening that is normalised": (lambda f: changed(f, displacement_mm=(8.0 - f["displacement_mm"]) / 2.5), ""),
     "a sensor the other way round": (lambda f: changed(f, displacement_mm=-f["displacement_mm"]), ""),
     "spikes": (spikes, "4 samples are spikes: replaced by their neighbours"),
+    "one spike": (
+        lambda f: changed(f, displacement_mm=f["displacement_mm"].where(f.index != 900, 99.0)),
+        "1 sample is a spike: replaced by its neighbours",
+    ),
     "codes for missing samples": (codes, "3 samples are a code for a missing sample"),
     "a cell that is no number": (
         lambda f: with_rows(f.drop(index=3999), 4000, "4000.0,error,0.0"),

@@ -207,6 +207,16 @@ def test_a_misspelled_key_of_records_toml_is_told_with_its_line(entry: Entry) ->
     assert "records.toml:3: [record.a] produkt: unknown key; did you mean 'product'?" in done.stderr
 
 
+def test_records_of_the_bench_stay_simulated_without_their_description(entry: Entry, fits: Path) -> None:
+    for name in ("B1_15-15", "B2m_15-15"):
+        Path(f"{name}.csv").write_bytes((fits / "bench" / f"{name}.csv").read_bytes())
+    assert json.loads(entry("fit", "actuator", "B1_15-15.csv", "--out", "m.toml", "--json").stdout)["simulated"]
+    assert Path("m.toml").read_text().startswith("# SIMULATED")
+    Path("n.toml").write_text('[actuator]\nuse = "variable-times"\nproduct = "B"\n')
+    done = entry("fit", "valve", "B2m_15-15.csv", "--actuator", "n.toml", "--json")
+    assert json.loads(done.stdout)["simulated"]
+
+
 def test_what_is_read_is_never_overwritten(entry: Entry, fits: Path) -> None:
     table_of(STEADY).to_csv("a.csv", index=False)
     Path("records.toml").write_text('[record.a]\nfile = "a.csv"\nproduct = "X"\n')
