@@ -77,6 +77,10 @@ def missing_time(frame: Frame) -> str:
     return joined(rows)
 
 
+def thousands(frame: Frame) -> str:
+    return text(frame.assign(time_s=[f"{value:,.1f}" for value in frame["time_s"]]))
+
+
 def huge_gap(frame: Frame) -> Frame:
     return changed(frame, time_s=np.where(frame.index > 3000, frame["time_s"] + 4e8, frame["time_s"]))
 
@@ -97,6 +101,10 @@ REFUSED: dict[str, tuple[Callable[[Frame], str | bytes | Frame], str]] = {
     "a stamp that goes back": (stamps_go_back, "record.csv:702: time: time goes back, from 2024-03-01"),
     "a time twice": (same_stamp_twice, "record.csv:502: time_s = 500.0: the same time as in the row before"),
     "a row without time": (missing_time, "record.csv:42: time_s: is no number (1 such rows)"),
+    "a mark between thousands": (
+        thousands,
+        'record.csv:1001: time_s = "1,000.0": is no number (13401 such rows) (numbers are written without a mark',
+    ),
     "half a cycle": (lambda f: f.iloc[:900], "switches less than twice: there is no cycle"),
     "too many cells in a row": (too_many_cells, "record.csv:322: is no table that can be read"),
     "another quantity": (
@@ -200,6 +208,10 @@ RIGHT: dict[str, tuple[Callable[[Frame], str | bytes | Frame], str]] = {
     "an opening that is normalised": (lambda f: changed(f, displacement_mm=(8.0 - f["displacement_mm"]) / 2.5), ""),
     "a sensor the other way round": (lambda f: changed(f, displacement_mm=-f["displacement_mm"]), ""),
     "spikes": (spikes, "4 samples are spikes: replaced by their neighbours"),
+    "one spike": (
+        lambda f: changed(f, displacement_mm=f["displacement_mm"].where(f.index != 900, 99.0)),
+        "1 sample is a spike: replaced by its neighbours",
+    ),
     "codes for missing samples": (codes, "3 samples are a code for a missing sample"),
     "a cell that is no number": (
         lambda f: with_rows(f.drop(index=3999), 4000, "4000.0,error,0.0"),
@@ -238,6 +250,45 @@ def test_cycles_that_touch_a_gap_or_a_stuck_sensor_are_left_out(steady: Frame, r
     assert cycles_of(read(gap(steady)))["lost"].tolist().count("gap") == 1
     lost = cycles_of(read(stuck(steady)))["lost"]
     assert (lost == "does not move").sum() >= 2
+
+
+@pytest.mark.parametrize(
+    ("from_s", "to_s", "known"), [(60, 200, False), (-100, 70, False), (-300, -60, True), (200, 400, True)]
+)
+def test_after_a_gap_that_touches_a_fall_nobody_knows_how_long_it_cooled(
+    steady: Frame, read: Read, from_s: float, to_s: float, known: bool
+) -> None:
+    whole = cycles_of(read(steady, "steady.csv"))
+    falls = whole["off_at_s"][3] + whole["hold_s"][3]
+    seconds = steady["time_s"]
+    cycles = cycles_of(read(steady[(seconds < falls + from_s) | (seconds > falls + to_s)]))
+    assert cycles["lost"].tolist()[3:5] == ["gap", ""]
+    assert bool(cycles["before_s"].notna()[4]) == known
+    if known:
+        assert cycles["before_s"][4] == pytest.approx(whole["before_s"][4], abs=0.1)
+
+
+def test_a_copy_of_a_record_is_passed_over(steady: Frame, tmp_path: Path) -> None:
+    from waxstudy.identification.description import described
+    from waxstudy.identification.records import read_records
+
+    for name in ("a", "b"):
+        steady.to_csv(tmp_path / f"{name}.csv", index=False)
+    steady.iloc[:-10].to_csv(tmp_path / "c.csv", index=False)
+    records = read_records(described([tmp_path]), "B")
+    assert [record.name for record in records] == ["a", "c"]
+    assert records[0].warnings == ("b.csv is a copy of this file: passed over",)
+
+
+@pytest.mark.parametrize("wrong", [[99.0], [99.0, 99.0], [-50.0], [240.0, 99.0, 3000.0]])
+@pytest.mark.parametrize("row", [2000, 0, 14399 - 2])
+def test_an_outlier_of_the_signal_is_no_switch(steady: Frame, read: Read, wrong: list[float], row: int) -> None:
+    signal = steady["signal_V"].copy()
+    places = [row + (step if step < 2 else 300) for step in range(len(wrong))] if row < 14000 else [row]
+    signal.iloc[places] = wrong[: len(places)]
+    record = read(changed(steady, signal_V=signal))
+    assert medians(record) == pytest.approx(medians(read(steady, "steady.csv")))
+    assert [warning for warning in record.warnings if f"the first {wrong[0]:g} in line {row + 2}" in warning]
 
 
 def test_all_problems_of_all_records_are_told_at_once(steady: Frame, tmp_path: Path) -> None:

@@ -207,6 +207,52 @@ def test_a_misspelled_key_of_records_toml_is_told_with_its_line(entry: Entry) ->
     assert "records.toml:3: [record.a] produkt: unknown key; did you mean 'product'?" in done.stderr
 
 
+def test_records_of_the_bench_stay_simulated_without_their_description(entry: Entry, fits: Path) -> None:
+    for name in ("B1_15-15", "B2m_15-15"):
+        Path(f"{name}.csv").write_bytes((fits / "bench" / f"{name}.csv").read_bytes())
+    assert json.loads(entry("fit", "actuator", "B1_15-15.csv", "--out", "m.toml", "--json").stdout)["simulated"]
+    assert Path("m.toml").read_text().startswith("# SIMULATED")
+    Path("n.toml").write_text('[actuator]\nuse = "variable-times"\nproduct = "B"\n')
+    done = entry("fit", "valve", "B2m_15-15.csv", "--actuator", "n.toml", "--json")
+    assert json.loads(done.stdout)["simulated"]
+
+
+def test_what_is_read_is_never_overwritten(entry: Entry, fits: Path) -> None:
+    table_of(STEADY).to_csv("a.csv", index=False)
+    Path("records.toml").write_text('[record.a]\nfile = "a.csv"\nproduct = "X"\n')
+    Path("a.toml").symlink_to("a.csv")
+    before = {path.name: path.read_bytes() for path in Path().iterdir()}
+    for out in ("records.toml", f"../{Path.cwd().name}/records.toml", "a.toml", "a.csv"):
+        done = entry("fit", "actuator", ".", "--out", out)
+        assert (done.code, done.stdout) == (2, ""), out
+        assert out in done.stderr
+    Path("motor.toml").write_bytes((fits / "motor-B.toml").read_bytes())
+    flow = fits / "bench" / "B2m_15-15.csv"
+    assert entry("fit", "valve", flow, "--actuator", "motor.toml", "--out", "motor.toml").code == 2
+    assert Path("motor.toml").read_bytes() == (fits / "motor-B.toml").read_bytes()
+    assert {name: Path(name).read_bytes() for name in before} == before
+
+
+def test_a_folder_in_the_place_of_any_file_is_told_before_the_work(entry: Entry) -> None:
+    for number in range(3):
+        table_of(STEADY, seed=number).to_csv(f"{number}.csv", index=False)
+    Path("records.toml").write_text(
+        "".join(
+            f'[record.r{n}]\nfile = "{n}.csv"\nproduct = "{p}"\n' for n, p in enumerate(("T/W 1", "T-W-1", "t-w-1"))
+        )
+    )
+    for name in ("m.json", "m.html", "m-T-W-1.toml"):
+        Path(name).mkdir()
+        done = entry("fit", "actuator", ".", "--out", "m.toml")
+        assert (done.code, f"{name}: this is a folder" in done.stderr) == (2, True)
+        Path(name).rmdir()
+    done = entry("fit", "actuator", ".", "--out", "m.toml")
+    assert done.code == 0, done.stderr
+    files = done.stdout.splitlines()[-3:]
+    assert files == ["m-T-W-1.toml", "m-T-W-1-2.toml", "m-t-w-1-3.toml"]
+    assert {tomllib.loads(Path(name).read_text())["fit"]["product"] for name in files} == {"T/W 1", "T-W-1", "t-w-1"}
+
+
 def test_help_lists_both_fits(waxstudy: Waxstudy) -> None:
     told = waxstudy("fit", "--help").stdout
     assert "actuator" in told

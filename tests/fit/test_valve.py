@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -76,15 +77,30 @@ def test_the_pace_of_the_exemplar_is_found(tmp_path: Path, motor: Choice) -> Non
 
 
 def test_a_fragment_is_the_block_of_a_study(record: FlowRecord, motor: Choice) -> None:
-    import tomllib
-
     found = fit_valve(record, motor, authority=0.0967, how_authority="given", is_simulated=True)
     text = found.fragment()
     values = tomllib.loads(text)
     assert text.startswith("# SIMULATED")
     assert block("valve", values["valve"]).component.name == "quick-opening"
     assert values["fit"]["records"][0]["sha256"] == record.sha256
-    assert set(values["fit"]["interval_95"]) == {"h_min", "h_mid", "v_mid", "pace"}
+    assert set(values["fit"]["interval_95"]) == {"h_min", "h_mid", "v_mid", "pace", "delay"}
+
+
+def test_a_parameter_at_the_bound_of_its_search_is_not_told(tmp_path: Path) -> None:
+    slow = block("actuator", {"use": "variable-times", "product": "A"})
+    found = fit_valve(written(tmp_path / "flow.csv", Bench(), hours=3.0), slow, authority=0.0967, product="A")
+    at_bound = [name for name, value in found.values.items() if not value.told and name != "authority"]
+    assert at_bound
+    assert not set(at_bound) & set(tomllib.loads(found.fragment())["fit"]["interval_95"])
+    for name in at_bound:
+        assert any(each.startswith(f"{name} = ") and "lies at the bound" in each for each in found.warnings)
+
+
+def test_the_actuator_of_another_product_is_told(record: FlowRecord, motor: Choice) -> None:
+    other = replace(record, product="Y")
+    said = "is of product Y, the actuator of X"
+    assert any(said in each for each in fit_valve(other, motor, authority=0.0967, product="X").warnings)
+    assert not any(said in each for each in fit_valve(other, motor, authority=0.0967, product="Y").warnings)
 
 
 def test_openings_near_closed_and_open_are_left_out(record: FlowRecord, motor: Choice) -> None:
@@ -101,7 +117,7 @@ def test_openings_near_closed_and_open_are_left_out(record: FlowRecord, motor: C
         (lambda f: f.assign(flow_L_h=f["flow_L_h"].iloc[::-1].to_numpy() * 0.0 + 60.0 * (f["signal_V"] < 12)), "flow"),
         (lambda f: f.assign(signal_V=f["flow_L_h"], flow_L_h=(f["signal_V"] > 12.0) * 1.0), "takes two values only"),
         (lambda f: f.rename(columns={"flow_L_h": "displacement_mm"}), "flow: no column has this name"),
-        (lambda f: f.iloc[:700], "at least 3 are needed"),
+        (lambda f: f.iloc[:700], "1 cycle after the first, whose start is unknown; at least 3 are needed"),
     ],
     ids=["constant flow", "flow of another valve", "swapped columns", "no flow", "too short"],
 )

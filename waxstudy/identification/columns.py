@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -31,6 +31,7 @@ CHANNEL = {"signal": "heating_signal", "displacement": "displacement", "flow": "
 UNITS = ("mm", "um", "µm", "m", "inch", "V", "s", "min", "h", "L/h", "l/h", "l/min", "m3/h", "1", "%", "-")
 SUFFIXES = {"L_h": "L/h", "l_h": "L/h", "mm": "mm", "um": "um", "V": "V", "s": "s", "min": "min", "h": "h"}
 FIRST = 20  # cells that tell stamps from numbers
+THOUSANDS = r"\d{1,3}([,.' \u00a0\u202f]\d{3})+([.,]\d+)?"
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
 
 
@@ -121,18 +122,25 @@ def seconds_of(table: pd.DataFrame, named: Named, about: DatasetTable, notes: No
         if pd.api.types.is_datetime64_any_dtype(written) or first.isna().any():
             stamps = stamps_of(table, named.column, about, notes)
             return None if stamps is None else np.asarray((stamps - stamps[0]).total_seconds(), dtype=float)
-        written = pd.to_numeric(written, errors="coerce")
+        numbers = pd.to_numeric(written, errors="coerce")
+        return _elapsed(numbers.to_numpy(dtype=float), named, notes, [str(cell) for cell in written[numbers.isna()]])
     return _elapsed(written.to_numpy(dtype=float), named, notes)
 
 
-def _elapsed(values: FloatArray, named: Named, notes: Notes) -> FloatArray | None:
-    """Return numbers as seconds; note the first that is missing, goes back or is there twice."""
+def _elapsed(values: FloatArray, named: Named, notes: Notes, unread: Sequence[str] = ()) -> FloatArray | None:
+    """Return numbers as seconds; note the first that is missing, goes back or is there twice.
+
+    `unread` are the cells that are no numbers.
+    """
     if named.unit not in SECONDS:
         notes.refuse(named.column, f"the unit '{named.unit}' of the time is not known", line=1, allowed="s, min or h")
         return None
     missing = np.flatnonzero(~np.isfinite(values))
     if len(missing):
-        notes.refuse(named.column, f"is no number ({len(missing)} such rows)", line=int(missing[0]) + 2)
+        cell = unread[0] if unread and unread[0] not in ("nan", "<NA>", "None") else ""
+        hint = "numbers are written without a mark between thousands" if re.fullmatch(THOUSANDS, cell) else ""
+        wrong = f"is no number ({len(missing)} such rows)"
+        notes.refuse(named.column, wrong, line=int(missing[0]) + 2, value=shown(cell) if cell else "", allowed=hint)
         return None
     if len(values) < 2:
         notes.refuse(named.column, "a record needs at least two rows")

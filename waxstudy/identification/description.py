@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,6 +19,7 @@ from waxstudy.study.spots import RawTable, Spot
 DESCRIPTION = "records.toml"
 SUFFIXES = (".csv", ".txt", ".tsv", ".parquet")
 TABLES = ("simulated", "origin", "columns", "format", "record")
+LOOKED_AT = 4096  # bytes above a header
 USER = "given by the user"
 
 
@@ -79,8 +81,19 @@ def described(paths: Sequence[Path], measured: str = "displacement") -> list[Des
             found |= table or {p.resolve(): Described(p, p.stem) for p in files}
         else:
             found[path.resolve()] = table.get(path.resolve(), Described(path, path.stem))
-    known = list(found.values())
+    known = [replace(each, is_simulated=each.is_simulated or is_marked(each.path)) for each in found.values()]
     return _told_apart([each for each in known if each.measured == measured] or known)
+
+
+def is_marked(path: Path) -> bool:
+    """Whether a comment above the header says that a record is simulated, as those of the virtual bench do."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(LOOKED_AT).replace(b"\0", b"").decode("utf-8", errors="ignore").lstrip("\ufeff")
+    except OSError:  # reading the record tells
+        return False
+    comments = takewhile(lambda line: not line.strip() or line.lstrip().startswith("#"), head.splitlines())
+    return any("simulated" in line.lower() for line in comments)
 
 
 def _told_apart(records: Sequence[Described]) -> list[Described]:

@@ -28,6 +28,7 @@ class FlowRecord:
     missing: BoolArray
     unit: str
     warnings: tuple[str, ...]
+    product: str | None = None  # if it is told
 
 
 def read_flow(known: Described) -> FlowRecord:
@@ -50,4 +51,5 @@ def read_flow(known: Described) -> FlowRecord:
         samples.missing,
         samples.unit,
         tuple(notes.warnings),
+        known.product,
     )

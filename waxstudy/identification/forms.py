@@ -74,22 +74,25 @@ def model_of(data: Data, shape: Shape | None, draw: np.random.Generator) -> Time
     curved = [p for p in everyone if shape is not None and _spans(data, p, untold)]
     parts = _chosen(data, shape, curved, steps) if shape is not None and curved else []
     parts += _constants(data, [p for p in everyone if p not in {q for part in parts for q in part.products}], steps)
-    fits = [part.fit(data, data.outcome_s[:, None]) for part in parts]
-    predicted = np.empty(len(data.outcome_s))
-    for part, fitted in zip(parts, fits, strict=True):
-        predicted[part.rows] = part.predicted(data, fitted)
+    predicted = _predicted(data, parts)
     scatter = scatter_of(data.outcome_s / predicted - 1.0, data.nesting)
     drawn = resampled(predicted, data.outcome_s, data.nesting, scatter, draw, REPEATS)
     curves: dict[str, ProductCurve] = {}
-    for part, fitted in zip(parts, fits, strict=True):
+    silent = [] if shape is None else [p for p in everyone if p not in curved]
+    for part in parts:
         again = part.fit(data, drawn)
         if part.shape is not None and _is_unknown(again.tau_s):
             part.tau_s = _middle(data.before_s[part.rows])
-            fitted = part.fit(data, data.outcome_s[:, None])
-        silent = [] if shape is None else [p for p in everyone if p not in curved]
-        curves |= _curves(data, part, silent, again, fitted, untold)
+        curves |= _curves(data, part, silent, again, part.fit(data, data.outcome_s[:, None]), untold)
     ordered = {name: curves[name] for name in data.products}
-    return TimeModel(data.name, ordered, steps, untold, scatter, data.outcome_s - predicted)
+    return TimeModel(data.name, ordered, steps, untold, scatter, data.outcome_s - _predicted(data, parts))
+
+
+def _predicted(data: Data, parts: Sequence[Part]) -> FloatArray:
+    predicted: FloatArray = np.empty(len(data.outcome_s))
+    for part in parts:
+        predicted[part.rows] = part.predicted(data, part.fit(data, data.outcome_s[:, None]))
+    return predicted
 
 
 def _is_unknown(tau_s: FloatArray) -> bool:
@@ -149,7 +152,10 @@ def _chosen(data: Data, shape: Shape, products: list[int], steps: list[str]) -> 
     term = _part(data, "product term", products, shape)
     assert term.test is not None
     p_term = _p_of_more(data, [common], [term], len(products) - 1)
-    steps.append(f"{data.name}, product term instead: products differ by it with {_p(p_term)}; {_told(term.test)}")
+    beside = _beside_motors(data, common, term, len(products))
+    steps.append(
+        f"{data.name}, product term instead: products differ by it with {_p(p_term)} ({beside}); {_told(term.test)}"
+    )
     if fine and p_term >= LIMIT_P:
         steps.append(f"{data.name}: the common model is used")
         return [common]
@@ -177,7 +183,8 @@ def _constants(data: Data, products: list[int], steps: list[str]) -> list[Part]:
     if len(products) > 1:
         common = _part(data, "common", products, None)
         p = _p_of_more(data, [common], [alone], len(products) - 1)
-        steps.append(f"{data.name} of {names}, constant: products differ with {_p(p)}")
+        beside = _beside_motors(data, common, alone, len(products))
+        steps.append(f"{data.name} of {names}, constant: products differ with {_p(p)} ({beside})")
         return [common if p >= LIMIT_P else alone]
     steps.append(f"{data.name} of {names}: a constant is used")
     return [alone]
@@ -197,24 +204,46 @@ def _p(p: float) -> str:
 
 def _p_of_more(data: Data, small: Sequence[Part], large: Sequence[Part], more: int) -> float:
     """Return the p-value of more parameters: F-test against the scatter of records, or of cycles if that is larger."""
+    rows = np.any([part.rows for part in large], axis=0)
+    parameters = sum(len(set(part.group.tolist())) + (2 if part.shape else 0) for part in large)
+    by_record = _mean_square(data, large, data.nesting.record, parameters)
+    by_cycle = _mean_square(data, large, np.arange(len(rows)), parameters)
+    usable = [each for each in (by_record, by_cycle) if each]
+    return _f_test(_rss(data, small) - _rss(data, large), more, max(usable)) if usable else 1.0
+
+
+def _rss(data: Data, parts: Sequence[Part]) -> float:
+    return sum(float(part.fit(data, data.outcome_s[:, None]).rss[0]) for part in parts)
+
+
+def _f_test(gain: float, more: int, error: tuple[float, int]) -> float:
+    """Return the p-value of a sum of squares for `more` parameters over a mean square and its freedom."""
     from scipy.stats import f as fisher
 
-    rss = [sum(float(part.fit(data, data.outcome_s[:, None]).rss[0]) for part in parts) for parts in (small, large)]
-    rest, records = np.zeros(len(data.outcome_s)), data.nesting.record
-    for part in large:
-        rest[part.rows] = data.outcome_s[part.rows] - part.predicted(data, part.fit(data, data.outcome_s[:, None]))
-    rows = np.any([part.rows for part in large], axis=0)
-    counts = np.bincount(records[rows])
-    parameters = sum(len(set(part.group.tolist())) + (2 if part.shape else 0) for part in large)
-    mean_squares = [(rss[1], int(rows.sum()) - parameters)]
-    if (freedom := int(np.count_nonzero(counts)) - parameters) > 0:
-        sums = np.bincount(records[rows], rest[rows])
-        mean_squares.append((float((sums[counts > 0] ** 2 / counts[counts > 0]).sum()), freedom))
-    usable = [(square / freedom, freedom) for square, freedom in mean_squares if freedom > 0]
-    if not usable or rss[0] <= rss[1]:
+    if gain <= 0.0:
         return 1.0
-    error, freedom = max(usable)
-    return float(fisher.sf((rss[0] - rss[1]) / more / error, more, freedom)) if error > 0.0 else 0.0
+    return float(fisher.sf(gain / more / error[0], more, error[1])) if error[0] > 0.0 else 0.0
+
+
+def _mean_square(data: Data, parts: Sequence[Part], unit: IntArray, parameters: int) -> tuple[float, int] | None:
+    """Return the mean square of what the parts leave, by units such as records, and its freedom; None without any."""
+    rows, rest = np.any([part.rows for part in parts], axis=0), np.zeros(len(data.outcome_s))
+    for part in parts:
+        rest[part.rows] = data.outcome_s[part.rows] - part.predicted(data, part.fit(data, data.outcome_s[:, None]))
+    counts = np.bincount(unit[rows])
+    freedom = int(np.count_nonzero(counts)) - parameters
+    sums = np.bincount(unit[rows], rest[rows])[counts > 0]
+    return (float((sums**2 / counts[counts > 0]).sum()) / freedom, freedom) if freedom > 0 else None
+
+
+def _beside_motors(data: Data, small: Part, large: Part, products: int) -> str:
+    """Say how a difference of products stands against that of exemplars: the paper's test does not ask."""
+    error = _mean_square(data, [large], data.nesting.exemplar, products)
+    if error is None:
+        return "one motor each: product and motor cannot be told apart"
+    return (
+        f"{_p(_f_test(_rss(data, [small]) - _rss(data, [large]), products - 1, error))} against the scatter of motors"
+    )
 
 
 def _curves(
@@ -246,10 +275,9 @@ def _curves(
     for place, name in zip(part.products, names, strict=True):
         group = 0 if part.form == "common" else list(part.products).index(place)
         before = data.before_s[data.product == place]
-        is_curve = part.shape is not None and part.tau_s is None
         curves[name] = ProductCurve(
-            _value(fitted.a_s, again.a_s, is_curve),
-            _value(fitted.b_s[group], again.b_s[group], is_curve or (part.shape is None and place not in silent)),
+            _value(fitted.a_s, again.a_s, bounded),
+            _value(fitted.b_s[group], again.b_s[group], bounded or (part.shape is None and place not in silent)),
             _value(fitted.tau_s, again.tau_s, bounded),
             part.form if part.shape is not None else "constant",
             part.test,

@@ -14,7 +14,7 @@ from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.text import read_table
 from waxstudy.identification.columns import find, seconds_of, values_of, without_units
 from waxstudy.identification.description import Described
-from waxstudy.identification.stroke import normalised, switched
+from waxstudy.identification.stroke import normalised, switched, without_outliers
 from waxstudy.plugin import FloatArray
 from waxstudy.study.problems import Problem, StudyError
 
@@ -78,7 +78,18 @@ def read_records(known: Sequence[Described], product: str) -> list[Record]:
             records.append(replace(record, warnings=tuple(dict.fromkeys(notes.warnings))))
     if problems:
         raise StudyError(problems)
-    return records
+    return _without_copies(records)
+
+
+def _without_copies(records: Sequence[Record]) -> list[Record]:
+    """Return records whose bytes differ: a copy is no second witness."""
+    kept: dict[str, Record] = {}
+    for record in records:
+        first = kept.setdefault(record.sha256, record)
+        if first is not record:
+            copy = f"{record.file} is a copy of this file: passed over"
+            kept[record.sha256] = replace(first, warnings=(*first.warnings, copy))
+    return list(kept.values())
 
 
 def _read(known: Described, product: str, notes: Notes) -> Record | None:
@@ -128,6 +139,7 @@ def read_samples(known: Described, wanted: str, notes: Notes) -> Samples | None:
     signals, values = (values_of(table, name, named, notes) for name, named in (("signal", signal), (wanted, value)))
     if time_s is None or signals is None or values is None:
         return None
+    signals = without_outliers(signals, notes)
     return samples_of(time_s, signals, values, value.unit, notes)
 
 

@@ -14,6 +14,7 @@ FEWEST_SWITCHES = 2
 LEAST_OVER_NOISE = 10.0  # stroke over noise
 MIDDLE = (0.25, 0.75)  # of its range: a signal that switches is hardly ever there, a ramp is
 MOST_BETWEEN = 0.02  # share of a signal's samples in the middle
+HELD = 3  # samples that a level of the signal must last for at least once
 FOLLOWS = 0.2  # of the range: openings at switching off and at switching on differ by at least this
 SPIKE = 0.09  # of the range: more than the tip of a motor that turns round, less than counts as a movement
 
@@ -52,6 +53,33 @@ def switched(signal: FloatArray, values: FloatArray, wanted: str, notes: Notes) 
     return np.asarray(on)
 
 
+def without_outliers(signal: FloatArray, notes: Notes) -> FloatArray:
+    """Return a signal without its outliers, NaN in their place: the levels on and off are held for longer.
+
+    The samples nearer to one end of the range than to the other are no level if no `HELD` of them follow each other.
+    """
+    kept = np.where(np.isfinite(signal), signal, np.nan)
+    while True:
+        middle = 0.5 * (np.nanmin(kept) + np.nanmax(kept))
+        sides = kept > middle, kept < middle
+        short = [side for side in sides if 0 < _longest(side) < HELD]
+        if len(short) != 1:
+            break
+        kept[short[0]] = np.nan
+    rows = np.flatnonzero(np.isfinite(signal) & np.isnan(kept))
+    if len(rows):
+        few = "1 sample is" if len(rows) == 1 else f"{len(rows)} samples are"
+        first = f"the first {signal[rows[0]]:g} in line {notes.line_of(int(rows[0]) + 2)}"
+        notes.warn(f"signal: {few} neither on nor off ({first}): taken as missing")
+    return kept
+
+
+def _longest(holds: BoolArray) -> int:
+    """Return how many follow each other at most."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], holds, [False])).astype(np.int8)))
+    return int((edges[1::2] - edges[::2]).max(initial=0))
+
+
 def normalised(values: FloatArray, on: BoolArray, interval_s: float, notes: Notes) -> Stroke | None:
     """Return |displacement - closed| / stroke; which end is closed is told by the signal.
 
@@ -88,7 +116,8 @@ def without_spikes(values: FloatArray, interval_s: float, notes: Notes) -> Float
     count = int(bad.sum())
     if not count or high == low:
         return values
-    notes.warn(f"{count} {'sample is a spike' if count == 1 else 'samples are spikes'}: replaced by their neighbours")
+    what = "1 sample is a spike: replaced by its" if count == 1 else f"{count} samples are spikes: replaced by their"
+    notes.warn(f"{what} neighbours")
     return np.where(bad, middle, values)
 
 

@@ -75,8 +75,18 @@ def cycles_of(record: Record) -> pd.DataFrame:
     frame["lost"] = _lost(record, frame, on_at, off_at, next_at, is_last)
     if (frame["lost"] == "").mean() < LEAST_WHOLE:
         frame.loc[frame["lost"] == "", "lost"] = "most others are lost"
-    frame["before_s"] = frame["undercool_s"].where(opening[next_at] <= SLACK).shift(1)
+    knows_end = (opening[next_at] <= SLACK) & ~_touched(record, fall, fall_end)
+    frame["before_s"] = frame["undercool_s"].where(knows_end).shift(1)
     return frame
+
+
+def _touched(record: Record, begins_s: FloatArray, ends_s: FloatArray) -> NDArray[np.bool_]:
+    """Whether a gap lies within a movement, or as near to it as its slope is looked at."""
+    missing, dt = np.concatenate(([0], np.cumsum(record.missing))), record.interval_s
+    first = np.floor((np.nan_to_num(begins_s) - WINDOW_S) / dt).astype(int)
+    last = np.ceil((np.nan_to_num(ends_s) + WINDOW_S) / dt).astype(int) + 1
+    top = len(record.missing)
+    return np.asarray(missing[np.clip(last, 0, top)] > missing[np.clip(first, 0, top)])
 
 
 def movements(opening: FloatArray, dt: float, least: float) -> Movements:

@@ -26,12 +26,16 @@ BOUNDS: Mapping[str, tuple[float, float]] = {
     "h_mid": (0.1, 1.0),
     "v_mid": (0.0, 1.0),
     "pace": (0.85, 1.15),
+    "delay": (-0.5, 0.5),
     "authority": (0.01, 1.0),
 }
+OF_RECORD = ("pace", "delay")  # of this exemplar and record, not of the valve
 EXCLUDED = (0.05, 0.95)  # openings outside are left out: many samples, little change
 PACES: FloatArray = np.linspace(*BOUNDS["pace"], 61)
 REPEATS = 100
 FEWEST_CYCLES = 3
+FIRST_STEP = 0.05  # of a search, over the parameter's bounds
+NEAR: Mapping[str, float] = {"pace": 0.01}  # a bound, over the range
 LEAST_APART = 0.01  # of h_min and h_mid
 
 
@@ -53,7 +57,7 @@ class ValveFit:
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters of the block."""
-        return {name: rounded(value.value) for name, value in self.values.items() if name != "pace"}
+        return {name: rounded(value.value) for name, value in self.values.items() if name not in OF_RECORD}
 
     def modelled_flow(self) -> FloatArray:
         return curve(self.opening, *(self.values[name].value for name in ("h_min", "h_mid", "v_mid", "authority")))
@@ -102,29 +106,32 @@ def fit_valve(
     authority: float | None = None,
     how_authority: str = "fitted",
     is_simulated: bool = False,
+    product: str | None = None,
     seed: int = 1,
 ) -> ValveFit:
     """Return the curve with the smallest mean absolute error; raise `StudyError`.
 
-    Besides the paper's three parameters the pace of this exemplar is fitted, a factor on the actuator's times: flow
-    that begins late on opening and ends late on closing tells it from h_min. Intervals: resampled whole cycles.
+    Besides the paper's three parameters the pace of this exemplar is fitted, a factor on the actuator's times, and the
+    delay of the switches, which lie anywhere between two samples. Intervals: resampled whole cycles. An actuator of
+    another `product` than the record's is told.
     """
     openings = _openings(record, actuator)
     middle = openings[len(PACES) // 2]
     full = _full_flow(record, middle)
     cycle = _cycle_of(record)
-    if cycle.max() + 1 < FEWEST_CYCLES:
-        wrong = f"has {cycle.max() + 1} cycles; at least {FEWEST_CYCLES} are needed"
+    if (count := max(0, int(cycle.max()) + 1)) < FEWEST_CYCLES:
+        cycles = "1 cycle" if count == 1 else f"{count} cycles"
+        wrong = f"{cycles} after the first, whose start is unknown; at least {FEWEST_CYCLES} are needed"
         raise StudyError([Problem(record.file, 0, "", "flow", "", wrong)])
-    names = ["h_min", "h_mid", "v_mid", "pace", *(["authority"] if authority is None else [])]
+    names = [name for name in BOUNDS if name != "authority" or authority is None]
     near = _near(openings) & ~record.missing & (cycle >= 0)
-    problem = _Problem(openings[:, near], record.flow[near] / full, cycle[near], authority)
+    problem = _Problem(_delayed(openings)[:, :, near], record.flow[near] / full, cycle[near], authority)
     best = _best(problem, names, seed)
-    again = _again(problem, best, np.random.default_rng(seed))
-    values = {name: _value(float(best[i]), again[:, i]) for i, name in enumerate(names)}
+    again = _again(problem, best, names, np.random.default_rng(seed))
+    values = {name: _value(name, again[:, i]) for i, name in enumerate(names)}
     if authority is not None:
         values["authority"] = Value(authority, authority, authority, told=False)
-    opening = _at_pace(openings, values["pace"].value)
+    opening = _at(_delayed(openings), values["pace"].value, values["delay"].value)
     considered = (opening > EXCLUDED[0]) & (opening < EXCLUDED[1]) & near
     return ValveFit(
         record,
@@ -136,8 +143,12 @@ def fit_valve(
         record.flow / full,
         full,
         considered,
-        float(problem.error(best)),
-        [*(f"{record.file}: {sentence}" for sentence in record.warnings), *_notes(values, names)],
+        float(problem.error([values[name].value for name in names])),
+        [
+            *(f"{record.file}: {sentence}" for sentence in record.warnings),
+            *_of_others(record, product),
+            *_notes(values),
+        ],
     )
 
 
@@ -146,9 +157,23 @@ def _openings(record: FlowRecord, actuator: Choice) -> FloatArray:
     return np.array([modelled(actuator, record.on, record.interval_s, float(pace))[1] for pace in PACES])
 
 
-def _at_pace(openings: FloatArray, pace: float) -> FloatArray:
+def _delayed(openings: FloatArray) -> FloatArray:
+    """Return the openings one interval early, as they are, and one late (3, paces, n)."""
+    early, late = np.roll(openings, -1, axis=1), np.roll(openings, 1, axis=1)
+    early[:, -1], late[:, 0] = openings[:, -1], openings[:, 0]
+    return np.array([early, openings, late])
+
+
+def _at(openings: FloatArray, pace: float, delay: float) -> FloatArray:
+    """Return the opening at a pace, and as if all switches came later by a part of the interval."""
     place = float(np.clip((pace - PACES[0]) / (PACES[1] - PACES[0]), 0.0, len(PACES) - 1.0))
     low = min(int(place), len(PACES) - 2)
+    share, other = abs(delay), 2 if delay > 0.0 else 0
+    mixed: FloatArray = (1.0 - share) * _mixed(openings[1], low, place) + share * _mixed(openings[other], low, place)
+    return mixed
+
+
+def _mixed(openings: FloatArray, low: int, place: float) -> FloatArray:
     mixed: FloatArray = openings[low] + (place - low) * (openings[low + 1] - openings[low])
     return mixed
 
@@ -178,24 +203,24 @@ def _cycle_of(record: FlowRecord) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Problem:
-    """The error of parameters (h_min, h_mid, v_mid, pace, authority if it is fitted)."""
+    """The error of parameters (h_min, h_mid, v_mid, pace, delay, authority if it is fitted)."""
 
-    openings: FloatArray  # (paces, n)
+    openings: FloatArray  # (3, paces, n)
     flow: FloatArray
     cycle: np.ndarray
     authority: float | None
 
     def error(self, x: Sequence[float] | FloatArray, weight: FloatArray | None = None) -> float:
         """Return the mean absolute error over the considered openings; 1 and more for what is out of order."""
-        h_min, h_mid, v_mid, pace = (float(value) for value in x[:4])
-        authority = self.authority if self.authority is not None else float(x[4])
+        h_min, h_mid, v_mid, pace, delay = (float(value) for value in x[:5])
+        authority = self.authority if self.authority is not None else float(x[5])
         out = sum(
             max(0.0, low - value) + max(0.0, value - high)
             for value, (low, high) in zip(x, BOUNDS.values(), strict=False)
         )
         if out > 0.0 or h_mid < h_min + LEAST_APART:
             return 1.0 + float(out) + max(0.0, h_min + LEAST_APART - h_mid)
-        opening = _at_pace(self.openings, pace)
+        opening = _at(self.openings, pace, delay)
         share = ((opening > EXCLUDED[0]) & (opening < EXCLUDED[1])).astype(float)
         if weight is not None:
             share *= weight
@@ -209,40 +234,61 @@ def _best(problem: _Problem, names: Sequence[str], seed: int) -> FloatArray:
 
     bounds: Any = [BOUNDS[name] for name in names]
     found = differential_evolution(problem.error, bounds, rng=seed, popsize=20, tol=1e-8, maxiter=400, polish=False)
-    return _polished(problem.error, found.x)
+    return _polished(problem.error, found.x, names)
 
 
-def _polished(error: Callable[[FloatArray], float], start: FloatArray) -> FloatArray:
+def _polished(error: Callable[[FloatArray], float], start: FloatArray, names: Sequence[str]) -> FloatArray:
     from scipy.optimize import minimize
 
-    options = {"xatol": 1e-4, "fatol": 1e-7, "maxiter": 600}
+    steps = np.array([FIRST_STEP * np.ptp(BOUNDS[name]) for name in names])
+    middle = np.array([np.mean(BOUNDS[name]) for name in names])
+    simplex = np.vstack((start, start + np.diag(np.where(start > middle, -steps, steps))))
+    options = {"xatol": 1e-4, "fatol": 1e-7, "maxiter": 600, "initial_simplex": simplex}
     polished: FloatArray = minimize(error, start, method="Nelder-Mead", options=options).x  # type: ignore[call-overload]
     return polished
 
 
-def _again(problem: _Problem, best: FloatArray, draw: np.random.Generator) -> FloatArray:
-    """Return the parameters of resampled cycles (repeats, parameters)."""
+def _again(problem: _Problem, best: FloatArray, names: Sequence[str], draw: np.random.Generator) -> FloatArray:
+    """Return the parameters of resampled cycles (repeats, parameters); each search begins at another delay.
+
+    Delay and pace can hardly be told apart: along their ridge the error is nearly the same.
+    """
+    delay = names.index("delay")
     cycles = np.unique(problem.cycle)
     found = []
     for _ in range(REPEATS):
         counts = np.bincount(draw.choice(cycles, len(cycles)), minlength=int(cycles[-1]) + 1).astype(float)
-        found.append(_polished(partial(problem.error, weight=counts[problem.cycle]), best))
+        start = best.copy()
+        start[delay] = draw.uniform(*BOUNDS["delay"])
+        found.append(_polished(partial(problem.error, weight=counts[problem.cycle]), start, names))
     return np.array(found)
 
 
-def _value(found: float, again: FloatArray) -> Value:
-    low, high = np.quantile(again, (0.025, 0.975))
-    return Value(found, float(low), float(high))
+def _value(name: str, again: FloatArray) -> Value:
+    """Return the middle of the resampled fits: the best one lies anywhere on the ridge of delay and pace."""
+    low, found, high = (float(each) for each in np.quantile(again, (0.025, 0.5, 0.975)))
+    return Value(found, low, high, told=not _is_at_bound(name, found))
 
 
-def _notes(values: Mapping[str, Value], names: Sequence[str]) -> list[str]:
+def _is_at_bound(name: str, found: float) -> bool:
+    """Whether a parameter ends where its search does; a switch lies between two samples whatever the search."""
+    near = NEAR.get(name, 1e-3) * np.ptp(BOUNDS[name])
+    return name != "delay" and bool(min(abs(found - bound) for bound in BOUNDS[name]) < near)
+
+
+def _notes(values: Mapping[str, Value]) -> list[str]:
     """Say which parameter ends at a bound, where it means little."""
-    at_bound = [
-        name
-        for name in names
-        if min(abs(values[name].value - bound) for bound in BOUNDS[name]) < 1e-3 * np.ptp(BOUNDS[name])
+    return [
+        f"{name} = {value.value:.3g} lies at the bound of its search: it is not told"
+        for name, value in values.items()
+        if not value.told and value.low < value.high
     ]
-    return [f"{name} = {values[name].value:.3g} lies at the bound of its search" for name in at_bound]
+
+
+def _of_others(record: FlowRecord, product: str | None) -> list[str]:
+    if product is None or record.product is None or product == record.product:
+        return []
+    return [f"{record.file} is of product {record.product}, the actuator of {product}: are these the right files?"]
 
 
 def authority_of(valve_kPa: float, pump_kPa: float) -> float:

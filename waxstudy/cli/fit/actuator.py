@@ -11,10 +11,19 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import USAGE, CommandError
-from waxstudy.cli.fit.common import column_option, failures, printed, refuse_unwritable, write
+from waxstudy.cli.fit.common import (
+    beside,
+    column_option,
+    failures,
+    printed,
+    refuse_targets,
+    refuse_unwritable,
+    write,
+)
 from waxstudy.cli.output import Command, print_out
 
 if TYPE_CHECKING:
+    from waxstudy.identification.description import Described
     from waxstudy.identification.result import ActuatorFit
 
 PRODUCT = "Product of records of which none is told, and the one that is written  [default: each gets a file]"
@@ -40,39 +49,63 @@ def command(
     """
     refuse_unwritable(out)
     with failures():
-        found = _fit(records, product, columns, seed)
-    written = _files(found, product, out)
+        known = _known(records, columns)
+        planned = _files(sorted({each.product or product or UNNAMED for each in known}), product, out)
+        refuse_targets((*planned.values(), out, *beside(out)), _read(records, known))
+        found = _fit(known, product, seed)
+    written = _files(found.model.products, product, out)
     write(_texts(found, written, out))
     files = "".join(f"{path}\n" for path in written.values())
     print_out(_json(found) if as_json else f"{_summary(found)}{out.with_suffix('.html')}\n{files}")
 
 
-def _fit(paths: Sequence[Path], product: str | None, columns: dict[str, str], seed: int) -> ActuatorFit:
+def _known(paths: Sequence[Path], columns: dict[str, str]) -> list[Described]:
     from waxstudy.identification.description import described
-    from waxstudy.identification.records import read_records
-    from waxstudy.identification.result import fit
 
     known = [replace(each, columns={**each.columns, **columns}) for each in described(paths)]
     if not known:
         raise CommandError("there is no displacement record in these folders", USAGE)
+    return known
+
+
+def _read(paths: Sequence[Path], known: Sequence[Described]) -> list[Path]:
+    """Return all files that are read, or would be read the next time."""
+    from waxstudy.identification.description import DESCRIPTION
+
+    folders = {each.path.parent for each in known} | {path for path in paths if path.is_dir()}
+    return [*(each.path for each in known), *paths, *(folder / DESCRIPTION for folder in folders)]
+
+
+def _fit(known: Sequence[Described], product: str | None, seed: int) -> ActuatorFit:
+    from waxstudy.identification.records import read_records
+    from waxstudy.identification.result import fit
+
     return fit(read_records(known, product or UNNAMED), seed)
 
 
-def _files(found: ActuatorFit, product: str | None, out: Path) -> dict[str, Path]:
-    """Return the file of each product that is written."""
-    products = found.model.products
+def _files(products: Sequence[str], product: str | None, out: Path) -> dict[str, Path]:
+    """Return the file of each product that is written; names that come to the same get a number."""
     if product is not None and product not in products:
         raise CommandError(f"--product {product}: the records are of {', '.join(products)}", USAGE)
     if product is not None or len(products) == 1:
         return {product or products[0]: out}
-    return {each: out.with_name(f"{out.stem}-{re.sub(UNSAFE, '-', each)}{out.suffix}") for each in products}
+    files: dict[str, Path] = {}
+    taken = {out.name.lower()}
+    for each in products:
+        stem = f"{out.stem}-{re.sub(UNSAFE, '-', each)}"
+        names = (f"{stem}{number}{out.suffix}" for number in ("", *(f"-{n}" for n in range(2, len(products) + 2))))
+        name = next(name for name in names if name.lower() not in taken)
+        taken.add(name.lower())
+        files[each] = out.with_name(name)
+    return files
 
 
 def _texts(found: ActuatorFit, files: dict[str, Path], out: Path) -> dict[Path, str]:
     from waxstudy.report.identification.page import actuator_page
 
     texts = {path: found.fragment(product) for product, path in files.items()}
-    return texts | {out.with_suffix(".html"): actuator_page(found), out.with_suffix(".json"): _json(found)}
+    page, figures = beside(out)
+    return texts | {page: actuator_page(found), figures: _json(found)}
 
 
 def _json(found: ActuatorFit) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -55,12 +55,37 @@ def failures() -> Iterator[None]:
         raise CommandError(str(error), FAILED) from error
 
 
+def beside(out: Path) -> tuple[Path, Path]:
+    """Return the page and the figures that go beside a fragment."""
+    return out.with_suffix(".html"), out.with_suffix(".json")
+
+
 def refuse_unwritable(out: Path) -> None:
     """Say before the work, not after it, that its results could not be written."""
+    if out.suffix.lower() != ".toml":
+        raise CommandError(f"{out}: the name of a file that ends in .toml is needed", USAGE)
     if not out.parent.is_dir() or not os.access(out.parent, os.W_OK | os.X_OK):
         raise CommandError(f"{out}: {out.parent} is no folder to write to", USAGE)
-    if out.is_dir():
-        raise CommandError(f"{out}: this is a folder; the name of a file is needed", USAGE)
+    refuse_targets((out, *beside(out)), ())
+
+
+def refuse_targets(targets: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Say before the work that a file cannot be written, or would take the place of what is read."""
+    read = {path.resolve() for path in inputs}
+    for path in targets:
+        try:
+            is_folder, is_read = path.is_dir(), path.resolve() in read or _is_one_of(path, read)
+        except OSError as error:  # a name that is too long, say
+            raise CommandError(f"{path}: cannot be written: {os.strerror(error.errno or 0)}", USAGE) from error
+        if is_folder:
+            raise CommandError(f"{path}: this is a folder; a file is to be written there", USAGE)
+        if is_read:
+            raise CommandError(f"{path}: this file is read; choose another name with --out", USAGE)
+
+
+def _is_one_of(path: Path, others: Iterable[Path]) -> bool:
+    """Whether it is the same file under another name: a link, or another case where that does not count."""
+    return path.exists() and any(other.exists() and path.samefile(other) for other in others)
 
 
 def write(texts: Mapping[Path, str]) -> None:

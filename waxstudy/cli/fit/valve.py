@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import INVALID, USAGE, CommandError
-from waxstudy.cli.fit.common import column_option, failures, printed, refuse_unwritable, write
+from waxstudy.cli.fit.common import (
+    beside,
+    column_option,
+    failures,
+    printed,
+    refuse_targets,
+    refuse_unwritable,
+    write,
+)
 from waxstudy.cli.output import Command, print_out
 
 if TYPE_CHECKING:
@@ -49,10 +57,14 @@ def command(
     if authority is not None and pressure_drops is not None:
         raise CommandError("--authority and --pressure-drops say the same: give one of them", USAGE)
     refuse_unwritable(out)
+    from waxstudy.identification.description import DESCRIPTION
+
+    refuse_targets((out, *beside(out)), (record, actuator, record.parent / DESCRIPTION))
     given, how = _authority(authority, pressure_drops)
     with failures():
         found = _fit(record, actuator, columns, given, how, seed)
-    write({out: found.fragment(), out.with_suffix(".html"): _page(found), out.with_suffix(".json"): _json(found)})
+    page, figures = beside(out)
+    write({out: found.fragment(), page: _page(found), figures: _json(found)})
     print_out(_json(found) if as_json else f"{_summary(found)}{out.with_suffix('.html')}\n{out}\n")
 
 
@@ -85,7 +97,16 @@ def _fit(path: Path, actuator: Path, columns: dict[str, str], authority: float |
     (known,) = described([path], "flow")
     record = read_flow(replace(known, columns={**known.columns, **columns}))
     simulated = about.get("simulated") is True
-    return fit_valve(record, chosen, authority=authority, how_authority=how, is_simulated=simulated, seed=seed)
+    product = about.get("product")
+    return fit_valve(
+        record,
+        chosen,
+        authority=authority,
+        how_authority=how,
+        is_simulated=simulated,
+        product=product if isinstance(product, str) else None,
+        seed=seed,
+    )
 
 
 def _page(found: ValveFit) -> str:

@@ -18,6 +18,7 @@ MEANING = {
     "v_mid": "theoretical flow at the bend",
     "authority": "authority of the valve",
     "pace": "times of this exemplar over the actuator's",
+    "delay": "switches later than in the middle between two samples, in intervals",
 }
 
 
@@ -111,7 +112,8 @@ def interval(value: Value, digits: int) -> str:
 def valve_tables(found: ValveFit) -> list[Table]:
     rows = []
     for name, value in found.values.items():
-        shown = interval(value, 3) if value.told else found.how_authority
+        taken = found.how_authority if value.low == value.high else "not told: at the bound"
+        shown = interval(value, 3) if value.told else taken
         rows.append([name, f"{value.value:.3f}", shown, MEANING[name]])
     title = f"curve of the valve: MAE {100.0 * found.mae:.2f} % of full flow over {int(found.considered.sum())} samples"
     return [(title, ["parameter", "value", "95 % interval", "meaning"], rows)]
