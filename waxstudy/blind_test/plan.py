@@ -83,7 +83,7 @@ def _shared(slots: Sequence[Slot], share: float) -> list[Slot]:
     """Return a share of each kind, cause and engine of a stratum, rounded up, so that none is lost."""
     groups: dict[tuple[str, str], list[Slot]] = {}
     for slot in slots:
-        groups.setdefault((slot.kind, slot.cause), []).append(slot)
+        groups.setdefault((slot.kind, slot.cause or slot.engine), []).append(slot)
     return [slot for group in groups.values() for slot in _spread(group, math.ceil(share * len(group)))]
 
 

@@ -96,7 +96,7 @@ EFFECTS = (
         "low-authority",
         "valve",
         lambda plant, v: {"authority": min(1.0, plant.authority * v["pressure"])},
-        pressure=Range(0.1, 3.0, is_signed=True, is_factor=True),
+        pressure=Range(0.3, 9.0, is_signed=True, is_factor=True),
     ),
     _effect("supply-offset", "emitter", _as_it_is("supply_K", "offset_K"), offset_K=Range(0.1, 6.0, is_signed=True)),
     _effect("pipe-delay", "emitter", _as_it_is("pipe_L", "volume_L"), volume_L=Range(0.3, 15.0)),
