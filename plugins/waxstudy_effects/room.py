@@ -133,7 +133,7 @@ def open_share(inputs: Inputs, from_h: float, to_h: float) -> FloatArray:
     # hours since it was opened, at the middle of an interval; the window of the day before and after reach over it
     since_h = (inputs.hour - from_h) % DAY_H
     overlap_h = np.zeros(len(since_h))
-    for day_h in (-DAY_H, 0.0):
+    for day_h in (-DAY_H, 0.0, DAY_H):
         begin, end = since_h + day_h - half_h, since_h + day_h + half_h
         overlap_h += np.clip(np.minimum(end, length_h) - np.maximum(begin, 0.0), 0.0, None)
     return np.asarray(overlap_h / (2.0 * half_h))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.effects.believed import EFFECTS, belief, choice, day, response, with_effect, with_inputs
@@ -99,6 +99,7 @@ def test_an_open_window_takes_the_heat_of_its_air_while_it_is_open() -> None:
 
 
 @given(st.floats(0.0, 24.0), st.floats(0.0, 24.0), st.sampled_from([60.0, 900.0, 3600.0]))
+@example(14.5, 14.25, 3600.0)  # both ends of the pause within one interval
 def test_a_window_is_open_for_as_long_as_its_hours_say_over_midnight_too(
     from_h: float, to_h: float, interval_s: float
 ) -> None:
