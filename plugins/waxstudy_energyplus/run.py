@@ -129,9 +129,13 @@ def _exchange(process: subprocess.Popen[bytes], question: bytes, stop: Callable[
             asked.write(question)
             asked.flush()
 
+    def read() -> None:
+        with contextlib.suppress(ValueError):  # nobody waits any more, and the pipe is closed
+            parts.append(answered.read())
+
     # a process that is slow to start lets a long question wait, as it lets us wait for the answer
     threading.Thread(target=ask, daemon=True).start()
-    reader = threading.Thread(target=lambda: parts.append(answered.read()), daemon=True)
+    reader = threading.Thread(target=read, daemon=True)
     reader.start()
     while reader.is_alive():
         reader.join(POLL_S)

@@ -60,7 +60,7 @@ def test_where_everything_is_as_believed_nothing_is_claimed(case: str, stage: st
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [2])
 def test_nor_with_the_noise_of_other_instruments(seed: int) -> None:
     seen, believed, cut = ready("REAL", seed)
     for link in cut:
@@ -69,7 +69,7 @@ def test_nor_with_the_noise_of_other_instruments(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1])
 def test_where_a_room_is_as_believed_nothing_is_claimed(seed: int) -> None:
     seen, believed, cut = ready("REAL", seed)
     assert searched(link_at("room", cut), seen, believed, seed=seed).found == ()
