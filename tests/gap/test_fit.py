@@ -11,11 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.gap.realities import EFFECTS, belief, effects, planted, record
-from waxstudy.gap.fit import Fitted, Fitter, Space
+from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.interval import parameter_intervals
 from waxstudy.gap.judge import FIT, SELECT
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
+from waxstudy.gap.space import Space
 from waxstudy.plugin import Belief, Prior
 
 BOTH = (FIT, SELECT)

@@ -24,13 +24,13 @@ from waxstudy.blind_test.make import BlindTestError, Place, Tick
 from waxstudy.blind_test.record import FILES, NAME
 from waxstudy.plugin.trial import baseline_names
 from waxstudy.results.atomic import whole_file
+from waxstudy.simulation.threads import ONE_THREAD
 
 OURS = "ours"
 LEAVE_ONE_OUT = "ours-leave-one-out"
 PROGRAM = (sys.executable, "-c", "from waxstudy.cli import main; main()")
 HERE = "{}"  # where a command wants the dataset's folder, if not at its end
 TAIL = 2000  # letters of stderr that are kept of a failure
-ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 @dataclass(frozen=True)

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.errors import FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
 from waxstudy.cli.output import Command, print_out, stdout
 from waxstudy.cli.run import failures
 from waxstudy.cli.study import load_study
+from waxstudy.simulation.threads import use_one_thread
 
 if TYPE_CHECKING:
     from waxstudy.gap.result import Diagnosis
 
-# the matrices are small: threads of the linear algebra library would only wait for each other
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: nothing is written]"
 STUDY = click.Path(exists=True, dir_okay=False, path_type=Path)
-Tick = Callable[[str, float], None]
 
 
 @click.command("diagnose", cls=Command)
@@ -42,12 +39,11 @@ def command(
 
     DATASET is a folder with dataset.toml and data.csv. With --out, the last line printed is the folder.
     """
-    if not set(THREADS) & set(os.environ):
-        os.environ.update(dict.fromkeys(THREADS, "1"))
+    use_one_thread()
     if out is not None:
         _refuse_unwritable(out)
     try:
-        with _progress(quiet) as tick:
+        with bar(quiet) as tick:
             diagnosis = _diagnosis(dataset, study, seed, quick, tick)
         if out is not None:
             _write(diagnosis, out)
@@ -112,21 +108,3 @@ def _write(diagnosis: Diagnosis, out: Path) -> None:
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
         raise CommandError(f"{out}: the results cannot be written: {reason}", FAILED) from error
-
-
-# --- progress ----------------------------------------------------------------------------------------
-
-
-@contextmanager
-def _progress(quiet: bool) -> Iterator[Tick]:
-    """A bar on stderr, on a terminal only."""
-    if quiet or not sys.stderr.isatty():
-        yield lambda what, share: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
-
-    columns = (BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("reading", total=1.0)
-        yield lambda what, share: bar.update(task, completed=share, description=what)

@@ -10,7 +10,7 @@ import pandas as pd
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.closed_loop import closed_loop
-from waxstudy.gap.fit import EffectType, Fitted, Fitter
+from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.impact import impact
 from waxstudy.gap.interval import parameter_intervals, shrink
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, parts_of
@@ -30,6 +30,7 @@ from waxstudy.gap.result import (
     Verdict,
 )
 from waxstudy.gap.select import Selection, select
+from waxstudy.gap.space import EffectType
 from waxstudy.gap.testable import next_measurements, separating, too_short, uncovered, unshown
 from waxstudy.gap.unexplained import stage_of, unexplained
 from waxstudy.plugin import STAGES, Belief, Effect, Inputs

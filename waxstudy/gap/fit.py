@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from operator import itemgetter
@@ -12,12 +12,11 @@ import numpy as np
 from waxstudy.gap.judge import FIT, SELECT, Errors, Judge
 from waxstudy.gap.links import Drift, Link, Reading
 from waxstudy.gap.record import Record
+from waxstudy.gap.space import EffectType, Space, Values, descend, valued
 from waxstudy.gap.unknowns import unknowns
-from waxstudy.plugin import Belief, Effect, FloatArray, Prior, SimulationError
+from waxstudy.plugin import Belief, FloatArray, SimulationError
 
 IMPOSSIBLE = 1e12  # loss of a belief that cannot be
-SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
-SCAN_MORE = 64
 REFINE = {1: 30, 2: 60, 3: 110}
 REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
@@ -28,9 +27,6 @@ LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before
 MOST_DAMPING = 1e4
 MOST_SD = 2.5  # how far a departure may go: what needs more is a finding
-
-Values = Mapping[str, float]
-EffectType = type[Effect]
 
 
 @dataclass(frozen=True)
@@ -153,7 +149,7 @@ class Fitter:
         # a first look cannot choose between ways to read the record; for a room looking closer at each takes too long
         ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]
         done = [each for each in ends if each is not None]
-        best = min(done, key=lambda each: self.score(each, parts) + handicap(each.reading, given), default=None)
+        best = min(done, key=lambda each: self.score(each, parts) + of_other(each.reading, given), default=None)
         if best and self.unknowns and self.score(best, parts) < self.score(given, parts) - PROMISING / self.thorough:
             return self.refined(best.effects, best.departures, best.reading, parts)
         return best
@@ -169,7 +165,7 @@ class Fitter:
         tried = [*space.points(self.thorough), *effect.starts(self.belief)]
         scores = [self.score(self._at((*given.effects, (effect, v)), given, reading, parts), parts) for v in tried]
         best = int(np.argmin(scores))
-        return scores[best] + handicap(reading, given), tried[best], reading
+        return scores[best] + of_other(reading, given), tried[best], reading
 
     def _at(
         self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading, parts: Sequence[int]
@@ -236,11 +232,11 @@ class Fitter:
         start = np.concatenate([space.inside(v) for space, (_, v) in zip(spaces, smooth, strict=True)])
 
         def loss(x: FloatArray) -> float:
-            return self.score(self.at(_valued(effects, spaces, x), departures, reading), parts)
+            return self.score(self.at(valued(effects, spaces, x), departures, reading), parts)
 
         most = REFINE.get(len(start), REFINE_MORE)
-        found = _descend(loss, start, round(most * self.thorough))
-        return self.at(_valued(effects, spaces, found), departures, reading)
+        found = descend(loss, start, round(most * self.thorough))
+        return self.at(valued(effects, spaces, found), departures, reading)
 
     def _smooth_fit(
         self,
@@ -275,7 +271,7 @@ class Fitter:
         return problem.solved(problem.vector(departures), most, known)
 
 
-def handicap(reading: Reading, given: Fitted) -> float:
+def of_other(reading: Reading, given: Fitted) -> float:
     """Return by how much another reading than a given one must be better: an effect may do no more than undo it."""
     return 0.0 if reading == given.reading else OTHER
 
@@ -299,7 +295,7 @@ class _Problem:
         return np.concatenate((departures / self.fitter.sd, *inside))
 
     def at(self, x: FloatArray) -> Fitted | None:
-        effects = _valued(self.effects, self.spaces, x[self.count :])
+        effects = valued(self.effects, self.spaces, x[self.count :])
         return self.fitter.at(effects, x[: self.count] * self.fitter.sd, self.reading)
 
     def missed(self, fitted: Fitted, x: FloatArray) -> FloatArray:
@@ -363,85 +359,3 @@ class _Problem:
         low = np.concatenate((np.full(self.count, -MOST_SD), np.zeros(len(x) - self.count)))
         high = np.concatenate((np.full(self.count, MOST_SD), np.ones(len(x) - self.count)))
         return np.clip(x + step, low, high) - x
-
-
-class Space:
-    """The parameters of an effect as a unit cube."""
-
-    def __init__(self, effect: EffectType) -> None:
-        self.names, self.priors = list(effect.priors), list(effect.priors.values())
-
-    def values(self, x: FloatArray) -> Values:
-        return {name: _value(prior, float(at)) for name, prior, at in zip(self.names, self.priors, x, strict=True)}
-
-    def inside(self, values: Values) -> FloatArray:
-        return np.array([_place(prior, values[name]) for name, prior in zip(self.names, self.priors, strict=True)])
-
-    def points(self, thorough: float) -> list[Values]:
-        """Return points spread over the cube: evenly for one parameter, else a Sobol sequence."""
-        count = len(self.names)
-        if not count:
-            return [{}]
-        wanted = max(5, round(SCAN.get(count, SCAN_MORE) * thorough))
-        if count == 1:
-            return [self.values(np.array([at])) for at in np.linspace(0.0, 1.0, wanted)]
-        from scipy.stats import qmc
-
-        spread = qmc.Sobol(count, scramble=False).random_base2(int(np.ceil(np.log2(wanted + 1))))
-        return [self.values(point) for point in spread[1 : wanted + 1]]
-
-
-def _value(prior: Prior, at: float) -> float:
-    at = min(1.0, max(0.0, at))
-    return prior.low * (prior.high / prior.low) ** at if prior.is_log else prior.low + (prior.high - prior.low) * at
-
-
-def _place(prior: Prior, value: float) -> float:
-    if prior.is_log:
-        return float(np.log(max(value, prior.low) / prior.low) / np.log(prior.high / prior.low))
-    return (value - prior.low) / (prior.high - prior.low)
-
-
-def _valued(
-    effects: Sequence[tuple[EffectType, Values]], spaces: Sequence[Space], x: FloatArray
-) -> list[tuple[EffectType, Values]]:
-    found, at = [], 0
-    for (effect, _), space in zip(effects, spaces, strict=True):
-        count = len(space.names)
-        found.append((effect, space.values(np.asarray(x[at : at + count]))))
-        at += count
-    return found
-
-
-def _descend(loss: Callable[[FloatArray], float], start: FloatArray, most: int) -> FloatArray:
-    """Return the best point found downhill from a start in the unit cube (Nelder and Mead)."""
-    from scipy.optimize import minimize
-
-    size = 0.06
-    if len(start) == 1:
-        start, size = _zoomed(loss, start, size, max(5, most // 3))
-    corners = np.tile(start, (len(start) + 1, 1))
-    for place in range(len(start)):
-        corners[place + 1, place] += size if start[place] < 0.5 else -size
-    found = minimize(
-        loss,
-        start,
-        method="Nelder-Mead",
-        bounds=[(0.0, 1.0)] * len(start),
-        options={"maxfev": most, "initial_simplex": corners, "xatol": 1e-4, "fatol": 1e-3},
-    )
-    return np.asarray(found.x)
-
-
-def _zoomed(
-    loss: Callable[[FloatArray], float], start: FloatArray, size: float, points: int
-) -> tuple[FloatArray, float]:
-    """Return the best place of one parameter near a start, and how far around it is not looked at.
-
-    What hangs on single switches is jagged, and a descent would end in the nearest notch.
-    """
-    for _ in range(2):
-        near = np.clip(start + size * np.linspace(-1.0, 1.0, points | 1)[:, None], 0.0, 1.0)
-        start = min(near, key=loss)
-        size *= 2.0 / (points | 1)
-    return start, size

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Any
 
-from waxstudy.gap.fit import EffectType
+from waxstudy.gap.space import EffectType
 from waxstudy.plugin import CHAIN, Belief, Choice, Effect, Parameters
 from waxstudy.study.model import Case, Study
 

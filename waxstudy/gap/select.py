@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.fit import EffectType, Fitted, Fitter
+from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK
 from waxstudy.gap.links import SUPPLY
+from waxstudy.gap.space import EffectType
 from waxstudy.gap.stray import is_covered
 from waxstudy.plugin import Belief, FloatArray
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from waxstudy.gap.fit import EffectType, Values
 from waxstudy.gap.links import SHOWN, Link
 from waxstudy.gap.record import Record
 from waxstudy.gap.result import FoundEffect, Measurement, Untestable
 from waxstudy.gap.select import LEAST_GAIN, Selection, whole
+from waxstudy.gap.space import EffectType, Values
 from waxstudy.plugin import CHAIN, Belief
 
 CLEAR = 4  # noticeable steps from neutral that a record should show

@@ -94,19 +94,24 @@ class Bench(Parameters):
         0.01,
         unit="mm/day",
         description="Standard deviation of the zero's drift in a day.",
-        source=CHOSEN + "",
+        source=CHOSEN + "0.4 % of the stroke",
         ge=0.0,
         le=5.0,
     )
     spikes_per_day: float = parameter(
-        3.0, unit="1/day", description="Single samples that are wrong.", source=CHOSEN + "", ge=0.0, le=10_000.0
+        3.0,
+        unit="1/day",
+        description="Single samples that are wrong.",
+        source=CHOSEN + "rare",
+        ge=0.0,
+        le=10_000.0,
     )
     gaps_per_day: float = parameter(
-        0.0, unit="1/day", description="Gaps of about 5 min.", source=CHOSEN + "", ge=0.0, le=100.0
+        0.0, unit="1/day", description="Gaps of about 5 min.", source=CHOSEN + "none unless asked for", ge=0.0, le=100.0
     )
     signal_V: float = parameter(24.0, unit="V", description="Supply when on.", source="section 3.1.2", gt=0.0, le=250.0)
     signal_noise_V: float = parameter(
-        0.02, unit="V", description="Standard deviation of its reading.", source=CHOSEN + "", ge=0.0, le=10.0
+        0.02, unit="V", description="Standard deviation of its reading.", source=CHOSEN + "0.1 %", ge=0.0, le=10.0
     )
     full_flow_L_h: float = parameter(
         120.0, unit="L/h", description="Flow when open.", source=CHOSEN + "not in the paper", gt=0.0, le=10_000.0

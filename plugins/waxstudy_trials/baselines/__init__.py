@@ -7,8 +7,8 @@ from typing import Any
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import record_of
-from waxstudy.gap.fit import EffectType
 from waxstudy.gap.record import Record
+from waxstudy.gap.space import EffectType
 from waxstudy.plugin import Belief
 
 Json = dict[str, Any]

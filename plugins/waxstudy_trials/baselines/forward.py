@@ -9,9 +9,10 @@ from collections.abc import Sequence
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import installed_effects
-from waxstudy.gap.fit import EffectType, Fitted, Fitter
+from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.judge import FIT, SELECT, SHRINK
 from waxstudy.gap.links import links
+from waxstudy.gap.space import EffectType
 from waxstudy_trials.baselines import Json, answer, taken
 
 LEVEL = 0.01  # over the effects of a link (Bonferroni)

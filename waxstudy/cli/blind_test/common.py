@@ -1,21 +1,18 @@
-"""What the commands of the blind test share: their failures, their bar, the key."""
+"""What the commands of the blind test share: their failures, the key."""
 
 from __future__ import annotations
 
 import os
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from waxstudy.cli.errors import FAILED, INTERRUPTED, PLUGIN, USAGE, CommandError
+from waxstudy.simulation.threads import use_one_thread
 
 if TYPE_CHECKING:
     from waxstudy.blind_test.key import Key
-
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-Tick = Callable[[str, float], None]
 
 
 @contextmanager
@@ -29,9 +26,7 @@ def failures(folder: Path) -> Iterator[None]:
     from waxstudy.plugin.registry import PluginError
     from waxstudy.plugin.trial import Unmakeable
 
-    # the matrices are small: threads of the linear algebra library would only wait for each other
-    if not set(THREADS) & set(os.environ):
-        os.environ.update(dict.fromkeys(THREADS, "1"))
+    use_one_thread()
     try:
         yield
     except (BlindTestError, KeyProblem, PlanProblem) as error:
@@ -60,26 +55,3 @@ def key_given(text: str | None, file: Path | None) -> Key | None:
     if text:
         return Key.read(text)
     return Key.read(file.read_text(encoding="utf-8")) if file and file.exists() else None
-
-
-@contextmanager
-def bar(quiet: bool) -> Iterator[Tick]:
-    """A bar on stderr, on a terminal only."""
-    if quiet or not sys.stderr.isatty():
-        yield lambda what, share: None
-        return
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        TaskProgressColumn,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    columns = (BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TimeRemainingColumn())
-    text = TextColumn("{task.description}")
-    with Progress(*columns, text, console=Console(stderr=True), transient=True) as shown:
-        task = shown.add_task("beginning", total=1.0)
-        yield lambda what, share: shown.update(task, completed=share, description=what)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from waxstudy.cli.blind_test.common import bar, failures, key_given
+from waxstudy.cli.bar import bar
+from waxstudy.cli.blind_test.common import failures, key_given
 from waxstudy.cli.errors import USAGE, CommandError
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.run import warn

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from waxstudy.cli.blind_test.common import Tick, bar, failures, key_given
+from waxstudy.cli.bar import Tick, bar
+from waxstudy.cli.blind_test.common import failures, key_given
 from waxstudy.cli.errors import CHECK_FAILED, USAGE, CommandError
 from waxstudy.cli.output import Command, print_out
 

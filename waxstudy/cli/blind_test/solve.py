@@ -7,7 +7,8 @@ from pathlib import Path
 
 import click
 
-from waxstudy.cli.blind_test.common import bar, failures, key_given
+from waxstudy.cli.bar import bar
+from waxstudy.cli.blind_test.common import failures, key_given
 from waxstudy.cli.errors import USAGE, CommandError
 from waxstudy.cli.output import Command, print_out
 

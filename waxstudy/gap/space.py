@@ -1,0 +1,98 @@
+"""The parameters of an effect as a unit cube: points to look at first, and ways downhill from one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from waxstudy.plugin import Effect, FloatArray, Prior
+
+SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
+SCAN_MORE = 64
+
+Values = Mapping[str, float]
+EffectType = type[Effect]
+
+
+class Space:
+    """The parameters of an effect as a unit cube."""
+
+    def __init__(self, effect: EffectType) -> None:
+        self.names, self.priors = list(effect.priors), list(effect.priors.values())
+
+    def values(self, x: FloatArray) -> Values:
+        return {name: _value(prior, float(at)) for name, prior, at in zip(self.names, self.priors, x, strict=True)}
+
+    def inside(self, values: Values) -> FloatArray:
+        return np.array([_place(prior, values[name]) for name, prior in zip(self.names, self.priors, strict=True)])
+
+    def points(self, thorough: float) -> list[Values]:
+        """Return points spread over the cube: evenly for one parameter, else a Sobol sequence."""
+        count = len(self.names)
+        if not count:
+            return [{}]
+        wanted = max(5, round(SCAN.get(count, SCAN_MORE) * thorough))
+        if count == 1:
+            return [self.values(np.array([at])) for at in np.linspace(0.0, 1.0, wanted)]
+        from scipy.stats import qmc
+
+        spread = qmc.Sobol(count, scramble=False).random_base2(int(np.ceil(np.log2(wanted + 1))))
+        return [self.values(point) for point in spread[1 : wanted + 1]]
+
+
+def _value(prior: Prior, at: float) -> float:
+    at = min(1.0, max(0.0, at))
+    return prior.low * (prior.high / prior.low) ** at if prior.is_log else prior.low + (prior.high - prior.low) * at
+
+
+def _place(prior: Prior, value: float) -> float:
+    if prior.is_log:
+        return float(np.log(max(value, prior.low) / prior.low) / np.log(prior.high / prior.low))
+    return (value - prior.low) / (prior.high - prior.low)
+
+
+def valued(
+    effects: Sequence[tuple[EffectType, Values]], spaces: Sequence[Space], x: FloatArray
+) -> list[tuple[EffectType, Values]]:
+    """Return effects with the values that a point in all their cubes, one after the other, stands for."""
+    found, at = [], 0
+    for (effect, _), space in zip(effects, spaces, strict=True):
+        count = len(space.names)
+        found.append((effect, space.values(np.asarray(x[at : at + count]))))
+        at += count
+    return found
+
+
+def descend(loss: Callable[[FloatArray], float], start: FloatArray, most: int) -> FloatArray:
+    """Return the best point found downhill from a start in the unit cube (Nelder and Mead)."""
+    from scipy.optimize import minimize
+
+    size = 0.06
+    if len(start) == 1:
+        start, size = _zoomed(loss, start, size, max(5, most // 3))
+    corners = np.tile(start, (len(start) + 1, 1))
+    for place in range(len(start)):
+        corners[place + 1, place] += size if start[place] < 0.5 else -size
+    found = minimize(
+        loss,
+        start,
+        method="Nelder-Mead",
+        bounds=[(0.0, 1.0)] * len(start),
+        options={"maxfev": most, "initial_simplex": corners, "xatol": 1e-4, "fatol": 1e-3},
+    )
+    return np.asarray(found.x)
+
+
+def _zoomed(
+    loss: Callable[[FloatArray], float], start: FloatArray, size: float, points: int
+) -> tuple[FloatArray, float]:
+    """Return the best place of one parameter near a start, and how far around it is not looked at.
+
+    What hangs on single switches is jagged, and a descent would end in the nearest notch.
+    """
+    for _ in range(2):
+        near = np.clip(start + size * np.linspace(-1.0, 1.0, points | 1)[:, None], 0.0, 1.0)
+        start = min(near, key=loss)
+        size *= 2.0 / (points | 1)
+    return start, size
