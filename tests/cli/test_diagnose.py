@@ -219,8 +219,8 @@ def test_small_matrices_get_one_thread_unless_the_user_has_chosen(
         "import os, sys\nfrom waxstudy.cli import main\n"
         f"try: main(['diagnose', {str(tmp_path)!r}])\n"
         "finally:\n"
-        "  from waxstudy.cli.diagnose import THREADS\n"
-        "  print([os.environ.get(name) for name in THREADS])"
+        "  from waxstudy.simulation.threads import ONE_THREAD\n"
+        "  print([os.environ.get(name) for name in ONE_THREAD])"
     )
     environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")} | given
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment, check=False)
