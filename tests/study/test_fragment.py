@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
 import pytest
 
 from tests.conftest import SMALL
 from waxstudy.plugin.registry import installed
+from waxstudy.simulation.run import prepare, provenance
 from waxstudy.study.model import Study
 from waxstudy.study.read import StudyError, read_study
 
@@ -50,6 +52,15 @@ def test_the_resolved_study_needs_the_file_no_more(tmp_path: Path) -> None:
     resolved = study(tmp_path, '{ from = "motors/mine.toml" }').described()
     assert resolved["ladder"]["on-off"]["steps"][1]["actuator"]["dead_a_s"] == -180.0
     assert "mine.toml" not in str(resolved)
+
+
+def test_a_run_tells_which_file_it_was_and_that_its_records_were_simulated(tmp_path: Path) -> None:
+    found = study(tmp_path, '{ from = "motors/mine.toml" }')
+    digest = hashlib.sha256((tmp_path / "motors" / "mine.toml").read_bytes()).hexdigest()
+    assert provenance(prepare(found), [])["fragments"] == {"motors/mine.toml": f"sha256 {digest}, simulated"}
+    measured = study(tmp_path, '{ from = "motors/mine.toml" }', FRAGMENT)
+    assert not measured.fragments["motors/mine.toml"].endswith("simulated")
+    assert "fragments" not in provenance(prepare(study(tmp_path, HERE)), [])
 
 
 @pytest.mark.parametrize(

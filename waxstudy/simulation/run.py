@@ -274,6 +274,7 @@ def provenance(plan: Plan, jobs: Iterable[CaseFolder]) -> dict[str, Any]:
         "plugins": plugins,
         "packages": {name: version(name) for name in ("waxstudy", "numpy", "scipy", "numba", "llvmlite", "pandas")},
         **({"engine": ", ".join(sorted(engines))} if engines else {}),
+        **({"fragments": dict(study.fragments)} if study.fragments else {}),
         "python": sys.version.split()[0],
         "machine": f"{platform.system()} {platform.machine()}",
         "inputs": digest(job.key for job in jobs),

@@ -29,6 +29,7 @@ class Check:
     needs_files: bool = True  # a report of a finished run does not
     problems: list[Problem] = field(default_factory=list)
     said: set[tuple[Spot, str]] = field(default_factory=set)
+    fragments: dict[str, str] = field(default_factory=dict)  # file as written -> hash, and whether simulated
 
     def problem(
         self,

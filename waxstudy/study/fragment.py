@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -33,7 +34,8 @@ def _table(check: Check, kind: str, path: object, place: Spot) -> Mapping[str, A
         return None
     full = Path(check.resolved(Written(path, place)))
     try:
-        values = tomllib.loads(full.read_text(encoding="utf-8-sig"))
+        raw = full.read_bytes()
+        values = tomllib.loads(raw.decode("utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         check.problem(place, f"is no TOML file: {error}", value=path)
         return None
@@ -43,4 +45,12 @@ def _table(check: Check, kind: str, path: object, place: Spot) -> Mapping[str, A
     if not isinstance(table, dict):
         check.problem(place, f"describes no {kind}: it has no table [{kind}]", value=path)
         return None
+    check.fragments[path] = _origin(raw, values)
     return table
+
+
+def _origin(raw: bytes, values: Mapping[str, Any]) -> str:
+    """Return what a run tells of a fragment: its hash, and whether what it was fitted to was simulated."""
+    fit = values.get("fit")
+    mark = ", simulated" if isinstance(fit, dict) and fit.get("simulated") else ""
+    return f"sha256 {hashlib.sha256(raw).hexdigest()}{mark}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from pydantic import field_validator
@@ -138,7 +138,10 @@ class Output(Parameters):
 
 @dataclass(frozen=True)
 class Study:
-    """Everything a run needs. Weeks and cases keep the order of the file."""
+    """Everything a run needs. Weeks and cases keep the order of the file.
+
+    `fragments` are the files that blocks were taken from, with their hashes; the blocks hold what they said.
+    """
 
     name: str
     step_s: float
@@ -150,6 +153,7 @@ class Study:
     output: Output
     ladders: Mapping[str, Ladder]
     cases: Mapping[str, Case]
+    fragments: Mapping[str, str] = field(default_factory=dict)
 
     def described(self) -> dict[str, Any]:
         """The resolved study in the study file's words; reading it again gives the same study."""

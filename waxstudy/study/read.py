@@ -54,7 +54,8 @@ def read_study(path: Path, registry: Registry, *, needs_files: bool = True) -> S
     if check.problems or not (study and comfort and ensemble and output and room):
         raise StudyError(check.problems)
     named = {ladder.name: Ladder(ladder.name, ladder.reference, [c.id for c in ladder.cases]) for ladder in ladders}
-    return Study(study.name, study.step_s, study.against, room, weeks, comfort, ensemble, output, named, cases)
+    tables = (study.name, study.step_s, study.against, room, weeks, comfort, ensemble, output)
+    return Study(*tables, named, cases, check.fragments)
 
 
 def problem_at(path: Path, table: KeyPath, wrong: str, key: str = "", value: object = None) -> Problem:
