@@ -13,7 +13,7 @@ test: .venv/installed-dev  ## set up, check style, types and imports, run every 
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 golden: .venv/installed-dev  ## compute the golden results and the study file's schema again
 	$(BIN)/python -m tests.golden.regenerate

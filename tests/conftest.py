@@ -46,6 +46,12 @@ steps = [
 Waxstudy = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the files that hold slow tests: one that came last would be waited for by idle processes."""
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: item.path not in slow)
+
+
 @pytest.fixture
 def small_study(tmp_path: Path) -> Path:
     """Three On/Off cases, one week, two members."""

@@ -24,7 +24,6 @@ FORM_K = {
     "floor_surface_temperature_C": 0.08,
     "return_temperature_C": 0.15,
 }
-SMOOTHING = 0.4  # of white noise is left by the smoothing, about
 CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 PIECE = 8  # quarters of an hour over which such errors hang together
 STANDS = 1e-4  # of full flow, below which a meter stands still
@@ -108,7 +107,7 @@ class Judge:
             return np.full(len(self._measured[channel]), noise / np.sqrt(parts * merged))
         values = record.filled(channel)
         if channel in SMOOTHED:
-            return np.full(len(values), noise * SMOOTHING)
+            return np.full(len(values), noise * record.smoothed_noise)
         if channel == "flow_L_h":
             return np.where(stands(values, float(np.nanmax(values))), 0.0, noise)
         return np.full(len(values), noise * (CLIPPED if channel == "displacement" else 1.0))

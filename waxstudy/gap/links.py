@@ -67,7 +67,8 @@ class Drift:
         values = record.drive(channel)
         if self.random is None:
             return values
-        noise = self.random.normal(0.0, record.noise[channel], len(values))
+        spread = float(np.hypot(record.noise[channel], record.between(channel)))
+        noise = self.random.normal(0.0, spread, len(values))
         return record.smooth(values + noise) if self.is_twice else values + record.smooth(noise)
 
     def raw(self, record: Record, channel: str) -> FloatArray:
@@ -271,11 +272,13 @@ def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, solar_fa
     flow = means(flow_L_h, parts)
     found = respond(driven, coarse, flow)
     merged = max(1, round(JUDGED_S / coarse.interval_s))
+    # temperatures are logged at the end of each interval, the room is known at the end of several
+    early = 0.5 * (1.0 - 1.0 / parts)
     shown = {}
     for channel, output in OF_ROOM.items():
         values = found[output]
         if output in ROOM_OUTPUTS:
-            values = 0.5 * (values + np.concatenate((values[:1], values[:-1])))
+            values = (1.0 - early) * values + early * np.concatenate((values[:1], values[:-1]))
             shown[channel] = means(values, merged)
         else:
             shown[channel] = weighted(values, flow, merged)

@@ -56,6 +56,14 @@ class Record:
         """Standard deviation of each channel's noise, rounding included: as stated, else from second differences."""
         return {name: self.stated_noise.get(name) or _noise(name, self.values[name]) for name in self.values}
 
+    def between(self, channel: str) -> float:
+        """Return what a straight line from sample to sample misses of a channel (root mean square).
+
+        Of a signal that bends evenly it is a quarter of what a line over two intervals misses of the sample between.
+        """
+        bend = np.diff(self.filled(channel), 2) / 2.0
+        return 0.25 * float(np.sqrt(max(0.0, float(np.mean(bend**2)) - 1.5 * self.noise[channel] ** 2)))
+
     @cached_property
     def _ready(self) -> dict[tuple[str, str], FloatArray]:
         """Filled channels and drives that were asked for before: every hypothesis asks again."""
@@ -89,10 +97,20 @@ class Record:
         """Return a local parabola through a signal; as long as the samples are dense enough to help."""
         from scipy.signal import savgol_filter
 
+        width = self._width
+        return np.asarray(savgol_filter(values, width, 2)) if width else values
+
+    @property
+    def _width(self) -> int:
+        """Samples of a parabola, 0 where they are too far apart."""
         width = round(SMOOTH_S / self.interval_s) // 2 * 2 + 1
-        if width < 5 or len(values) <= width:
-            return values
-        return np.asarray(savgol_filter(values, width, 2))
+        return 0 if width < 5 or len(self) <= width else width
+
+    @property
+    def smoothed_noise(self) -> float:
+        """Return the share of white noise that smoothing leaves: that of a parabola's middle."""
+        w = self._width
+        return float(np.sqrt(0.75 * (3.0 * w**2 - 7.0) / (w * (w**2 - 4.0)))) if w else 1.0
 
     def _drive(self, channel: str) -> FloatArray:
         values = self.filled(channel)

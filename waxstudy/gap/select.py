@@ -18,7 +18,7 @@ from waxstudy.plugin import Belief, FloatArray
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_GAP = 1.1  # over the floor
-LEAST_SMOOTHED_GAP = 2.5
+LEAST_SMOOTHED_GAP = 1.5
 LEAST_PART = 0.15  # that one of them must explain alone
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
@@ -48,7 +48,7 @@ class Candidate:
     left: float  # whitened gap that is left of that channel, over its floor
     missed: float  # the same, in standard deviations
     channel: str  # where it acts most
-    over: float  # the gap of that channel before it, over the floor, in the channel's unit
+    over: float  # the gap of that channel before it, over the floor of both models, in the channel's unit
     is_covered: bool  # by what real actuators are known to stray from the believed one
     is_worth_naming: bool  # far enough from what is believed
 
@@ -186,12 +186,12 @@ class _Search:
         if not fitted:
             return []
         best = min((one for _, one in fitted), key=lambda one: one.loss(SELECT))
-        floor = Floor.of(self.fitter, best)
+        floor, own = Floor.of(self.fitter, best), Floor.of(self.fitter, current)
         highest = null(current, best, [one for _, one in fitted], floor, self.random)
-        return [self.candidate(effect, one, current, floor, highest) for effect, one in fitted]
+        return [self.candidate(effect, one, current, floor, own, highest) for effect, one in fitted]
 
     def candidate(
-        self, effect: EffectType, fitted: Fitted, current: Fitted, floor: Floor, highest: FloatArray
+        self, effect: EffectType, fitted: Fitted, current: Fitted, floor: Floor, own: Floor, highest: FloatArray
     ) -> Candidate:
         gain = self.loss(current, SELECT) - self.loss(fitted, SELECT)
         channel, share, left = shared(current, fitted, floor)
@@ -200,7 +200,9 @@ class _Search:
         before, after = (next(e for e in each.errors if e.channel == channel).gap(SELECT) for each in (current, fitted))
         least = floor.plain[channel]
         plain_share = (before**2 - after**2) / (before**2 - least**2) if before > least else 0.0
-        over = before / least if least else np.inf
+        # what passes less noise on misses less, right or wrong: the gap must also stand out of its own model's noise
+        seen = max(least, own.plain[channel])
+        over = before / seen if seen else np.inf
         both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
         strain = self.fitter.strain(fitted)
         missed = left * floor.whitened(channel)

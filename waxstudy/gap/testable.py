@@ -25,7 +25,8 @@ def too_short(link: Link, record: Record) -> str:
     if len(blocks) < LEAST_BLOCKS:
         what = "days" if link.with_room else "cycles"
         return f"only {len(blocks)} {what} of {channel} are recorded, {LEAST_BLOCKS} are needed"
-    for name in (channel, link.driven_by):
+    # a signal that is always on still shows a motor that does not follow; a meter that is dead shows nothing of a room
+    for name in (channel, link.driven_by) if link.with_room else (channel,):
         values = record.values[name]
         if np.nanmax(values) - np.nanmin(values) <= 1e-9:
             return f"{name} never changes in this record"
