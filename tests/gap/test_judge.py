@@ -9,10 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.gap.realities import belief, plain, record
+from tests.gap.realities import PERFECT, belief, plain, record
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, Judge, losses, parts_of, softened
 from waxstudy.gap.links import Link, Predicted, links
 from waxstudy.gap.record import Record
+from waxstudy.gap.select import LEAST_GAP, LEAST_SMOOTHED_GAP
 from waxstudy.plugin import Belief
 
 DAY = 1440
@@ -170,6 +173,29 @@ def test_a_right_belief_misses_no_more_than_the_noise(missing: float) -> None:
             if each.unit == "s" or (missing and judge.link.with_room):
                 continue
             assert each.gap() < 2.5 * max(judge.record.noise[each.channel], 0.005), each.channel
+
+
+def test_how_often_a_room_s_temperatures_are_logged_moves_its_prediction_by_no_time() -> None:
+    """A right room misses as little of samples at the ends of five minutes as of those of ten seconds."""
+    gaps = []
+    for interval_s in (10.0, 60.0, 300.0):
+        seen = record("REAL", days=4, interval_s=interval_s, **PERFECT)
+        believed = belief("REAL", seen)
+        (room,) = [link for link in links(seen, believed) if link.with_room]
+        errors = Judge(room, seen, believed).errors(room.predict(seen, believed, room.readings[0]))
+        gaps.append([each.gap() for each in errors if each.channel != "return_temperature_C"])
+    assert np.ptp(gaps, axis=0).max() < 0.001
+
+
+@pytest.mark.parametrize("interval_s", [60.0, 900.0])
+def test_a_right_controller_misses_no_more_than_what_its_own_drive_s_noise_makes_of_it(interval_s: float) -> None:
+    seen = record("PI", days=4, interval_s=interval_s)
+    believed = belief("PI", seen)
+    fitter = Fitter(links(seen, believed)[0], seen, believed, 1.0, 1.0)
+    floor = Floor.of(fitter, fitter.base)
+    for each in fitter.base.errors:
+        least = LEAST_SMOOTHED_GAP if each.channel == "control_output" else LEAST_GAP
+        assert 0.7 < each.gap() / floor.plain[each.channel] < least
 
 
 def test_the_gap_is_in_the_channel_s_unit() -> None:

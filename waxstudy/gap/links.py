@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -46,6 +46,7 @@ class Reading:
     is_before: bool = False  # the sensor's temperature was logged before what the sensor does to it
     is_raw: bool = False  # the controller reads the noise that was logged
     solar_factor: float = 1.0  # the sun's heat over what was recorded of it
+    is_mean: bool = False  # temperatures were logged as means over the interval, not at its end
     handicap: float = 0.0  # loss by which it must be better than the others
 
 
@@ -53,6 +54,8 @@ AFTER = Reading("The sensor temperature was logged as the controller reads it.")
 BEFORE = Reading("The sensor temperature was logged before the sensor's delay or lag.", is_before=True)
 RAW = Reading("The controller reads the sensor temperature with the noise that was logged.", is_raw=True, handicap=60.0)
 PLAIN = Reading()
+MEAN = "The room's temperatures were logged as means over the interval."
+LONG_S = 300.0  # interval from which on that matters
 
 
 @dataclass(frozen=True)
@@ -135,7 +138,7 @@ class Link:
             shown = self._chain(record, belief, reading, drift, chain)
             flow = shown.get("flow_L_h", flow)
         if self.with_room:
-            shown |= room_response(record, belief, flow, reading.solar_factor)
+            shown |= room_response(record, belief, flow, reading)
         return {channel: shown[channel] for channel in self.judged}
 
     def _chain(self, record: Record, belief: Belief, reading: Reading, drift: Drift, chain: list[str]) -> Predicted:
@@ -201,7 +204,8 @@ def links(record: Record, belief: Belief) -> list[Link]:
     if room and belief.room and belief.inputs and (since != "sensor" or _is_driven(record, belief)):
         rest = CHAIN[CHAIN.index(since) :] if since is not None else ()
         link = _link(record, (*rest, *ROOM_STAGES), driven_by, *room)
-        found.append(replace(link, readings=tuple(_with_sun(link.readings, belief.room, record))))
+        readings = _with_means(_with_sun(link.readings, belief.room, record), record)
+        found.append(replace(link, readings=tuple(readings)))
         if SUPPLY not in record.assumed:
             found.append(Link(("emitter",), "outdoor_temperature_C", (SUPPLY,)))
     return found
@@ -242,6 +246,14 @@ def _with_sun(readings: tuple[Reading, ...], room: Choice, record: Record) -> It
             yield replace(reading, words=" ".join(filter(None, (reading.words, words))), solar_factor=factor)
 
 
+def _with_means(readings: Iterable[Reading], record: Record) -> Iterator[Reading]:
+    """Yield each reading, and where samples are far apart it with temperatures as means."""
+    for reading in readings:
+        yield reading
+        if record.interval_s >= LONG_S:
+            yield replace(reading, words=" ".join(filter(None, (reading.words, MEAN))), is_mean=True)
+
+
 def _chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
     """Return the blocks at a step that divides the interval, five seconds or somewhat less."""
     return Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / STEP_S))))
@@ -262,18 +274,18 @@ def built(room: Choice) -> LinearRoom:
     return room.component.build(room.parameters)
 
 
-def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, solar_factor: float = 1.0) -> Predicted:
+def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, reading: Reading = PLAIN) -> Predicted:
     """Return what the room makes of a flow: its channels, means over quarters of an hour."""
     assert belief.room
     assert belief.inputs
     coarse, parts = coarsened(belief.inputs, record.interval_s)
-    coarse = replace(coarse, solar_W=solar_factor * coarse.solar_W)
+    coarse = replace(coarse, solar_W=reading.solar_factor * coarse.solar_W)
     driven = driven_by(built(belief.room), coarse)
     flow = means(flow_L_h, parts)
     found = respond(driven, coarse, flow)
     merged = max(1, round(JUDGED_S / coarse.interval_s))
-    # temperatures are logged at the end of each interval, the room is known at the end of several
-    early = 0.5 * (1.0 - 1.0 / parts)
+    # what is logged is at the end of each interval, or its mean; the room is known at the end of several
+    early = 0.5 if reading.is_mean else 0.5 * (1.0 - 1.0 / parts)
     shown = {}
     for channel, output in OF_ROOM.items():
         values = found[output]
