@@ -32,8 +32,8 @@ def impact(record: Record, belief: Belief, link: Link, modelled: FloatArray) -> 
     except (SimulationError, ValueError):
         return {}
     measured_W, modelled_W = (float(np.mean(each)) for each in heat)
-    percent = 100.0 * (modelled_W / measured_W - 1.0) if measured_W else 0.0
-    return {"heat_percent": percent, "air_K": float(np.sqrt(np.mean((air[1] - air[0]) ** 2)))}
+    air_K = {"air_K": float(np.sqrt(np.mean((air[1] - air[0]) ** 2)))}
+    return {"heat_percent": 100.0 * (modelled_W / measured_W - 1.0), **air_K} if measured_W else air_K
 
 
 def _response(record: Record, belief: Belief, channel: str, signal: FloatArray) -> tuple[FloatArray, FloatArray]:
