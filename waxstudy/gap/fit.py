@@ -127,13 +127,18 @@ class Fitter:
         done = [each for each in tried if each is not None]
         if not done:
             raise ValueError(f"what is believed of {self.link.name} cannot be simulated")
-        return min(done, key=lambda each: self.score(each, (FIT, SELECT)))
+        return min(done, key=lambda each: self.fair_score(each, (FIT, SELECT)))
 
     def score(self, fitted: Fitted | None, parts: Sequence[int]) -> float:
         """Return what a fit misses on some parts, with how far its departures went; much where it cannot be."""
         if fitted is None:
             return IMPOSSIBLE
         return sum(fitted.loss(part) for part in parts) + self.strain(fitted) + fitted.reading.handicap
+
+    def fair_score(self, fitted: Fitted, parts: Sequence[int]) -> float:
+        """Return the score without what the drive's noise adds: of two readings one may let less of it through."""
+        noise = self.drive_noise(fitted) if len(self.link.readings) > 1 else {}
+        return self.score(fitted, parts) - sum(noise.get(part, 0.0) for part in parts)
 
     def strain(self, fitted: Fitted) -> float:
         """Return the squares of the room's departures, in standard deviations."""
@@ -149,7 +154,7 @@ class Fitter:
         # a first look cannot choose between ways to read the record; for a room looking closer at each takes too long
         ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]
         done = [each for each in ends if each is not None]
-        best = min(done, key=lambda each: self.score(each, parts) + of_other(each.reading, given), default=None)
+        best = min(done, key=lambda each: self.fair_score(each, parts) + of_other(each.reading, given), default=None)
         if best and self.unknowns and self.score(best, parts) < self.score(given, parts) - PROMISING / self.thorough:
             return self.refined(best.effects, best.departures, best.reading, parts)
         return best
