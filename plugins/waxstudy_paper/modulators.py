@@ -44,6 +44,7 @@ class Pwm(Modulator):
     api_version = "1.0"
     Parameters = PwmParameters
     State = PwmState
+    period = "period_s"
 
     @staticmethod
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:

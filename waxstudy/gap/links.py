@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from waxstudy.gap.clock import late_s
 from waxstudy.gap.record import ROOM_CHANNELS, Record
 from waxstudy.plugin import CHAIN, ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, Room
 from waxstudy.simulation.chain import Chain
@@ -156,7 +157,8 @@ class Link:
         elif self.driven_by in record.binary:
             jump = drift.jump(record)
         setpoint_C = record.filled("setpoint_C")
-        timing: dict[str, Any] = {"interval_s": record.interval_s, "start_s": record.start_s, "jump": jump}
+        start_s = record.start_s - late_s(record, blocks.get("modulator"))
+        timing: dict[str, Any] = {"interval_s": record.interval_s, "start_s": start_s, "jump": jump}
         ends, means = replay(_chain_of(blocks, record.interval_s), first, signal, setpoint_C, **timing)
         for kind in chain:
             if kind == "valve":

@@ -146,6 +146,12 @@ class Record:
         return ((self.start_s + (np.arange(len(self)) + 0.5) * self.interval_s) // DAY_S).astype(int)
 
     @cached_property
+    def rises_s(self) -> FloatArray:
+        """Times after midnight [s] at which the heating signal switches on, in the middle of an interval."""
+        rises = np.flatnonzero(np.diff(self.filled("heating_signal")) > 0.5) + 1
+        return np.asarray(self.start_s + (rises + 0.5) * self.interval_s)
+
+    @cached_property
     def cycle(self) -> np.ndarray:
         """Number of the heating cycle of each sample, from the middle of a pause; the day where nothing switches."""
         for channel in ("heating_signal", "control_output", "flow_L_h", "displacement"):

@@ -19,6 +19,7 @@ LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_GAP = 1.1  # over the floor
 LEAST_SMOOTHED_GAP = 1.5
+CLEAR_GAP = 5.0  # over the floor, from which on the least change is worth a name
 LEAST_PART = 0.15  # that one of them must explain alone
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
@@ -200,14 +201,12 @@ class _Search:
         before, after = (next(e for e in each.errors if e.channel == channel).gap(SELECT) for each in (current, fitted))
         least = floor.plain[channel]
         plain_share = (before**2 - after**2) / (before**2 - least**2) if before > least else 0.0
-        # what passes less noise on misses less, right or wrong: the gap must also stand out of its own model's noise
-        seen = max(least, own.plain[channel])
-        over = before / seen if seen else np.inf
+        over = min(over_floor(current, channel, each) for each in (floor, own))
         both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
         strain = self.fitter.strain(fitted)
         missed = left * floor.whitened(channel)
         believed = self.fitter.edited(fitted.effects[:-1], fitted.departures)  # what it was added to
-        worth = is_worth_naming(effect, dict(fitted.effects)[effect], believed)
+        worth = over >= CLEAR_GAP or is_worth_naming(effect, dict(fitted.effects)[effect], believed)
         return Candidate(
             effect, fitted, gain, both, strain, p, share, plain_share, left, missed, channel, over, covered, worth
         )
@@ -263,6 +262,17 @@ def unconfirmed(found: Sequence[Found], after: Fitted, without: Sequence[Fitted]
         if (old.judged & (old.part == SHRINK)).any() and left**2 > (1.0 - CONFIRMED) * had**2:
             return each
     return None
+
+
+def over_floor(current: Fitted, channel: str, floor: Floor) -> float:
+    """Return a channel's gap over a floor, in its unit or weighed as errors are, whichever is less.
+
+    A model that passes less noise on misses less, right or wrong: the gap must stand out of its own model's floor too.
+    """
+    errors = next(e for e in current.errors if e.channel == channel)
+    weighed = float(np.sqrt(errors.loss(SELECT) / max(1, int(np.sum(errors.judged & (errors.part == SELECT))))))
+    pairs = ((errors.gap(SELECT), floor.plain[channel]), (weighed, floor.whitened(channel)))
+    return min(gap / least if least else np.inf for gap, least in pairs)
 
 
 def shared(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[str, float, float]:

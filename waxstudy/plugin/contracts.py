@@ -126,7 +126,10 @@ class Controller(Block):
 
 
 class Modulator(Block):
+    """A modulator; `period` names the parameter [s] after which it decides anew by its own clock, if it has one."""
+
     kind = "modulator"
+    period: ClassVar[str] = ""
 
 
 class Actuator(Block):

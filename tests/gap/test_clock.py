@@ -1,0 +1,47 @@
+"""Claims about a modulator's clock: no record tells when it was switched on."""
+
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+
+from tests.gap.realities import belief, dataset, record, rows
+from waxstudy.gap.clock import late_s
+from waxstudy.gap.diagnose import record_of
+from waxstudy.gap.judge import Judge
+from waxstudy.gap.links import links
+from waxstudy.gap.record import Record
+from waxstudy.plugin import Choice
+from waxstudy_paper.modulators import Pwm
+
+
+def late_by(minutes: int) -> Record:
+    """A record whose logger was told another time of day."""
+    data = rows("PWM", days=6)
+    time = pd.to_datetime(data["time"]) + pd.Timedelta(minutes=minutes)
+    return record_of(dataset(data.assign(time=time), "PWM"))
+
+
+@pytest.mark.parametrize("minutes", [0, 7, 25, -20])
+def test_a_clock_that_runs_beside_the_record_s_is_found_from_the_pulses(minutes: int) -> None:
+    seen = late_by(minutes)
+    modulator = belief("PWM", seen).blocks["modulator"]
+    assert late_s(seen, modulator) == pytest.approx(60.0 * minutes, abs=31.0)  # half a sample
+    if minutes == 0:
+        assert late_s(seen, modulator) == 0.0
+
+
+@pytest.mark.parametrize("minutes", [7, 25])
+def test_such_a_clock_is_no_gap(minutes: int) -> None:
+    seen = late_by(minutes)
+    believed = belief("PWM", seen)
+    (link,) = [each for each in links(seen, believed) if each.stages == ("modulator",)]
+    judge = Judge(link, seen, believed)
+    (errors,) = judge.errors(link.predict(seen, believed))
+    assert errors.gap() <= 1.5 * judge.timing_s("heating_signal")
+
+
+def test_pulses_without_that_rhythm_have_no_clock() -> None:
+    seen = late_by(25)
+    assert late_s(seen, Choice.of(Pwm, {"period_s": 2600.0})) == 0.0
+    assert late_s(record("REAL"), Choice.of(Pwm, {"period_s": 3600.0})) == 0.0

@@ -1,0 +1,29 @@
+"""The clock of a modulator, which counts its periods from when it was switched on: no record tells when."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from waxstudy.gap.record import Record
+from waxstudy.plugin import Modulator
+from waxstudy.study.model import Choice
+
+FEWEST_RISES = 8
+LEAST_RHYTHM = 0.5  # length of the mean of all pulses' directions on the clock's face
+
+
+def late_s(record: Record, modulator: Choice | None) -> float:
+    """Return how late a modulator's periods begin by the record's clock, from where its pulses begin.
+
+    0 where that is less than half a sample, where the pulses have no such period, or where nothing shows them.
+    """
+    if modulator is None or "heating_signal" not in record.binary:
+        return 0.0
+    assert issubclass(modulator.component, Modulator)
+    period_s = getattr(modulator.parameters, modulator.component.period, 0.0) if modulator.component.period else 0.0
+    rises_s = record.rises_s
+    if period_s <= 0.0 or len(rises_s) < FEWEST_RISES:
+        return 0.0
+    face = complex(np.mean(np.exp(2j * np.pi * rises_s / period_s)))
+    late = float(np.angle(face)) / (2.0 * np.pi) * period_s
+    return late if abs(face) > LEAST_RHYTHM and abs(late) > 0.5 * record.interval_s else 0.0
