@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +20,10 @@ from waxstudy.rig.instruments import Bench
 from waxstudy.rig.programme import Trial
 
 
-def trapezoids(times_s: dict[str, float], cycles: int, interval_s: float, noise: float, seed: int) -> Record:
-    """A record of ideal trapezoids, as in Figure 3, whose times are known."""
+def trapezoids(
+    times_s: dict[str, float], cycles: int, interval_s: float, noise: float, seed: int, drift: float = 0.0
+) -> Record:
+    """A record of ideal trapezoids, as in Figure 3, whose times are known; `drift` is of the stroke in a day."""
     lengths = np.tile([times_s[name] for name in TIMES], cycles)
     start_s = 47.3
     edges = start_s + np.concatenate(([0.0], np.cumsum(lengths)))
@@ -31,11 +34,11 @@ def trapezoids(times_s: dict[str, float], cycles: int, interval_s: float, noise:
     ons, offs = edges[:-1:6], edges[3::6]
     on = (np.searchsorted(ons, time_s) > np.searchsorted(offs, time_s)).astype(float)
     notes = Notes("trapezoids")
-    samples = samples_of(time_s, on, 3.0 - 2.0 * opening, "mm", notes)
+    samples = samples_of(time_s, on, 3.0 - 2.0 * (opening + drift * time_s / 86_400.0), "mm", notes)
     assert samples is not None
     record = record_of(samples, Described(path=Path("t.csv"), name="t"), "B", notes)
     assert record is not None, notes.problems
-    return record
+    return replace(record, warnings=tuple(notes.warnings))
 
 
 @settings(max_examples=25)
@@ -109,3 +112,23 @@ def test_noise_drift_play_and_friction_of_the_bench_hardly_move_the_times() -> N
     assert medians(recorded(table_of(STEADY, rough))) == pytest.approx(
         medians(recorded(table_of(STEADY, QUIET))), abs=1.0
     )
+
+
+@pytest.mark.parametrize("drift", [0.03, -0.03])
+def test_a_zero_that_wanders_for_days_moves_no_time_and_is_told(drift: float) -> None:
+    """After eight days the sensor is off by a quarter of the stroke, at which no cycle would close."""
+    times_s = {
+        "dead_s": 90.0,
+        "rise_s": 120.0,
+        "overheat_s": 600.0,
+        "hold_s": 60.0,
+        "fall_s": 130.0,
+        "undercool_s": 900.0,
+    }
+    wandering, steady = (trapezoids(times_s, 364, 10.0, 0.0005, 1, each) for each in (drift, 0.0))
+    cycles = cycles_of(wandering)
+    assert (cycles["lost"] == "").sum() >= (cycles_of(steady)["lost"] == "").sum() - 2
+    for name in TIMES:
+        assert cycles[name].median() == pytest.approx(times_s[name], abs=6.0), name
+    assert "drifts" in " ".join(wandering.warnings)
+    assert not steady.warnings

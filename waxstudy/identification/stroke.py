@@ -18,6 +18,10 @@ HELD = 3  # samples that a level of the signal must last for at least once
 FOLLOWS = 0.2  # of the range: openings at switching off and at switching on differ by at least this
 SPIKE = 0.09  # of the range: more than the tip of a motor that turns round, less than counts as a movement
 
+FEWEST_DAYS = 3
+NEIGHBOURS = 0.05  # of the range: closed positions of days near each other differ by less
+LEAST_DRIFT = 0.01  # of the range
+
 BoolArray = NDArray[np.bool_]
 
 
@@ -100,10 +104,40 @@ def normalised(values: FloatArray, on: BoolArray, interval_s: float, notes: Note
         notes.refuse("displacement", "does not follow the signal: it is where it was, heated or not; right columns?")
         return None
     _tell_stuck(clean, on, interval_s, notes)
-    margin = 0.02 * (high - low)
-    ends = float(np.median(clean[clean < low + margin])), float(np.median(clean[clean > high - margin]))
+    clean = _without_drift(clean, opens > 0.0, interval_s, notes)
+    low, high = np.quantile(clean, (0.001, 0.999))
+    ends = _end(clean, low, high, is_low=True), _end(clean, low, high, is_low=False)
     closed, opened = ends if opens > 0.0 else ends[::-1]
     return Stroke((clean - closed) / (opened - closed), abs(opened - closed))
+
+
+def _end(values: FloatArray, low: float, high: float, is_low: bool) -> float:
+    """Return the median of what lies within 2 % of an extreme."""
+    margin = 0.02 * (high - low)
+    return float(np.median(values[values < low + margin] if is_low else values[values > high - margin]))
+
+
+def _without_drift(clean: FloatArray, closed_is_low: bool, interval_s: float, notes: Notes) -> FloatArray:
+    """Return values whose closed position stays, in records of several days: a sensor's zero wanders (ours).
+
+    It is found day by day and runs straight between; a day whose end is none of its neighbours' did not close.
+    """
+    per_day = round(86_400.0 / interval_s)
+    days = len(clean) // per_day
+    if days < FEWEST_DAYS:
+        return clean
+    parts = np.array_split(clean, days)
+    low, high = np.quantile(clean, (0.001, 0.999))
+    extremes = [np.quantile(part, (0.001, 0.999)) for part in parts]
+    ends = np.array([_end(part, low, high, closed_is_low) for part, (low, high) in zip(parts, extremes, strict=True)])
+    nearby = np.array([np.median(ends[max(0, day - 2) : day + 3]) for day in range(days)])
+    closes = np.abs(ends - nearby) < NEIGHBOURS * (high - low)
+    middles = (np.arange(days) + 0.5) * len(clean) / days
+    zero = np.interp(np.arange(len(clean)), middles[closes], ends[closes])
+    if np.ptp(zero) < LEAST_DRIFT * (high - low):
+        return clean
+    notes.warn(f"displacement: the closed position drifts by {np.ptp(zero):.3g} over the record: taken out")
+    return np.asarray(clean - (zero - zero[0]))
 
 
 def without_spikes(values: FloatArray, interval_s: float, notes: Notes) -> FloatArray:
