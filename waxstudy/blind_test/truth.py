@@ -122,7 +122,10 @@ def gap_and_floor(stand: Stand, link: Link, choices: Sequence[Choice], own: Choi
     truth, noisy_truth = applied(choices, stand.belief), applied(choices, stand.noisy_belief)
     belief = applied([choice for choice in choices if choice is not own], stand.belief)
     reading = min(link.readings, key=lambda each: sum(e.loss() for e in missed(link, stand.free, truth, each)))
-    floors = gaps(missed(link, stand.noisy, noisy_truth, reading))
+    noise = Judge(link, stand.noisy, noisy_truth)
+    floors = gaps(noise.errors(link.predict(stand.noisy, noisy_truth, reading)))
+    # no switch is known better than to the interval
+    floors |= {c: max(floors[c], noise.timing_s(c)) for c in link.judged if c in stand.noisy.binary}
     return floors, gaps(missed(link, stand.free, belief, reading))
 
 
