@@ -94,7 +94,7 @@ class Fitter:
 
     def drive_noise(self, fitted: Fitted) -> Mapping[int, float]:
         """Return what noise of the link's drive adds to a model's loss, by part: a low-pass lets less of it through."""
-        if self.link.with_room or self.link.driven_by in self.record.binary:
+        if self.link.with_room or self.link.driven_by in self.record.binary or fitted.reading.is_raw:
             return {}
         belief = self.edited(fitted.effects, fitted.departures)
         drift = Drift(np.random.default_rng(11), is_twice=False)
@@ -136,8 +136,12 @@ class Fitter:
         return sum(fitted.loss(part) for part in parts) + self.strain(fitted) + fitted.reading.handicap
 
     def fair_score(self, fitted: Fitted, parts: Sequence[int]) -> float:
-        """Return the score without what the drive's noise adds: of two readings one may let less of it through."""
-        noise = self.drive_noise(fitted) if len(self.link.readings) > 1 else {}
+        """Return the score without what the drive's noise adds to a controller's output that runs on.
+
+        Of two readings one may let less of it through.
+        """
+        runs_on = "control_output" in self.link.judged and "control_output" not in self.record.binary
+        noise = self.drive_noise(fitted) if runs_on else {}
         return self.score(fitted, parts) - sum(noise.get(part, 0.0) for part in parts)
 
     def strain(self, fitted: Fitted) -> float:

@@ -16,6 +16,7 @@ LEAST_EXCESS = 1.5  # of what is left over the noise floor
 LEVEL = 0.01
 DRAWS = 1000
 # what the form of a room's model may leave: twice what is seen against another engine's room without any effect
+LEAST_TYPICAL = 2.5  # standard deviations by which what makes up a gap is off
 ROOM_FORM_K = {
     "air_temperature_C": 0.25,
     "operative_temperature_C": 0.25,
@@ -35,7 +36,8 @@ def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
         weighed = errors if selection.fitter.link.with_room else replace(errors, error=errors.whitened)
         threshold = LEAST_EXCESS * (floor if weighed is errors else white)
         p = _p(weighed, threshold, random)
-        if p <= LEVEL and errors.gap() > LEAST_EXCESS * floor:
+        is_large = errors.gap() > LEAST_EXCESS * floor
+        if p <= LEVEL and is_large and (weighed is errors or carried_by(weighed) >= LEAST_TYPICAL):
             yield _described(selection, errors, floor, p)
 
 
@@ -45,6 +47,12 @@ def _described(selection: Selection, errors: Errors, floor: float, p: float) -> 
     form = is_room and errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0)
     covered = not is_room and is_covered(selection, errors)
     return Unexplained(stage, errors.gap(), floor, p, form, covered, errors.channel)
+
+
+def carried_by(whitened: Errors) -> float:
+    """Return the standard deviations by which those samples are off that make up the gap; of mere noise root 3."""
+    squares = whitened.error[whitened.judged] ** 2
+    return float(np.sqrt(np.sum(squares**2) / max(float(np.sum(squares)), 1e-12)))
 
 
 def _p(errors: Errors, threshold: float, random: np.random.Generator) -> float:
