@@ -169,9 +169,9 @@ class Valve:
 
 
 def flow_fraction(house: House, opening: float) -> float:
-    """Return V / sqrt(V^2 (1 - N) + N), V = (1 + k) x / (1 + k x) of the opening x above the lift."""
+    """Return V / sqrt(V^2 (1 - N) + N), V = 1 - (1 - x)^k of the opening x above the lift."""
     x = max(0.0, (opening - house.lift) / (1.0 - house.lift))
-    v = (1.0 + house.curve) * x / (1.0 + house.curve * x)
+    v = 1.0 - (1.0 - min(1.0, x)) ** house.curve
     v = house.seat_leak + (1.0 - house.seat_leak) * v
     return v / math.sqrt(v * v * (1.0 - house.authority) + house.authority)
 

@@ -80,7 +80,7 @@ VALVE = (
         "valve",
         lambda house, v: {"lift": v["lift"], "curve": v["curve"], "authority": v["authority"]},
         lift=Range(0.01, 0.25),
-        curve=Range(0.05, 6.0),
+        curve=Range(0.05, 1.5, is_factor=True),
         authority=Range(0.08, 1.0),
     ),
     effect("max-flow", "valve", as_it_is("flow", "factor"), factor=Range(0.03, 1.2, is_signed=True, is_factor=True)),
@@ -144,7 +144,7 @@ NEEDS: Mapping[str, Mapping[str, bool]] = {
     "wax-motor": {"is_motor": False},
     "slow-actuator": {"is_motor": True},
     "weak-at-night": {"is_motor": True},
-    "low-authority": {"is_curved": True},
-    "quick-opening": {"is_curved": False},
+    "low-authority": {"is_curved": True, "is_motor": True},
+    "quick-opening": {"is_curved": False, "is_motor": True},
     "sticking-valve": {"is_motor": True},
 }

@@ -24,9 +24,9 @@ class House(NamedTuple):
     box_C: float = 21.0
     power: float = 1.0
     latent: float = 1.0
-    # valve: a hyperbolic curve from where it lifts, the pump's pressure shared with the pipes and other circuits
+    # valve: a power's curve from where it lifts, the pump's pressure shared with the pipes and other circuits
     lift: float = 0.0
-    curve: float = 0.0
+    curve: float = 1.0
     authority: float = 1.0
     coupling: float = 0.05
     full_flow_L_h: float = 150.0

@@ -40,7 +40,7 @@ def _chain(random: np.random.Generator, kinds: Mapping[str, bool]) -> dict[str, 
     """Return the numbers of a chain of a kind; each is drawn, whatever the kind is."""
     late_s = STEP_S * float(random.integers(6, 25))
     lag_s = round(150.0 * float(np.exp(random.normal(0.0, 0.3))), 1)
-    product, curve = str(random.choice(["A", "B"])), float(random.uniform(1.0, 4.0))
+    product, curve = str(random.choice(["A", "B"])), float(random.uniform(1.1, 2.2))
     lift, authority = float(random.uniform(0.05, 0.2)), float(random.uniform(0.1, 0.4))
     curved = {"lift": lift, "curve": curve, "authority": authority} if kinds["is_curved"] else {}
     return {

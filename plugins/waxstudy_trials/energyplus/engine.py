@@ -111,7 +111,7 @@ def nominal(house: House, setpoint_C: float) -> dict[str, Any]:
         "sensor": sensor,
         **(_pi(house) if house.is_pi else {"controller": {"use": "on-off", "dead_band_K": house.band_K}}),
         "actuator": {"use": "variable-times", "product": house.product} if house.product else {"use": "ideal"},
-        "valve": {"use": "quick-opening", **_fitted(house)} if house.curve else {"use": "linear"},
+        "valve": {"use": "quick-opening", **_fitted(house)} if house.curve != 1.0 else {"use": "linear"},
         "setpoint_C": setpoint_C,
     }
 
