@@ -16,7 +16,8 @@ OUTDOOR, EXCHANGE_C = "outdoor", "air exchange temperature"
 
 
 def inputs(room: RoomDescription, weather: WeatherRecord) -> dict[str, FloatArray]:
-    """Return one value per weather interval of each input: schedules by their names in the model, and temperatures.
+    """Return one value per weather interval of each input: schedules by their names in the model, temperatures, and
+    the exchange of air in W/K.
 
     The sun through the windows goes to the surfaces as in the fast room: EnergyPlus' own sun would need the direct and
     diffuse parts, which a record does not hold, and would let through another amount.
@@ -29,6 +30,7 @@ def inputs(room: RoomDescription, weather: WeatherRecord) -> dict[str, FloatArra
     return {
         OUTDOOR: outdoor_C,
         EXCHANGE_C: outdoor_C + warmer_K,
+        objects.EXCHANGE: np.full(len(outdoor_C), exchange_W_K(room)),
         objects.SUPPLY: supply_C,
         objects.GAINS: columns["gains_W"],
         **_sun(room, weather.irradiance_W_m2, len(outdoor_C)),

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from waxstudy.plugin import Advance, WeatherRecord
+from waxstudy.plugin import Advance, FloatArray, WeatherRecord
 from waxstudy.simulation.engine import DAY_S, SLAB_ABOVE_K, WARM_UP_DAYS, Start
 from waxstudy_energyplus import objects
 from waxstudy_energyplus.inputs import EXCHANGE_C, OUTDOOR, inputs
 from waxstudy_energyplus.library import AFTER_REPORTING, BEFORE_PREDICTOR, BEFORE_WEATHER, Engine
-from waxstudy_energyplus.model import STEPS_PER_HOUR, exchange_W_K
+from waxstudy_energyplus.model import STEPS_PER_HOUR
 from waxstudy_energyplus.plant import full_flow_kg_s
 from waxstudy_paper.room.description import RoomDescription
 
@@ -34,11 +34,16 @@ MINUTE = (
     "return_C",
 )
 CHAIN = ("output", "signal", "opening", "flow_fraction")
+CHAIN_ROW = (*CHAIN, "sensed_C")  # what the chain gave in a step, and what it was told
+FLOW = CHAIN.index("flow_fraction")
 
 
 @dataclass(frozen=True)
 class Job:
-    """One run: a room in one weather, driven by `advance` at a step that divides the minute."""
+    """One run: a room in one weather, driven by `advance` at a step that divides the minute.
+
+    `told` stands for what `inputs` gives under the same names, one value per weather interval.
+    """
 
     room: RoomDescription
     weather: WeatherRecord
@@ -47,6 +52,7 @@ class Job:
     setpoint_C: float  # near which the room starts
     start: Start
     warm_up_days: int = WARM_UP_DAYS
+    told: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @property
     def days(self) -> int:
@@ -76,9 +82,9 @@ class Loop:
     def __post_init__(self) -> None:
         job = self.job
         self.time_s = -job.warm_up_days * DAY_S
-        self.inputs = inputs(job.room, job.weather)
+        self.inputs = {**inputs(job.room, job.weather), **job.told}
         self.minutes = np.zeros((job.minutes, len(MINUTE)))
-        self.chain = np.zeros((job.minutes * job.steps_per_minute, len(CHAIN)))
+        self.chain = np.zeros((job.minutes * job.steps_per_minute, len(CHAIN_ROW)))
         self.full_flow_kg_s = full_flow_kg_s(job.room)
         self.radiant = radiant_weights(job.room)
         for variable, key in variables(job.room).values():
@@ -98,8 +104,7 @@ class Loop:
         interval = min(int(time_s // self.job.weather.interval_s), len(self.job.weather.outdoor_C) - 1)
         if interval != self.interval:
             self.interval = interval
-            values = {name: float(series[interval]) for name, series in self.inputs.items()}
-            self._write(values, exchange_W_K(self.job.room))
+            self._write({name: float(series[interval]) for name, series in self.inputs.items()})
 
     def _hold_start(self) -> None:
         """Bring air, walls and floor to the start of the warm-up, which EnergyPlus cannot be told."""
@@ -109,13 +114,13 @@ class Loop:
         heat_W_m2 = (floor_C - air_C) / job.room.films.interior_m2K_W("floor")
         heat_W_m2 += HOLD_FLOOR_W_M2K * (floor_C - self.readers["floor_surface_C"]())
         values = {OUTDOOR: air_C, EXCHANGE_C: air_C, objects.SUPPLY: floor_C, objects.sun_on(floor.name): heat_W_m2}
-        self._write(dict.fromkeys(self.inputs, 0.0) | values, HOLD_AIR_W_K)
+        self._write(dict.fromkeys(self.inputs, 0.0) | values | {objects.EXCHANGE: HOLD_AIR_W_K})
 
-    def _write(self, values: dict[str, float], exchange_W_K: float) -> None:
-        for name, value in values.items():
-            self.writers[name](value)
+    def _write(self, values: dict[str, float]) -> None:
         density_kg_m3 = PRESSURE_PA / (AIR_CONSTANT_J_KGK * (values[EXCHANGE_C] + 273.15))
-        self.writers[objects.EXCHANGE](exchange_W_K / (density_kg_m3 * AIR_J_KGK))
+        flow_m3_s = values[objects.EXCHANGE] / (density_kg_m3 * AIR_J_KGK)
+        for name, value in {**values, objects.EXCHANGE: flow_m3_s}.items():
+            self.writers[name](value)
 
     def set_flow(self) -> None:
         """Before the predictor: let the chain run through the minute on a reading that goes on as it went."""
@@ -125,11 +130,12 @@ class Loop:
         job = self.job
         before_C, last_C = self.sensed_C
         rise_K_s = (last_C - before_C) / MINUTE_S
-        rows = np.empty((job.steps_per_minute, len(CHAIN)))
+        rows = np.empty((job.steps_per_minute, len(CHAIN_ROW)))
         for n in range(job.steps_per_minute):
             ahead_s = n * job.step_s
-            rows[n] = job.advance(last_C + rise_K_s * ahead_s, self.time_s + ahead_s, job.step_s)
-        self.writers["flow"](float(rows[:, -1].mean()) * self.full_flow_kg_s)
+            sensed_C = last_C + rise_K_s * ahead_s
+            rows[n] = *job.advance(sensed_C, self.time_s + ahead_s, job.step_s), sensed_C
+        self.writers["flow"](float(rows[:, FLOW].mean()) * self.full_flow_kg_s)
         first = self._minute * job.steps_per_minute
         if 0 <= first < len(self.chain):
             self.chain[first : first + job.steps_per_minute] = rows

@@ -10,17 +10,17 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from waxstudy.plugin import TRACE, Advance, FloatArray, Refused, Stopped, WeatherRecord
-from waxstudy.simulation.engine import START, Start
+from waxstudy.simulation.engine import START, WARM_UP_DAYS, Start
 from waxstudy.study.model import is_multiple
 from waxstudy_energyplus.library import EnergyPlusError, installed_version
-from waxstudy_energyplus.loop import CHAIN, MINUTE, MINUTE_S, Job
+from waxstudy_energyplus.loop import CHAIN_ROW, MINUTE, MINUTE_S, Job
 from waxstudy_energyplus.model import model
 from waxstudy_energyplus.weather_file import still_year
 from waxstudy_paper.room.description import RoomDescription
@@ -32,7 +32,7 @@ POLL_S = 0.1
 
 @dataclass(frozen=True)
 class Simulated:
-    """What a run gives: a row per minute (columns `loop.MINUTE`) and a row per step of the chain (`loop.CHAIN`)."""
+    """What a run gives: a row per minute (columns `loop.MINUTE`) and a row per step of the chain (`loop.CHAIN_ROW`)."""
 
     minutes: FloatArray
     chain: FloatArray
@@ -53,7 +53,7 @@ class Simulated:
 
     def trace(self) -> FloatArray:
         """Return the run in the columns of `kernel.TRACE`; the minute's heat is shared out as the water flowed."""
-        columns = {name: self.chain[:, place] for place, name in enumerate(CHAIN)}
+        columns = {name: self.chain[:, place] for place, name in enumerate(CHAIN_ROW)}
         flow = columns["flow_fraction"].reshape(len(self.minutes), -1)
         mean = flow.mean(axis=1, keepdims=True)
         share = np.divide(flow, mean, out=np.ones_like(flow), where=mean > 0)
@@ -82,8 +82,12 @@ def simulate(
     step_s: float = 5.0,
     start: Start = START,
     stop: Callable[[], bool] = lambda: False,
+    warm_up_days: int = WARM_UP_DAYS,
+    told: Mapping[str, FloatArray] | None = None,
 ) -> Simulated:
     """Warm a room up with the first day's weather and simulate the record, `advance` opening and closing the valve.
+
+    `told` stands for what `inputs.inputs` gives under the same names, one value per weather interval.
 
     `advance` is pickled with its state, called in another process at every `step_s`, warm-up included, and given the
     sensed temperature, carried on straight from the last two minutes because EnergyPlus tells it once a minute.
@@ -92,7 +96,7 @@ def simulate(
     """
     refuse_times(weather, step_s)
     installed_version()
-    job = Job(room, weather, advance, step_s, setpoint_C, start)
+    job = Job(room, weather, advance, step_s, setpoint_C, start, warm_up_days, dict(told or {}))
     with tempfile.TemporaryDirectory(prefix="waxstudy-energyplus-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         (folder / "room.epJSON").write_text(json.dumps(model(room, job.days)))

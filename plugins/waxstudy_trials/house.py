@@ -17,7 +17,7 @@ from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged
 from waxstudy_trials.family import Channels
-from waxstudy_trials.plant.causes import Range
+from waxstudy_trials.put import Range
 
 DESCRIPTION = Path(__file__).parents[2] / "studies" / "measured_house" / "dataset.toml"
 RECORD = "o5_2019-02-01_to_10.csv"

@@ -26,6 +26,7 @@ from waxstudy.plugin.trial import Cause, Staged
 THOROUGH = 4.0  # times the points that a diagnosis looks at first: an alike effect must not be missed here
 ROUGH = 0.35  # the same of a measured house, whose priors are so wide that every fit is long
 HARDLY = 0.3  # of what is missed of a measured record anyway
+CONTINUOUS = "control_output"  # where it runs on: without noise of its own, moved by that of the sensor
 LEAST = 1e-9  # a floor of nothing at all would make any gap a large one
 
 Gaps = dict[str, float]
@@ -140,6 +141,8 @@ def _of_channels(case: Case, staged: Staged, stand: Stand, link: Link, place: in
     noise = Judge(link, stand.noisy, belief)
     floors = gaps(noise.errors(_as_measured(link, stand.free, belief)))
     floors |= {channel: noise.timing_s(channel) for channel in link.judged if channel in stand.noisy.binary}
+    if CONTINUOUS in link.judged and CONTINUOUS not in stand.noisy.binary:
+        floors[CONTINUOUS] = max(floors[CONTINUOUS], noise.moved(CONTINUOUS))
     form = gaps(stand.fitter(link, null, belief).base.errors) if with_alike else {}
     return _sized(stand.fitter(link, stand.free, belief), case.causes[place], true_gaps, floors, form, with_alike)
 

@@ -116,6 +116,10 @@ class Judge:
         """Return how far noise alone moves the switches of a channel, typically."""
         return float(np.sqrt(np.median(self._timing[channel].scale_s ** 2)))
 
+    def moved(self, channel: str) -> float:
+        """Return how far the noise of the drive moves a controller's running output, or a flow, typically."""
+        return float(np.sqrt(np.mean(self._drives[channel] ** 2)))
+
     # --- what switches ---
 
     def _shaken(self, belief: Belief) -> list[Predicted]:

@@ -8,12 +8,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from waxstudy.plugin import Choice, FloatArray
+from waxstudy.plugin import FloatArray
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged, Unmakeable
-from waxstudy_trials.family import Channels, logged
+from waxstudy_trials.commissioning import fitted_valve
+from waxstudy_trials.family import Channels
 from waxstudy_trials.plant.causes import PUTS
 from waxstudy_trials.plant.description import Plant
 from waxstudy_trials.plant.weather import Weather, weather
+from waxstudy_trials.put import logged_puts, with_all
 
 WARM_UP_DAYS = 3
 STEP_S = 10  # of what is kept
@@ -91,16 +93,17 @@ class OtherPlant(Engine):
         true = assumed._replace(
             sun_W=scene["sun_factor"] * assumed.sun_W, gains_W=scene["gains_factor"] * assumed.gains_W
         )
-        found = simulate(_with(plant, puts), true, scene["setpoint_C"])
+        found = simulate(with_all(plant, puts), true, scene["setpoint_C"])
         if not np.isfinite(found).all():
             raise Unmakeable("the plant does not settle")
         whole = _kept(found) | _inputs(assumed, scene["setpoint_C"])
+        whole["signal"] = whole["output"]
         still = []
         for put in puts:
-            rest = _with(plant, [other for other in puts if other is not put])
+            rest = with_all(plant, [other for other in puts if other is not put])
             is_logger = put[0].logger is not None
             still.append({} if is_logger else _changed(whole, simulate(rest, true, scene["setpoint_C"], found)))
-        channels, without = _logged(whole, puts, still)
+        channels, without = logged_puts(whole, float(STEP_S), puts, still)
         return Staged(
             channels=channels,
             step_s=float(STEP_S),
@@ -122,7 +125,7 @@ class OtherPlant(Engine):
             "sensor": {"use": "lag", "time_constant_s": plant.sensor_s},
             "controller": {"use": "on-off", "dead_band_K": plant.band_K},
             "actuator": {"use": "variable-times", "product": "B"},
-            "valve": {"use": "quick-opening", **fitted_valve(plant)},
+            "valve": {"use": "quick-opening", **fitted(plant)},
             "setpoint_C": setpoint_C,
         }
 
@@ -201,12 +204,6 @@ class ThinFloorPlant(OtherPlant):
     }
 
 
-def _with(plant: Plant, puts: Sequence[tuple[Any, Mapping[str, float]]]) -> Plant:
-    for put, values in puts:
-        plant = put.edited(plant, values)
-    return plant
-
-
 def _kept(found: FloatArray) -> dict[str, FloatArray]:
     """Return the record's columns at longer steps, the flow as its mean, without the warm-up."""
     from waxstudy_trials.plant.loop import COLUMNS
@@ -240,33 +237,8 @@ def _changed(channels: Channels, still: FloatArray) -> dict[str, FloatArray]:
     return {n: values for n, values in without.items() if np.max(np.abs(values - channels[n])) > UNTOUCHED}
 
 
-def _logged(
-    channels: Channels, puts: Sequence[tuple[Any, Mapping[str, float]]], still: Sequence[Channels]
-) -> tuple[Channels, list[Channels]]:
-    """Return what is logged of the signal, which is the output, and of what a logger changes."""
-    channels = {**channels, "signal": channels["output"]}
-    choices = [Choice.of(put.logger, values) for put, values in puts if put.logger]
-    shown, of_loggers = logged(channels, float(STEP_S), choices)
-    rest = iter(of_loggers)
-    return shown, [next(rest) if put.logger else each for (put, _), each in zip(puts, still, strict=True)]
-
-
-def fitted_valve(plant: Plant) -> dict[str, float]:
-    """Return the three-point curve that a commissioning engineer would fit to the valve's flows, by least squares."""
-    from scipy.optimize import least_squares
-
+def fitted(plant: Plant) -> dict[str, float]:
+    """Return the curve that is believed of the plant's valve."""
     from waxstudy_trials.plant.loop import _lifted
 
-    openings = np.linspace(0.0, 1.0, 41)
-    seen = np.array([_lifted(plant, float(opening)) for opening in openings])
-
-    def missed(x: FloatArray) -> FloatArray:
-        h_min, h_mid, v_mid, authority = x
-        low = v_mid * (openings - h_min) / (h_mid - h_min)
-        high = v_mid + (1.0 - v_mid) * (openings - h_mid) / (1.0 - h_mid)
-        v = np.clip(np.where(openings < h_mid, low, high), 0.0, 1.0)
-        return np.asarray(v / np.sqrt(v * v * (1.0 - authority) + authority) - seen)
-
-    bounds = ([0.0, 0.3, 0.05, 0.02], [0.28, 0.9, 0.95, 1.0])
-    best = least_squares(missed, [plant.lift, 0.45, 0.5, plant.authority], bounds=bounds).x
-    return {name: round(float(v), 4) for name, v in zip(("h_min", "h_mid", "v_mid", "authority"), best, strict=True)}
+    return fitted_valve(lambda opening: float(_lifted(plant, opening)), plant.lift, plant.authority)
