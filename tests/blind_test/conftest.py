@@ -14,7 +14,7 @@ from waxstudy.blind_test.make import Place
 
 CASES = 4
 # no secret, so that the same records are made every time, and none of them in EnergyPlus, installed or not
-KEY = Key(436, 32 * "c")
+KEY = Key(12356, 32 * "c")
 DATA = "WAXSTUDY_DATA"
 NONE = '{"verdict": "none"}'
 
