@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 
 from waxstudy.plugin import FloatArray, Inputs
 
+T = TypeVar("T")
 SMOOTH_S = 1500.0  # window of the local parabola through a noisy temperature
 SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blocks
 AFTER_GAP_S = 1800.0  # a switch that was missed in a gap is not judged for so long
@@ -75,6 +77,17 @@ class Record:
             self._ready[key] = make(channel)
             self._ready[key].flags.writeable = False
         return self._ready[key]
+
+    @cached_property
+    def _last(self) -> dict[str, tuple[Hashable, Any]]:
+        return {}
+
+    def remembered(self, slot: str, key: Hashable, make: Callable[[], T]) -> T:
+        """Return what a slot holds, made anew where it was for another key: most hypotheses change one block alone."""
+        if slot not in self._last or self._last[slot][0] != key:
+            self._last[slot] = key, make()
+        found: T = self._last[slot][1]
+        return found
 
     def filled(self, channel: str) -> FloatArray:
         """Return a channel with its gaps filled: straight for what runs on, held for what switches; read-only."""
