@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from waxstudy.plugin import Choice
-from waxstudy.plugin.trial import Cause
+from waxstudy.plugin.trial import Cause, Scene, Unmakeable
 from waxstudy_trials.family import Channels, Family, logged
 
 Values = Mapping[str, float]
@@ -75,6 +75,26 @@ def logger(family: type[Family], **ranges: Range) -> Put:
 def as_it_is(own: str, name: str) -> Change:
     """Return the change of one number to a value."""
     return lambda numbers, values: {own: values[name]}
+
+
+def scene_of(
+    random: np.random.Generator, puts: Mapping[str, Put], names: Sequence[str], days: int, gains_W: tuple[float, float]
+) -> Scene:
+    """Return what every scene has: its weather, gains and setpoint; causes are drawn last, by `with_causes`."""
+    if len({name for name in names if puts[name].logger}) > 1:
+        raise Unmakeable("one logger cannot be wrong in two ways")
+    return {
+        "days": days,
+        "seed": int(random.integers(2**31)),
+        "day": int(random.integers(45)),
+        "outdoor_C": round(float(random.uniform(-9.0, 4.0)), 1),
+        "gains_W": round(float(random.uniform(*gains_W)), 1),
+        "setpoint_C": round(float(random.uniform(20.3, 22.0)), 1),
+    }
+
+
+def with_causes(scene: Scene, random: np.random.Generator, puts: Mapping[str, Put], names: Sequence[str]) -> Scene:
+    return {**scene, "causes": [{"name": name, "values": puts[name].drawn(random)} for name in names]}
 
 
 def with_all(numbers: Any, puts: Sequence[tuple[Put, Values]]) -> Any:

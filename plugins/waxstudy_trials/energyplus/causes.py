@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from waxstudy_trials.family_logger import CoarseMeter, DriftingClock, SlowLogger
-from waxstudy_trials.put import Change, Put, Range, as_it_is, effect, family, logger
+from waxstudy_trials.put import Change, Put, Range, as_it_is, effect
+from waxstudy_trials.put_families import OF_CHAIN, OF_ROOM
 
 PLAIN = 10.0  # what a period is rounded to [s]
 
@@ -108,31 +108,9 @@ ROOM = (
     effect("thermal-mass", "room", as_it_is("mass", "factor"), factor=Range(0.1, 3.0, is_factor=True)),
     effect("neighbour-heat", "room", as_it_is("neighbour_W_K", "conductance_W_K"), conductance_W_K=Range(0.5, 30.0)),
 )
-FAMILIES = (
-    family("sunlit-sensor", ("sensor", "controller"), as_it_is("sun_K_kW", "K_kW"), K_kW=Range(0.3, 12.0)),
-    family("lockout", ("controller", "modulator"), as_it_is("lockout_s", "hold_s"), hold_s=Range(1800.0, 43_200.0)),
-    family("night-setback", ("controller", "sensor"), as_it_is("setback_K", "drop_K"), True, drop_K=Range(0.05, 2.5)),
-    family(
-        "weak-at-night",
-        ("actuator", "valve"),
-        lambda house, v: {"evening_power": 1.0 - v["less"]},
-        True,
-        less=Range(0.05, 0.6),
-    ),
-    family("sticking-valve", ("valve", "actuator"), as_it_is("play", "play"), play=Range(0.01, 0.4)),
-    family(
-        "pump-pauses",
-        ("valve", "emitter", "actuator"),
-        as_it_is("pump_pause_s", "pause_s"),
-        pause_s=Range(30.0, 2400.0),
-    ),
-    family("stove", ("room", "emitter"), as_it_is("stove_W", "heat_W"), heat_W=Range(10.0, 1000.0)),
-    family("windy-leak", ("room", "emitter"), as_it_is("gust", "share"), True, share=Range(2.0, 120.0)),
-    logger(DriftingClock, drift_s_d=Range(5.0, 300.0, is_signed=True)),
-    logger(SlowLogger, window_s=Range(30.0, 2400.0)),
-    logger(CoarseMeter, pulse_L=Range(0.2, 10.0)),
-)
-PUTS: Mapping[str, Put] = {put.cause.name: put for put in (*SENSOR, *CONTROL, *MOTOR, *VALVE, *ROOM, *FAMILIES)}
+PUTS: Mapping[str, Put] = {
+    put.cause.name: put for put in (*SENSOR, *CONTROL, *MOTOR, *VALVE, *ROOM, *OF_CHAIN, *OF_ROOM)
+}
 
 # what the chain must be for a cause to change anything, or to be one that is not believed
 NEEDS: Mapping[str, Mapping[str, bool]] = {

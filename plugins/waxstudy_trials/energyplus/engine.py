@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from waxstudy.plugin import BackendMissing, FloatArray
-from waxstudy.plugin.trial import Cause, Engine, Scene, Staged, Unmakeable
+from waxstudy.plugin.trial import Cause, Engine, Scene, Staged
 from waxstudy_trials.commissioning import fitted_valve
 from waxstudy_trials.energyplus.blocks import STEP_S, flow_fraction
 from waxstudy_trials.energyplus.causes import PUTS
@@ -19,7 +19,7 @@ from waxstudy_trials.energyplus.drawn import drawn
 from waxstudy_trials.energyplus.happened import WARM_UP_DAYS, Happened, held, kept
 from waxstudy_trials.energyplus.room import WINDOW_M2, building
 from waxstudy_trials.plant.weather import Weather, weather
-from waxstudy_trials.put import logged_puts, with_all
+from waxstudy_trials.put import logged_puts, scene_of, with_all, with_causes
 
 FIRST = date(2023, 1, 8)
 
@@ -48,18 +48,9 @@ class EnergyPlusRoom(Engine):
 
     @classmethod
     def draw(cls, random: np.random.Generator, names: Sequence[str], days: int) -> Scene:
-        if len({name for name in names if PUTS[name].logger}) > 1:
-            raise Unmakeable("one logger cannot be wrong in two ways")
-        scene: Scene = {
-            "days": days,
-            "seed": int(random.integers(2**31)),
-            "day": int(random.integers(45)),
-            "outdoor_C": round(float(random.uniform(-9.0, 4.0)), 1),
-            "gains_W": round(float(random.uniform(40.0, 90.0)), 1),
-            "setpoint_C": round(float(random.uniform(20.3, 22.0)), 1),
-            "house": drawn(random, names),
-        }
-        return {**scene, "causes": [{"name": name, "values": PUTS[name].drawn(random)} for name in names]}
+        scene = scene_of(random, PUTS, names, days, gains_W=(40.0, 90.0))
+        scene["house"] = drawn(random, names)
+        return with_causes(scene, random, PUTS, names)
 
     @classmethod
     def make(cls, scene: Mapping[str, Any]) -> Staged:

@@ -15,7 +15,7 @@ from waxstudy_trials.family import Channels
 from waxstudy_trials.plant.causes import PUTS
 from waxstudy_trials.plant.description import Plant
 from waxstudy_trials.plant.weather import Weather, weather
-from waxstudy_trials.put import logged_puts, with_all
+from waxstudy_trials.put import logged_puts, scene_of, with_all, with_causes
 
 WARM_UP_DAYS = 3
 STEP_S = 10  # of what is kept
@@ -53,20 +53,11 @@ class OtherPlant(Engine):
 
     @classmethod
     def draw(cls, random: np.random.Generator, names: Sequence[str], days: int) -> Scene:
-        if len({name for name in names if PUTS[name].logger}) > 1:
-            raise Unmakeable("one logger cannot be wrong in two ways")
-        scene: Scene = {
-            "days": days,
-            "seed": int(random.integers(2**31)),
-            "day": int(random.integers(45)),
-            "outdoor_C": round(float(random.uniform(-9.0, 4.0)), 1),
-            "gains_W": round(float(random.uniform(25.0, 60.0)), 1),
-            "setpoint_C": round(float(random.uniform(20.3, 22.0)), 1),
-            "plant": cls._scatter(random),
-            "gains_factor": round(float(random.normal(1.0, 0.07)), 3),
-            "sun_factor": round(float(random.normal(1.0, 0.06)), 3),
-        }
-        return {**scene, "causes": [{"name": name, "values": PUTS[name].drawn(random)} for name in names]}
+        scene = scene_of(random, PUTS, names, days, gains_W=(25.0, 60.0))
+        scene["plant"] = cls._scatter(random)
+        scene["gains_factor"] = round(float(random.normal(1.0, 0.07)), 3)
+        scene["sun_factor"] = round(float(random.normal(1.0, 0.06)), 3)
+        return with_causes(scene, random, PUTS, names)
 
     @classmethod
     def _scatter(cls, random: np.random.Generator) -> dict[str, float]:
