@@ -43,6 +43,8 @@ def computed(records: Sequence[Made], folder: Path, workers: int) -> list[dict[s
     missing = [made for made in records if not paths[made.name].exists()]
     with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
         for number, future in enumerate(as_completed([pool.submit(outcome, made) for made in missing])):
+            if future.exception():
+                pool.shutdown(cancel_futures=True)
             told = future.result()
             with whole_file(paths[told["name"]]) as path:
                 path.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")

@@ -120,7 +120,9 @@ def select(fitter: Fitter, effects: Sequence[EffectType], seed: int, tick: Tick)
 
 class _Search:
     def __init__(self, fitter: Fitter, effects: Sequence[EffectType], random: np.random.Generator, tick: Tick) -> None:
-        self.fitter, self.effects, self.random, self.tick = fitter, effects, random, tick
+        self.fitter, self.random, self.tick = fitter, random, tick
+        # what can be only because another effect is there would change that one's parameters, and means nothing alone
+        self.effects = [effect for effect in effects if not effect.hindrance(fitter.belief)]
 
     def run(self) -> Selection:
         current = self.fitter.base
