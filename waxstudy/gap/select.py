@@ -24,6 +24,7 @@ LEAST_PART = 0.15  # that one of them must explain alone
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
 LEAST_GAIN = 10.0  # whitened
+CLEAR_GAIN = 50.0
 MOST_EFFECTS = 3
 ALIKE = 9.0  # difference of loss at which two effects cannot be told apart, in units of what is left
 SAME = 1e-6  # share of a gain that is but rounding
@@ -203,7 +204,7 @@ class _Search:
         before, after = (next(e for e in each.errors if e.channel == channel).gap(SELECT) for each in (current, fitted))
         least = floor.plain[channel]
         plain_share = (before**2 - after**2) / (before**2 - least**2) if before > least else 0.0
-        over = min(over_floor(current, channel, each) for each in (floor, own))
+        over = min(over_floor(current, channel, each, gain < CLEAR_GAIN) for each in (floor, own))
         both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
         strain = self.fitter.strain(fitted)
         missed = left * floor.whitened(channel)
@@ -266,12 +267,14 @@ def unconfirmed(found: Sequence[Found], after: Fitted, without: Sequence[Fitted]
     return None
 
 
-def over_floor(current: Fitted, channel: str, floor: Floor) -> float:
-    """Return a channel's gap over a floor, in its unit or weighed as errors are, whichever is less.
+def over_floor(current: Fitted, channel: str, floor: Floor, is_slight: bool) -> float:
+    """Return a channel's gap over a floor, in its unit; of a slight gain in what runs on also weighed as errors are.
 
     A model that passes less noise on misses less, right or wrong: the gap must stand out of its own model's floor too.
     """
     errors = next(e for e in current.errors if e.channel == channel)
+    if errors.unit == "s" or not is_slight:
+        return errors.gap(SELECT) / floor.plain[channel] if floor.plain[channel] else np.inf
     weighed = float(np.sqrt(errors.loss(SELECT) / max(1, int(np.sum(errors.judged & (errors.part == SELECT))))))
     pairs = ((errors.gap(SELECT), floor.plain[channel]), (weighed, floor.whitened(channel)))
     return min(gap / least if least else np.inf for gap, least in pairs)
