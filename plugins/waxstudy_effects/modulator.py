@@ -42,7 +42,7 @@ class ModulationParameters(PeriodParameters, MinPulseParameters):
     """Of the whole modulator."""
 
 
-PERIOD = Prior(300.0, 14400.0, noticeable=1.05, is_log=True)
+PERIOD = Prior(300.0, 14400.0, noticeable=1.01, is_log=True)  # a week adds up what is off
 MIN_PULSE = Prior(0.0, 1800.0, noticeable=30.0)
 
 

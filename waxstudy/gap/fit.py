@@ -166,8 +166,7 @@ class Fitter:
     def _from(
         self, effect: EffectType, given: Fitted, parts: Sequence[int], values: Values, reading: Reading
     ) -> Fitted | None:
-        enough = self.score(given, parts) - PROMISING / self.thorough
-        return self.refined((*given.effects, (effect, values)), given.departures, reading, parts, enough)
+        return self.refined((*given.effects, (effect, values)), given.departures, reading, parts, is_rough=True)
 
     def _scanned(
         self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
@@ -227,22 +226,17 @@ class Fitter:
         departures: FloatArray,
         reading: Reading,
         parts: Sequence[int] = (FIT,),
-        enough: float | None = None,
+        is_rough: bool = False,
     ) -> Fitted | None:
         """Return a hypothesis with all its parameters fitted together from given ones.
 
-        With a score that is `enough` the fit is rough: it takes the room's answer to its departures as it was at the
-        base, and in a chain it ends where smooth steps do not come that far.
+        A rough fit takes the room's answer to its departures as it was at the base.
         """
         if self.unknowns:
-            return self._room_fit(effects, departures, reading, parts, None if enough is None else self._slopes)
+            return self._room_fit(effects, departures, reading, parts, self._slopes if is_rough else None)
         if not any(effect.priors for effect, _ in effects):
             return self.at(effects, departures, reading)
         smooth = self._smooth_fit(effects, departures, reading, parts)
-        if enough is not None and smooth is not effects:
-            fitted = self.at(smooth, departures, reading)
-            if self.score(fitted, parts) > enough:
-                return fitted
         spaces = [Space(effect) for effect, _ in effects]
         start = np.concatenate([space.inside(v) for space, (_, v) in zip(spaces, smooth, strict=True)])
 

@@ -19,7 +19,6 @@ LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_GAP = 1.1  # over the floor
 LEAST_SMOOTHED_GAP = 1.5
-CLEAR_GAP = 5.0  # over the floor, from which on the least change is worth a name
 LEAST_PART = 0.15  # that one of them must explain alone
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
@@ -209,7 +208,7 @@ class _Search:
         strain = self.fitter.strain(fitted)
         missed = left * floor.whitened(channel)
         believed = self.fitter.edited(fitted.effects[:-1], fitted.departures)  # what it was added to
-        worth = over >= CLEAR_GAP or is_worth_naming(effect, dict(fitted.effects)[effect], believed)
+        worth = is_worth_naming(effect, dict(fitted.effects)[effect], believed)
         return Candidate(
             effect, fitted, gain, both, strain, p, share, plain_share, left, missed, channel, over, covered, worth
         )

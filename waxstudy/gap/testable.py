@@ -15,6 +15,8 @@ from waxstudy.plugin import CHAIN, Belief
 
 CLEAR = 4  # noticeable steps from neutral that a record should show
 LEAST_BLOCKS = 4
+LEVELS = ("control_output", "displacement")
+STANDS = 0.1
 NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
 
 
@@ -25,13 +27,19 @@ def too_short(link: Link, record: Record) -> str:
     if len(blocks) < LEAST_BLOCKS:
         what = "days" if link.with_room else "cycles"
         return f"only {len(blocks)} {what} of {channel} are recorded, {LEAST_BLOCKS} are needed"
-    # a signal that is always on still shows a motor that does not follow; a meter that is dead shows nothing of a room
-    for name in (channel, link.driven_by) if link.with_room else (channel,):
+    # a signal that is always on shows a motor that stands elsewhere; what moves without its drive shows a dead one
+    for name in (channel,) if _stands(record, channel) else (channel, link.driven_by):
         values = record.values[name]
         if np.nanmax(values) - np.nanmin(values) <= 1e-9:
             return f"{name} never changes in this record"
     share = float(_known(record, channel).mean())
     return f"{100 * (1 - share):.0f} % of {channel} is missing" if share < 0.3 else ""
+
+
+def _stands(record: Record, channel: str) -> bool:
+    """Whether a level stays where it is, but for noise."""
+    low, high = np.nanquantile(record.values[channel], (0.01, 0.99))
+    return channel in LEVELS and bool(high - low < STANDS)
 
 
 def _known(record: Record, channel: str) -> np.ndarray:
