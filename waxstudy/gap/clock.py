@@ -20,10 +20,10 @@ def late_s(record: Record, modulator: Choice | None) -> float:
     if modulator is None or "heating_signal" not in record.binary:
         return 0.0
     assert issubclass(modulator.component, Modulator)
-    period_s = getattr(modulator.parameters, modulator.component.period, 0.0) if modulator.component.period else 0.0
     rises_s = record.rises_s
-    if period_s <= 0.0 or len(rises_s) < FEWEST_RISES:
+    if not modulator.component.period or len(rises_s) < FEWEST_RISES:
         return 0.0
+    period_s: float = getattr(modulator.parameters, modulator.component.period)
     face = complex(np.mean(np.exp(2j * np.pi * rises_s / period_s)))
     late = float(np.angle(face)) / (2.0 * np.pi) * period_s
     return late if abs(face) > LEAST_RHYTHM and abs(late) > 0.5 * record.interval_s else 0.0

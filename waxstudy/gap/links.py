@@ -189,8 +189,9 @@ class Link:
         sensor = belief.blocks["sensor"]
 
         def made() -> FloatArray:
-            chain, timing = _chain_of({"sensor": sensor}, record.interval_s), (record.interval_s, record.start_s)
-            return replay(chain, "sensor", air, air, interval_s=timing[0], start_s=timing[1])[0]["sensor"]
+            chain = _chain_of({"sensor": sensor}, record.interval_s)
+            ends, _ = replay(chain, "sensor", air, air, interval_s=record.interval_s, start_s=record.start_s)
+            return ends["sensor"]
 
         return made() if drift.random else record.remembered("sensor", sensor, made)
 

@@ -16,7 +16,7 @@ from waxstudy.plugin import CHAIN, Belief
 CLEAR = 4  # noticeable steps from neutral that a record should show
 LEAST_BLOCKS = 4
 LEVELS = ("control_output", "displacement")
-STANDS = 0.1
+STEADY = 0.1  # range of a level that stays where it is
 NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
 
 
@@ -39,7 +39,7 @@ def too_short(link: Link, record: Record) -> str:
 def _stands(record: Record, channel: str) -> bool:
     """Whether a level stays where it is, but for noise."""
     low, high = np.nanquantile(record.values[channel], (0.01, 0.99))
-    return channel in LEVELS and bool(high - low < STANDS)
+    return channel in LEVELS and bool(high - low < STEADY)
 
 
 def _known(record: Record, channel: str) -> np.ndarray:
