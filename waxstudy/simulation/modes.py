@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh, svd
+from scipy.linalg import svd
 
 from waxstudy.plugin import FloatArray, LinearRoom, WeatherRecord
 from waxstudy.simulation.lanes import LANES
@@ -39,16 +40,65 @@ class DrivenRoom:
         return round(self.weather.interval_s / self.step_s)
 
 
-def drive(room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: float = 0.005) -> DrivenRoom:
+def few_modes(
+    rates: FloatArray, outputs: FloatArray, driving: FloatArray, starts: FloatArray, tolerance: float
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return rates and directions (modes, few) of few modes that answer a step of every input alike, and their error.
+
+    They span the main directions that the room goes through after such steps and from its starts (proper orthogonal
+    decomposition; Galerkin projection keeps them real and stable).
+    """
+    exact = _response(rates, outputs, driving)
+    fading = np.column_stack((driving / rates[:, None], starts))
+    snapshots = np.exp(-np.outer(rates, SNAPSHOTS_S))[:, :, None] * fading[:, None, :]
+    directions = svd(snapshots.reshape(len(rates), -1), full_matrices=False)[0]
+    for count in range(LANES, directions.shape[1], LANES):
+        main = directions[:, :count]
+        few_rates, turned = np.linalg.eigh(main.T @ (rates[:, None] * main))
+        basis = main @ turned
+        missing = np.abs(_response(few_rates, outputs @ basis, basis.T @ driving) - exact)
+        if (error := float(np.max(np.sum(missing, axis=2)))) <= tolerance:
+            return few_rates, basis, error
+    return rates, np.eye(len(rates)), 0.0
+
+
+def main_modes(
+    rates: FloatArray, outputs: FloatArray, driving: FloatArray, starts: FloatArray, tolerance: float
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return the room's own modes but for those that hardly show: all of these together, at their most, stay within."""
+    most = np.abs(outputs) * (np.abs(driving / rates[:, None]).sum(axis=1) + np.abs(starts).sum(axis=1))
+    weakest = np.argsort(most.max(axis=0))
+    missing = np.cumsum(most[:, weakest], axis=1).max(axis=0)
+    left_out = missing <= tolerance
+    return (
+        np.delete(rates, weakest[left_out]),
+        np.delete(np.eye(len(rates)), weakest[left_out], axis=1),
+        float(missing[left_out].max(initial=0.0)),
+    )
+
+
+def _response(rates: FloatArray, outputs: FloatArray, driving: FloatArray) -> FloatArray:
+    """Return what each output (time, output, input) still lacks of its final value after a step of each input."""
+    fading = np.exp(-np.outer(AFTER_S, rates))
+    return np.asarray(np.einsum("tm,om,mj->toj", fading, outputs / rates, driving, optimize=True))
+
+
+# rates and directions (modes, fewer) of fewer modes, with their error, from rates, outputs, driving, starts, tolerance
+Fewer = Callable[[FloatArray, FloatArray, FloatArray, FloatArray, float], tuple[FloatArray, FloatArray, float]]
+
+
+def drive(
+    room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: float = 0.005, fewer: Fewer = few_modes
+) -> DrivenRoom:
     """Return the room in modal form under a weather record, exact for inputs held over a step.
 
     With z the modes, z' = exp(-lambda dt) z + (1 - exp(-lambda dt)) / lambda (b u + f q). The room's own modes are
     replaced by as few as keep every temperature within `tolerance_K` of the full room after the largest single change
     of every input at once; what they leave out answers at once, so that steady states are the full room's. Where the
-    tolerance is 0 the room's own modes stay.
+    tolerance is 0 the room's own modes stay. Finding the fewest (`few_modes`) is dear, and pays in long runs.
     """
     root = np.sqrt(room.capacity_J_K)
-    rates, vectors = eigh(room.conductance_W_K / np.outer(root, root))
+    rates, vectors = np.linalg.eigh(room.conductance_W_K / np.outer(root, root))
     to_nodes, to_modes = vectors / root[:, None], (vectors * root[:, None]).T
     outputs = room.output_matrix @ to_nodes
     driving = to_nodes.T @ np.column_stack((room.input_matrix, room.floor_heat_share))
@@ -61,7 +111,7 @@ def drive(room: LinearRoom, weather: WeatherRecord, step_s: float, tolerance_K: 
         jumps = np.append(np.max(np.abs(np.diff(inputs, axis=0, prepend=inputs[:1])), axis=0), pulse_W)
         air = to_modes @ room.air_nodes
         starts = np.column_stack((air, to_modes @ np.ones(len(root)) - air))  # a kelvin of air and walls, of the rest
-        few_rates, basis, error = _few(rates, outputs[:5], driving * jumps, starts, tolerance_K)
+        few_rates, basis, error = fewer(rates, outputs[:5], driving * jumps, starts, tolerance_K)
 
     few_outputs, few_driving = outputs @ basis, basis.T @ driving
     static = (outputs / rates) @ driving - (few_outputs / few_rates) @ few_driving
@@ -89,31 +139,3 @@ def _in_lanes(by_mode: FloatArray) -> FloatArray:
     filled = np.zeros((*by_mode.shape[:-1], count + -count % LANES))
     filled[..., :count] = by_mode
     return filled
-
-
-def _few(
-    rates: FloatArray, outputs: FloatArray, driving: FloatArray, starts: FloatArray, tolerance: float
-) -> tuple[FloatArray, FloatArray, float]:
-    """Return rates and directions (modes, few) of few modes that answer a step of every input alike, and their error.
-
-    They span the main directions that the room goes through after such steps and from its starts (proper orthogonal
-    decomposition; Galerkin projection keeps them real and stable).
-    """
-    exact = _response(rates, outputs, driving)
-    fading = np.column_stack((driving / rates[:, None], starts))
-    snapshots = np.exp(-np.outer(rates, SNAPSHOTS_S))[:, :, None] * fading[:, None, :]
-    directions = svd(snapshots.reshape(len(rates), -1), full_matrices=False)[0]
-    for count in range(LANES, directions.shape[1], LANES):
-        main = directions[:, :count]
-        few_rates, turned = eigh(main.T @ (rates[:, None] * main))
-        basis = main @ turned
-        missing = np.abs(_response(few_rates, outputs @ basis, basis.T @ driving) - exact)
-        if (error := float(np.max(np.sum(missing, axis=2)))) <= tolerance:
-            return few_rates, basis, error
-    return rates, np.eye(len(rates)), 0.0
-
-
-def _response(rates: FloatArray, outputs: FloatArray, driving: FloatArray) -> FloatArray:
-    """Return what each output (time, output, input) still lacks of its final value after a step of each input."""
-    fading = np.exp(-np.outer(AFTER_S, rates))
-    return np.asarray(np.einsum("tm,om,mj->toj", fading, outputs / rates, driving, optimize=True))

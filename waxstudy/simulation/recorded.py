@@ -14,13 +14,14 @@ from numba import njit, types
 from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, Inputs, LinearRoom, WeatherRecord
 from waxstudy.simulation.cache import cached
 from waxstudy.simulation.lanes import free_step
-from waxstudy.simulation.modes import DrivenRoom, drive
+from waxstudy.simulation.modes import DrivenRoom, drive, main_modes
 
 SUN, EXTRA = "solar_W", "extra_W"
 IRRADIANCE = "irradiance"  # what a room's inputs from the sun are called by, and a facade
 DAY_S = 86400.0
 REPEATS = 7  # of the first day, before a record
 LAYER = ROOM_OUTPUTS.index("layer_C")
+TOLERANCE_K = 0.002  # of the modes: less than what a slope of a fit is taken from
 LONGEST_STEP_S = 150.0  # of the explicit exchange between water and floor
 
 
@@ -85,7 +86,7 @@ def weather_of(inputs: Inputs) -> WeatherRecord:
 def driven_by(room: LinearRoom, inputs: Inputs, step_s: float | None = None) -> DrivenRoom:
     """Return a room in modal form under recorded inputs; the step is the interval, cut to at most two minutes."""
     parts = max(1, int(np.ceil(inputs.interval_s / (step_s or LONGEST_STEP_S))))
-    return drive(recorded_room(room, inputs), weather_of(inputs), inputs.interval_s / parts, tolerance_K=0.0)
+    return drive(recorded_room(room, inputs), weather_of(inputs), inputs.interval_s / parts, TOLERANCE_K, main_modes)
 
 
 def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[str, FloatArray]:
