@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from waxstudy.plugin import Belief, Choice, Effect, Parameters, Prior, parameter
 from waxstudy_paper.modulators import Pwm
 
-FEWEST_RISES = 8
+FEWEST_RISES, MOST_RISES = 8, 1000  # the more, the more periods have to be tried
 CLOSE = 0.9  # of the best hit: a fraction of a period is hit as often, the longest that is hit is meant
 NEAR = 0.02
 USUAL_S = (600.0, 900.0, 1200.0, 1800.0, 3600.0)  # periods of manifold controllers
@@ -54,17 +55,23 @@ def likely_periods_s(belief: Belief) -> Sequence[float]:
     signal = belief.inputs.signal if belief.inputs else None
     if belief.inputs is None or signal is None:
         return USUAL_S
-    rises = np.flatnonzero(np.diff(signal) > 0.5) + 1
+    rises = np.flatnonzero(np.diff(signal) > 0.5)[:MOST_RISES] + 1
     if len(rises) < FEWEST_RISES:
         return USUAL_S
     at_s = belief.inputs.start_s + (rises + 0.5) * belief.inputs.interval_s
+    return (*USUAL_S, _period_s(tuple(at_s.tolist())))
+
+
+@lru_cache(maxsize=8)
+def _period_s(at_s: tuple[float, ...]) -> float:
+    """Return the longest period at whose starts most of some times [s] lie."""
     span_s = at_s[-1] - at_s[0]
     periods_s = 1.0 / np.arange(1.0 / PERIOD.high, 1.0 / PERIOD.low, 0.1 / span_s)
     # an interval's length of doubt about each switch is nothing beside a period
-    hits = np.array([abs(np.mean(np.exp(2j * np.pi * at_s / period_s))) for period_s in periods_s])
+    hits = np.array([abs(np.mean(np.exp(2j * np.pi * np.array(at_s) / period_s))) for period_s in periods_s])
     longest = np.flatnonzero(hits >= CLOSE * hits.max())[0]
     near = np.abs(periods_s / periods_s[longest] - 1.0) < NEAR
-    return (*USUAL_S, float(periods_s[near][np.argmax(hits[near])]))
+    return float(periods_s[near][np.argmax(hits[near])])
 
 
 def is_continuous(belief: Belief) -> bool:

@@ -127,7 +127,6 @@ DESCRIPTION: dict[str, tuple[tuple[str, str], str]] = {
         ('[nominal.valve]\nuse = "linear"\n', CURVE_THAT_FALLS),
         r"\[nominal\] valve: h_min < h_mid < h_max is needed",
     ),
-    "no controller": (("[nominal.controller]", "[nominal.sensor]"), r"\[nominal\] controller: missing"),
     "a misspelled kind": (("[nominal.controller]", "[nominal.contoller]"), "did you mean 'controller'"),
     "a setpoint beyond its bounds": (
         ("setpoint_C = 21.0", "setpoint_C = 210.0"),

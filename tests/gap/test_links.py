@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.gap.realities import belief, record
-from waxstudy.gap.links import AFTER, BEFORE, RAW, SHOWN, Drift, Link, links
+from waxstudy.gap.links import AFTER, BEFORE, LATE, PLAIN, RAW, SHOWN, Drift, Link, links
 from waxstudy.gap.record import ROOM_CHANNELS, Record
 from waxstudy.plugin import CHAIN, STAGES, Belief
 
@@ -102,9 +102,10 @@ def test_with_all_channels_each_stage_of_the_chain_is_judged_alone() -> None:
 
 def test_only_a_sensor_s_own_log_leaves_open_what_it_is() -> None:
     _, _, found = cut(set(whole().values))
-    assert found[0].readings == (AFTER, BEFORE, RAW)
+    assert found[0].readings == (AFTER, BEFORE, RAW, LATE)
     _, _, found = cut(set(whole().values) - {"sensor_temperature_C"})
-    assert [len(link.readings) for link in found[:-1]] == [1] * 4
+    assert found[0].readings == (PLAIN, LATE)
+    assert [len(link.readings) for link in found[1:-1]] == [1] * 3
 
 
 def test_a_recorded_supply_is_put_beside_the_believed_heating_curve() -> None:

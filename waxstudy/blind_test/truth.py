@@ -13,7 +13,7 @@ from typing import Any
 
 from waxstudy.blind_test.draw import Case
 from waxstudy.blind_test.record import shown, without_noise
-from waxstudy.dataset.effects import applied
+from waxstudy.dataset.effects import EffectError, applied
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import installed_effects, record_of
 from waxstudy.gap.fit import Fitted, Fitter
@@ -71,7 +71,7 @@ class Stand:
 
     def link_of(self, cause: Cause) -> Link | None:
         """Return the link that shows a cause's own stage, or None."""
-        found = links(self.noisy, self.noisy_belief) if self.noisy.can_be_cut else []
+        found = links(self.noisy, self.noisy_belief)
         return next((link for link in found if cause.stages[0] in link.stages and not link.is_supply), None)
 
     def fitter(self, link: Link, record: Record, belief: Belief) -> Fitter:
@@ -84,14 +84,17 @@ def _belief(dataset: Dataset, record: Record) -> Belief:
 
 
 def sizes(case: Case, staged: Staged, seen: Dataset, with_alike: bool = True) -> list[Size | None]:
-    """Return the size of each cause, None where the record has no channel that shows its stage."""
+    """Return the size of each cause, None where the record has no channel that shows its stage, or lacks its drive."""
     if not case.causes:
         return []
     stand = Stand.of(seen, without_noise(staged, case.measured), ROUGH if staged.is_measured else 1.0)
     found = []
     for place, cause in enumerate(case.causes):
         link = stand.link_of(cause)
-        found.append(_how(staged, place)(case, staged, stand, link, place, with_alike) if link else None)
+        try:
+            found.append(_how(staged, place)(case, staged, stand, link, place, with_alike) if link else None)
+        except EffectError:
+            found.append(None)  # as pipes where no flow is recorded
     return found
 
 

@@ -104,7 +104,7 @@ def _tell_gaps(values: Values, interval_s: float, notes: Notes) -> None:
         who = ", ".join(names) if len(names) <= NAMED else f"{len(names)} of {len(values.columns)} channels"
         share = 100.0 * count / len(values)
         notes.warn(
-            f"{who}: {share:.2g} % of the samples are missing, at most {_duration(length * interval_s)} at once "
+            f"{who}: {_percent(share)} of the samples are missing, at most {_duration(length * interval_s)} at once "
             f"(ending {values.index[first + length - 1]})"
         )
 
@@ -134,8 +134,13 @@ def _tell_clipped(name: str, x: pd.Series, notes: Notes) -> None:
         if count >= max(CLIPPED_COUNT, CLIPPED_SHARE * x.count(), CLIPPED_FACTOR * near.mean()):
             share = 100.0 * count / x.count()
             notes.warn(
-                f"{name} is clipped: {share:.2g} % of its samples are exactly {counts.index[place]:g}, its extreme"
+                f"{name} is clipped: {_percent(share)} of its samples are exactly {counts.index[place]:g}, its extreme"
             )
+
+
+def _percent(share: float) -> str:
+    """Return a share in per cent with two figures that count: 100 %, 12 %, 0.031 %."""
+    return f"{share:.0f} %" if share >= 10.0 else f"{share:.2g} %"
 
 
 def _longest(mask: np.ndarray) -> tuple[int, int]:

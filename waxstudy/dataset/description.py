@@ -17,7 +17,6 @@ from waxstudy.study.check import Check
 from waxstudy.study.ladder import merge_block
 from waxstudy.study.lines import KeyPath
 from waxstudy.study.model import Choice
-from waxstudy.study.problems import listed
 from waxstudy.study.sentences import value_at
 from waxstudy.study.spots import RawTable, Spot
 
@@ -113,9 +112,6 @@ def _nominal(check: Check, notes: Notes) -> tuple[dict[str, Choice], float | Non
     for kind in CHAIN:
         if kind in table:
             merge_block(check, blocks, kind, table[kind], spot.at(kind))
-    if blocks and "controller" not in blocks and "controller" not in table:
-        allowed = f"installed: {listed(check.registry.names('controller'))}"
-        check.problem(spot.at("controller"), "missing: a chain needs a controller", allowed=allowed)
     if not blocks:
         notes.warn("nothing is believed of the control chain ([nominal] has no block): the room alone can be looked at")
     rest = {key: value for key, value in table.items() if key == "setpoint_C"}

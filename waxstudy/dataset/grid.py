@@ -56,8 +56,10 @@ def on_grid(
 
 def _usual(steps_s: FloatArray, notes: Notes) -> float:
     distances, counts = np.unique(np.round(steps_s, 3), return_counts=True)
-    interval_s = float(distances[np.argmax(counts)])
-    notes.assume(f"The interval is {interval_s:g} s, the most frequent distance of stamps, as interval_s is not given.")
+    is_usual = counts.max() * 2 > counts.sum()
+    interval_s = float(distances[np.argmax(counts)]) if is_usual else float(np.median(steps_s))
+    what = "most frequent" if is_usual else "median"
+    notes.assume(f"The interval is {interval_s:g} s, the {what} distance of stamps, as interval_s is not given.")
     return interval_s
 
 
@@ -86,9 +88,10 @@ def _nearest(rows: pd.DataFrame, off_s: FloatArray, notes: Notes) -> pd.DataFram
     if rows.index.is_unique:
         return rows
     order = np.argsort(off_s, kind="stable")
-    kept = rows.iloc[order]
-    kept = kept[~kept.index.duplicated()]
-    notes.warn(f"{len(rows) - len(kept)} rows fall on a place of the grid that a nearer row has taken: left out")
+    kept = rows.iloc[order].groupby(level=0).first()  # of each channel: several loggers may share a file
+    lost = int(rows.count().sum() - kept.count().sum())
+    if lost:
+        notes.warn(f"{lost} values fall on a place of the grid that a nearer one has taken: left out")
     return kept
 
 

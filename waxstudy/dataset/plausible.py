@@ -38,6 +38,7 @@ FLOW_UNITS = {"m3/h": 1000.0, "L/min": 60.0, "L/s": 3600.0}
 AGREES = 1.6  # factor within which a flow in another unit agrees with the room's
 OPEN = 0.8  # signal or opening from which a valve is taken for open
 LOW_GAIN_W = 5.0
+USUAL_HIGH = (10.0, 100.0)  # of a level in volts and in per cent
 
 
 def look_at_units(values: pd.DataFrame, full_flow_L_h: float | None, notes: Notes) -> None:
@@ -93,15 +94,17 @@ def _level(name: str, x: pd.Series, notes: Notes) -> None:
     if high > 105.0:
         notes.refuse(name, f"goes up to {high:.4g}, but is a level from 0 to 1: are columns swapped?")
     elif high > 1.5:
-        _too_high(name, low, high, notes)
+        _too_high(name, x, low, high, notes)
     elif low < -0.5:
         notes.refuse(name, f"goes down to {low:.3g}, but is a level from 0 to 1: are columns swapped?")
     elif high > 1.05 or low < -0.05:
         notes.warn(f"{name} reaches from {low:.3g} to {high:.3g}, but is a level from 0 to 1")
 
 
-def _too_high(name: str, low: float, high: float, notes: Notes) -> None:
-    if high > 10.5:
+def _too_high(name: str, x: pd.Series, low: float, high: float, notes: Notes) -> None:
+    if x.nunique() == 2 and low == 0.0 and high not in USUAL_HIGH:
+        unit, scale = f"0 or {high:g}", 1.0 / high
+    elif high > 10.5:
         unit, scale = "per cent", 0.01
     elif name == "displacement":
         unit, scale = "a stroke in mm", 1.0 / high

@@ -134,9 +134,11 @@ def _record(
     rows = without_empty(without_faults(channels, times, notes), notes)
     look_at_units(rows, full_L_h, notes)
     record = None if notes.problems else on_grid(rows, times, described.about, notes)
-    if record is not None:
-        _look(*record, "modulator" in described.nominal, notes)
-    return record
+    if record is None:
+        return None
+    values, interval_s = without_empty(record[0], notes), record[1]  # on the grid a nearer row may have taken a place
+    _look(values, interval_s, "modulator" in described.nominal, notes)
+    return values, interval_s
 
 
 def _look(values: pd.DataFrame, interval_s: float, has_modulator: bool, notes: Notes) -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 YEARS = (1900, 2200)
 ZONED = r"(?:Z|[+-][0-9]{2}:?[0-9]{2}) *\Z"  # so written, pandas looks for it in compiled code
-DAY_FIRST = r"\s*\d{1,2}\.\d{1,2}\.\d{4}"
+DAY_FIRST = r"\s*\d{1,2}([./-])\d{1,2}\1\d{4}"
 
 
 def stamps_of(table: pd.DataFrame, column: str, about: DatasetTable, notes: Notes) -> pd.DatetimeIndex | None:
@@ -89,7 +89,8 @@ def _all_read(written: pd.Series, times: pd.Series, time_format: str | None, not
     row = int(np.argmax(bad))
     text = str(written.iloc[row])
     if time_format is None and bad.all() and written.astype(str).str.match(DAY_FIRST).iloc[row]:
-        hint = 'say [dataset] time_format = "%d.%m.%Y %H:%M" or as it is'
+        between = next(mark for mark in text if not mark.isdigit() and not mark.isspace())
+        hint = f'say [dataset] time_format = "%d{between}%m{between}%Y %H:%M" or as it is'
     else:
         hint = f"expected {time_format or 'ISO 8601, as 2020-01-31T12:00:00'}"
     is_missing = bool(written.isna().iloc[row])

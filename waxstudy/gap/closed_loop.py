@@ -38,13 +38,19 @@ class FreeRun:
         return float(np.nanmean(self.heat_W)) * 7 * DAY_S / JOULES_PER_KWH / area_m2
 
     @property
+    def has_flow(self) -> bool:
+        return bool(np.isfinite(self.flow).any())
+
+    @property
     def open_h(self) -> float:
         """Hours a day with the valve open."""
-        return 24.0 * float(np.nanmean(self.flow > OPEN))
+        return 24.0 * float(np.mean(self.flow > OPEN)) if self.has_flow else float("nan")
 
     @property
     def cycles(self) -> float:
         """Starts of flow a day."""
+        if not self.has_flow:
+            return float("nan")
         on = self.flow > 0.5
         return float(np.sum(on[1:] & ~on[:-1])) / (len(on) * self.interval_s / DAY_S)
 

@@ -71,7 +71,7 @@ def diagnose(
     belief = Belief(dataset.nominal, dataset.room, _inputs(record))
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     work = _Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
-    cut = links(record, belief) if record.can_be_cut else []
+    cut = links(record, belief)
     short = {link: reason for link in cut if (reason := too_short(link, record))}
     judged = [link for link in cut if link not in short]
     selections = list(_selections(work, judged, tick or (lambda what, share: None)))
@@ -81,7 +81,10 @@ def diagnose(
 def record_of(dataset: Dataset) -> Record:
     """Return the record of a dataset, its setpoint as believed where none is recorded."""
     values = {str(name): column.to_numpy(dtype=float) for name, column in dataset.values.items()}
-    if "setpoint_C" not in values and dataset.setpoint_C is not None:
+    if "setpoint_C" in values:
+        # loggers write it down when it changes
+        values["setpoint_C"] = dataset.values["setpoint_C"].ffill().bfill().to_numpy(dtype=float)
+    elif dataset.setpoint_C is not None:
         values["setpoint_C"] = np.full(len(dataset.time), dataset.setpoint_C)
     first = dataset.time[0]
     start_s = (first - first.normalize()).total_seconds() - dataset.interval_s
@@ -238,11 +241,13 @@ def _untestable(
     work: _Work, cut: Sequence[Link], short: Mapping[Link, str], selections: Sequence[Selection]
 ) -> Iterator[Untestable]:
     yield from uncovered(work.effects, cut, work.belief)
+    looked_at = [each for each in selections if not each.fitter.link.is_supply]
+    tried = [effect for selection in looked_at for effect in _of(selection.fitter.link, work.effects)]
     for link, reason in short.items():
         for effect in _of(link, work.effects):
-            if not effect.hindrance(work.belief):
+            if effect not in tried and not effect.hindrance(work.belief):
                 yield Untestable(effect.name, reason)
-    for selection in (each for each in selections if not each.fitter.link.is_supply):
+    for selection in looked_at:
         yield from unshown(selection, _of(selection.fitter.link, work.effects))
 
 
@@ -251,7 +256,7 @@ def _verdict(found: Sequence[FoundEffect], remains: Sequence[Unexplained], selec
         return "effect"
     if found:
         return "group"
-    if any(not (each.is_room_form or each.is_covered) for each in remains):
+    if any(each.is_finding for each in remains):
         return "unknown"
     return "none" if any(not each.fitter.link.is_supply for each in selections) else "untestable"
 
@@ -262,7 +267,7 @@ def _summary(
     if verdict in ("effect", "group"):
         return " ".join(effect.sentence for effect in found)
     if verdict == "unknown":
-        places = ", ".join(dict.fromkeys(each.stage for each in remains if not each.is_room_form))
+        places = ", ".join(dict.fromkeys(each.stage for each in remains if each.is_finding))
         return f"Something that no known effect explains lies at: {places}."
     if verdict == "untestable":
         return f"This record cannot be judged: {untestable[0].reason if untestable else 'it holds too little'}."

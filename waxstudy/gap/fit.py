@@ -88,7 +88,7 @@ class Fitter:
         """Return what a hypothesis misses at given values, or None where it cannot be simulated."""
         try:
             predicted = self.link.predict(self.record, self.edited(effects, departures), reading)
-        except (SimulationError, ValueError):
+        except (SimulationError, ValueError, ArithmeticError):
             return None
         return Fitted(tuple(effects), reading, departures, self.judge.errors(predicted))
 
@@ -216,8 +216,8 @@ class Fitter:
             moved = fitted.departures.copy()
             moved[place] += step
             other = self.at(fitted.effects, moved, fitted.reading)
-            assert other
-            columns.append((np.concatenate([each.whitened for each in other.errors]) - whole)[:, None] / step)
+            there = np.concatenate([each.whitened for each in other.errors]) if other else whole
+            columns.append((there - whole)[:, None] / step)
         return np.hstack(columns)
 
     def refined(

@@ -52,7 +52,7 @@ def _flow(record: Record, belief: Belief, channel: str, signal: FloatArray) -> F
     blocks = {k: choice for k, choice in belief.blocks.items() if CHAIN.index(k) >= CHAIN.index(first)}
     step_s = record.interval_s / max(1, int(np.ceil(record.interval_s / STEP_S)))
     jump = np.full(len(record), 0.5) if channel in record.binary else None
-    setpoint_C = record.filled("setpoint_C")
+    setpoint_C = record.filled_or_zero("setpoint_C")
     _, shown = replay(
         Chain(blocks, step_s),
         first,

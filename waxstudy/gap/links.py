@@ -46,6 +46,7 @@ class Reading:
     words: str = ""  # a sentence for the report
     is_before: bool = False  # the sensor's temperature was logged before what the sensor does to it
     is_raw: bool = False  # the controller reads the noise that was logged
+    is_late: bool = False  # the controller reads the temperature of a sample ago
     solar_factor: float = 1.0  # the sun's heat over what was recorded of it
     is_mean: bool = False  # temperatures were logged as means over the interval, not at its end
     handicap: float = 0.0  # loss by which it must be better than the others
@@ -54,6 +55,7 @@ class Reading:
 AFTER = Reading("The sensor temperature was logged as the controller reads it.")
 BEFORE = Reading("The sensor temperature was logged before the sensor's delay or lag.", is_before=True)
 RAW = Reading("The controller reads the sensor temperature with the noise that was logged.", is_raw=True, handicap=60.0)
+LATE = Reading("The controller decides once a sample, on the temperature of the last.", is_late=True, handicap=60.0)
 PLAIN = Reading()
 MEAN = "The room's temperatures were logged as means over the interval."
 LONG_S = 300.0  # interval from which on that matters
@@ -134,7 +136,7 @@ class Link:
             return {SUPPLY: _curve_C(record, belief)}
         chain = [stage for stage in self.stages if stage in CHAIN]
         shown: Predicted = {}
-        flow = record.filled("flow_L_h") if record.has("flow_L_h") else np.zeros(len(record))
+        flow = record.filled_or_zero("flow_L_h")
         if chain:
             shown = self._chain(record, belief, reading, drift, chain)
             flow = shown.get("flow_L_h", flow)
@@ -145,9 +147,7 @@ class Link:
     def _chain(self, record: Record, belief: Belief, reading: Reading, drift: Drift, chain: list[str]) -> Predicted:
         blocks, first = {kind: belief.blocks[kind] for kind in chain if kind in belief.blocks}, chain[0]
         shown: Predicted = {}
-        signal, jump = self._drive(record, drift), None
-        if reading.is_raw:
-            signal = drift.raw(record, self.driven_by)
+        signal, jump = self._drive(record, reading, drift), None
         if first == "sensor":
             if SHOWN["sensor"] in self.judged:
                 shown[SHOWN["sensor"]] = self._sensor(record, belief, reading, drift)
@@ -156,14 +156,14 @@ class Link:
                 blocks.pop("sensor", None)
         elif self.driven_by in record.binary:
             jump = drift.jump(record)
-        setpoint_C = record.filled("setpoint_C")
+        setpoint_C = record.filled_or_zero("setpoint_C")
         start_s = record.start_s - late_s(record, blocks.get("modulator"))
         timing: dict[str, Any] = {"interval_s": record.interval_s, "start_s": start_s, "jump": jump}
 
         def made() -> tuple[Predicted, Predicted]:
             return replay(_chain_of(blocks, record.interval_s), first, signal, setpoint_C, **timing)
 
-        key = (first, self.driven_by, reading.is_raw, start_s, *blocks.items())
+        key = (first, self.driven_by, reading.is_raw, reading.is_late, start_s, *blocks.items())
         ends, means = made() if drift.random else record.remembered("chain", key, made)
         for kind in chain:
             if kind == "valve":
@@ -173,7 +173,12 @@ class Link:
                 shown[SHOWN[kind]] = record.smooth(ends[kind]) if is_noisy else ends[kind]
         return shown
 
-    def _drive(self, record: Record, drift: Drift) -> FloatArray:
+    def _drive(self, record: Record, reading: Reading, drift: Drift) -> FloatArray:
+        if reading.is_raw:
+            return drift.raw(record, self.driven_by)
+        if reading.is_late:
+            values = drift.temperature(record, self.driven_by)
+            return np.concatenate((values[:1], values[:-1]))
         if self.driven_by in ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C"):
             return drift.temperature(record, self.driven_by)
         if self.driven_by == "control_output" and self.driven_by not in record.binary:
@@ -199,11 +204,12 @@ class Link:
 def links(record: Record, belief: Belief) -> list[Link]:
     """Return the links that a record can be cut into; a missing channel merges its neighbours into one.
 
-    Where no controller is believed or no setpoint known, the first recorded channel behind it drives what follows.
+    Where no controller is believed, or not known what it reads or its setpoint, the first recorded channel behind it
+    drives what follows.
     """
     found: list[Link] = []
     since: str | None = "sensor"
-    driven_by = "sensor_temperature_C" if record.has("sensor_temperature_C") else record.air_channel
+    driven_by = record.sensed_channel
     for kind in CHAIN[1:]:
         if since is not None and record.has(SHOWN[kind]):
             stages = CHAIN[CHAIN.index(since) : CHAIN.index(kind) + 1]
@@ -232,15 +238,17 @@ def _curve_C(record: Record, belief: Belief) -> FloatArray:
 
 
 def _is_driven(record: Record, belief: Belief) -> bool:
-    """Whether a controller is believed and its setpoint known."""
-    return "controller" in belief.blocks and record.has("setpoint_C")
+    """Whether a controller is believed, and known what it reads and its setpoint."""
+    return "controller" in belief.blocks and record.has("setpoint_C") and bool(record.sensed_channel)
 
 
 def _link(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str) -> Link:
-    if stages[0] != "sensor" or driven_by != "sensor_temperature_C":
+    if stages[0] != "sensor":
         return Link(stages, driven_by, judged)
+    if driven_by != "sensor_temperature_C":
+        return Link(stages, driven_by, judged, readings=(PLAIN, LATE))
     seen = ("sensor_temperature_C",) if record.has("air_temperature_C") else ()
-    return Link(stages, driven_by, (*seen, *judged), readings=(AFTER, BEFORE, RAW))
+    return Link(stages, driven_by, (*seen, *judged), readings=(AFTER, BEFORE, RAW, LATE))
 
 
 def _after(kind: str) -> str | None:
@@ -321,7 +329,7 @@ def coarsened(inputs: Inputs, interval_s: float) -> tuple[Inputs, int]:
 def means(values: FloatArray, parts: int) -> FloatArray:
     """Return the means over each `parts` values; a rest at the end is left out."""
     count = len(values) // parts
-    return np.asarray(values[: count * parts].reshape(count, parts).mean(axis=1))
+    return np.asarray(values[: count * parts].reshape(count, parts) @ np.full(parts, 1.0 / parts))
 
 
 def weighted(values: FloatArray, weight: FloatArray, parts: int) -> FloatArray:

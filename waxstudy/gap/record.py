@@ -19,6 +19,7 @@ DAY_S = 86_400.0
 ON = 0.5
 RESOLUTION_SHARE = 12.0**-0.5  # standard deviation of rounding, in steps
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
+AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
 ROOM_CHANNELS = (
     "air_temperature_C",
     "operative_temperature_C",
@@ -55,8 +56,12 @@ class Record:
 
     @cached_property
     def noise(self) -> Mapping[str, float]:
-        """Standard deviation of each channel's noise, rounding included: as stated, else from second differences."""
-        return {name: self.stated_noise.get(name) or _noise(name, self.values[name]) for name in self.values}
+        """Standard deviation of each channel's noise, at least its rounding; stated, else from second differences."""
+        return {name: self._noise_of(name, values) for name, values in self.values.items()}
+
+    def _noise_of(self, name: str, values: FloatArray) -> float:
+        stated = self.stated_noise.get(name)
+        return max(stated, RESOLUTION_SHARE * _resolution(_known(values))) if stated else _noise(name, values)
 
     def between(self, channel: str) -> float:
         """Return what a straight line from sample to sample misses of a channel (root mean square).
@@ -92,6 +97,10 @@ class Record:
     def filled(self, channel: str) -> FloatArray:
         """Return a channel with its gaps filled: straight for what runs on, held for what switches; read-only."""
         return self._once("filled", channel, self._filled)
+
+    def filled_or_zero(self, channel: str) -> FloatArray:
+        """Return a filled channel, zeros where there is none: for what then has no part in the result."""
+        return self.filled(channel) if self.has(channel) else np.zeros(len(self))
 
     def drive(self, channel: str) -> FloatArray:
         """Return what drives the next link: smoothed where noisy, snapped where it rests at an end; read-only."""
@@ -177,27 +186,26 @@ class Record:
         return self.day
 
     @property
-    def can_be_cut(self) -> bool:
-        """Whether there is a room temperature, which every cut begins from."""
-        return any(map(self.has, ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")))
+    def sensed_channel(self) -> str:
+        """The channel that tells best what the controller reads, "" where no room temperature is recorded."""
+        return next(filter(self.has, ("sensor_temperature_C", *AIR)), "")
 
     @property
     def has_inputs(self) -> bool:
         """Whether what drives a room is recorded."""
-        return self.can_be_cut and self.has("outdoor_temperature_C") and self.has("supply_temperature_C")
+        return bool(self.sensed_channel) and self.has("outdoor_temperature_C") and self.has("supply_temperature_C")
 
     @property
     def inputs(self) -> Inputs:
         """What drove the room; raise `KeyError` naming the channel that is missing."""
         air = self.drive(self.air_channel)
-        zero = np.zeros(len(self))
         return Inputs(
             interval_s=self.interval_s,
             start_s=self.start_s,
             outdoor_C=self.smooth(self.filled("outdoor_temperature_C")),
             supply_C=self.smooth(self.filled("supply_temperature_C")),
-            solar_W=self.filled("solar_gain_W") if self.has("solar_gain_W") else zero,
-            gains_W=self.filled("internal_gain_W") if self.has("internal_gain_W") else zero,
+            solar_W=self.filled_or_zero("solar_gain_W"),
+            gains_W=self.filled_or_zero("internal_gain_W"),
             ventilation_C=self._optional("ventilation_supply_temperature_C"),
             air_C=air,
             flow_L_h=self._optional("flow_L_h"),
@@ -211,7 +219,7 @@ class Record:
     @property
     def air_channel(self) -> str:
         """The channel that tells the room's air best."""
-        for name in ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C"):
+        for name in AIR:
             if self.has(name):
                 return name
         raise KeyError("air_temperature_C")

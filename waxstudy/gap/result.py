@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from math import inf
+from math import inf, nan
 from typing import Any, Literal
 
 import pandas as pd
 
+IMPACTS = ("heat_percent", "air_K")
 Verdict = Literal["effect", "group", "unknown", "untestable", "none"]
 
 
@@ -40,7 +41,7 @@ class StageGap:
     gap: float  # with what is believed
     gap_after: float  # with the effects found
     noise_floor: float
-    impact: Mapping[str, float]  # heat_percent, air_K: the modelled output in place of the measured one
+    impact: Mapping[str, float]  # of IMPACTS: the modelled output in place of the measured one
     regimes: Sequence[Regime]
     autocorrelation: float  # of the error, from one sample to the next
     separate_by: str = ""  # the channel that would tell merged stages apart
@@ -55,7 +56,8 @@ class StageGap:
 
     def described(self) -> dict[str, Any]:
         regimes = [{**asdict(each), "over_floor": self.regime_over_floor(each)} for each in self.regimes]
-        return {**_of(self), "over_floor": self.over_floor, "regimes": regimes}
+        impact = {name: self.impact.get(name, nan) for name in IMPACTS}
+        return {**_of(self), "over_floor": self.over_floor, "impact": impact, "regimes": regimes}
 
 
 def _over(gap: float, floor: float) -> float:

@@ -39,8 +39,10 @@ def stray_s(belief: Belief) -> float:
 
 
 def moved_s(record: Record, difference: FloatArray) -> float:
-    """Return the |difference| of two openings over time, per switch of the signal."""
-    channel = next(name for name in SIGNALS if name in record.binary)
+    """Return the |difference| of two openings over time, per switch of the signal; infinite where nothing switches."""
+    channel = next((name for name in SIGNALS if name in record.binary), None)
+    if channel is None:
+        return float("inf")
     switches = max(1, int(np.count_nonzero(np.diff(record.filled(channel)))))
     return float(np.nansum(np.abs(difference)) * record.interval_s / switches)
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from waxstudy.gap.links import SHOWN, Link
-from waxstudy.gap.record import Record
+from waxstudy.gap.links import ROOM_STAGES, SHOWN, Link
+from waxstudy.gap.record import AIR, Record
 from waxstudy.gap.result import FoundEffect, Measurement, Untestable
 from waxstudy.gap.select import LEAST_GAIN, Selection, whole
 from waxstudy.gap.space import EffectType, Values
@@ -22,7 +22,7 @@ NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "sup
 
 def too_short(link: Link, record: Record) -> str:
     """Return why a link cannot be judged at all, or an empty text."""
-    channel = link.judged[-1]
+    channel = _best_known(link, record)
     blocks = np.unique((record.day if link.with_room else record.cycle)[record.settled & _known(record, channel)])
     if len(blocks) < LEAST_BLOCKS:
         what = "days" if link.with_room else "cycles"
@@ -34,6 +34,11 @@ def too_short(link: Link, record: Record) -> str:
             return f"{name} never changes in this record"
     share = float(_known(record, channel).mean())
     return f"{100 * (1 - share):.0f} % of {channel} is missing" if share < 0.3 else ""
+
+
+def _best_known(link: Link, record: Record) -> str:
+    """Return what shows the whole of a link: the last channel, of a room's the one that misses least."""
+    return max(link.judged, key=lambda each: _known(record, each).mean()) if link.with_room else link.judged[-1]
 
 
 def _stands(record: Record, channel: str) -> bool:
@@ -50,7 +55,9 @@ def uncovered(effects: Sequence[EffectType], links: Sequence[Link], belief: Beli
     """Yield the effects whose stage no link covers, with what is missing."""
     covered = {stage for link in links for stage in link.stages}
     for effect in effects:
-        if effect.stage not in covered and not effect.hindrance(belief):
+        # without a record of what drives a room no effect of its own can be thought of
+        is_lacking = belief.room is not None and belief.inputs is None and effect.stage in ROOM_STAGES
+        if effect.stage not in covered and (is_lacking or not effect.hindrance(belief)):
             yield Untestable(effect.name, f"no channel shows the {effect.stage}: record {needed(effect.stage)}")
 
 
@@ -129,7 +136,9 @@ def separating(link: Link) -> list[str]:
     """Return the channels that would cut a merged link."""
     chain = [stage for stage in link.stages if stage in CHAIN]
     inner = chain if link.with_room else chain[:-1]
-    return [SHOWN[stage] for stage in inner if SHOWN[stage] not in (*link.judged, link.driven_by)]
+    found = [SHOWN[stage] for stage in inner if SHOWN[stage] not in (*link.judged, link.driven_by)]
+    reads_alone = link.driven_by == SHOWN["sensor"] and "sensor" in inner and SHOWN["sensor"] not in link.judged
+    return [AIR[0], *found] if reads_alone else found  # the air beside a reading shows what the sensor does
 
 
 def _splitting(effect: FoundEffect, links: Sequence[Link], stages: set[str], interval_s: float) -> str:
@@ -137,7 +146,9 @@ def _splitting(effect: FoundEffect, links: Sequence[Link], stages: set[str], int
     for link in links:
         if effect.stage in link.stages:
             for channel in separating(link):
-                before = link.stages[: 1 + next(i for i, s in enumerate(link.stages) if SHOWN.get(s) == channel)]
+                if channel == AIR[0] and "sensor" in stages:
+                    return f"record {channel}"
+                before = link.stages[: 1 + next((i for i, s in enumerate(link.stages) if SHOWN.get(s) == channel), 0)]
                 if 0 < len(stages & set(before)) < len(stages):
                     return f"record {channel}"
     if interval_s > 20.0:

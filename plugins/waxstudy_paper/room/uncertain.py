@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from waxstudy_paper.room.description import RoomDescription
 
 UPWARDS = 0.2  # of what goes downwards: a film stronger than the standard's is hardly to be had
+MOST_MOVED = 0.99  # of the resistance below the pipes
 LEAST_M2K_W = 1e-6  # of a layer; less is none
 HEAVIEST_KG_M3, THICKEST_M = 20_000.0, 5.0  # of a layer
 
@@ -159,7 +160,7 @@ def _above_pipes(room: RoomDescription, departure: float) -> RoomDescription:
         surface, pipes = _thinner_above(room, kept), room.heated_floor
     else:
         thickest_m2K_W = THICKEST_M / room.beside_pipes[0].conductivity_W_mK
-        moved_m2K_W = min(thickest_m2K_W, water * (1.0 - exp(-departure)))
+        moved_m2K_W = min(thickest_m2K_W, water * min(MOST_MOVED, 1.0 - exp(-departure)))
         if moved_m2K_W < LEAST_M2K_W:
             return room
         surface = _layer_above(room, moved_m2K_W)

@@ -24,7 +24,7 @@ WHOLE = (FIT, SELECT, SHRINK)
 def diagnose(dataset: Dataset) -> Json:
     """Return the effects of all links that a likelihood ratio adds."""
     record, belief = taken(dataset)
-    cut = links(record, belief) if record.can_be_cut else []
+    cut = links(record, belief)
     found: dict[str, tuple[EffectType, dict[str, float]]] = {}
     for link in (each for each in cut if not each.is_supply):
         fitter = Fitter(link, record, belief, THOROUGH, dataset.room_tolerance)
