@@ -16,6 +16,7 @@ from waxstudy.gap.space import EffectType, Space
 from waxstudy.plugin import FloatArray, Prior
 
 DRAWS = 1000
+WIDER = 1.4  # chosen: by so much intervals that are straight lines from one fit have to be wider to cover the truth
 WIDTH = 0.02  # of a parameter's range, over which slopes are taken
 LEAST_WIDTH = 0.001  # over which it is seen whether anything changes at all
 RANGE = (2.5, 97.5)
@@ -133,7 +134,7 @@ def _described(
 ) -> dict[EffectType, dict[str, Interval]]:
     from scipy.stats import t
 
-    wide = float(t.ppf(0.975, max(1, blocks - 1)))
+    wide = WIDER * float(t.ppf(0.975, max(1, blocks - 1)))
     found: dict[EffectType, dict[str, Interval]] = {}
     at = len(fitter.unknowns)
     absorbed = {unknown.name: unknown.sd for unknown in fitter.unknowns}

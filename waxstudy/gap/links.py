@@ -245,10 +245,11 @@ def _is_driven(record: Record, belief: Belief) -> bool:
 def _link(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str) -> Link:
     if stages[0] != "sensor":
         return Link(stages, driven_by, judged)
+    late = (LATE,) if judged[-1] in record.binary else ()  # what runs on moves too little in a sample to tell
     if driven_by != "sensor_temperature_C":
-        return Link(stages, driven_by, judged, readings=(PLAIN, LATE))
+        return Link(stages, driven_by, judged, readings=(PLAIN, *late))
     seen = ("sensor_temperature_C",) if record.has("air_temperature_C") else ()
-    return Link(stages, driven_by, (*seen, *judged), readings=(AFTER, BEFORE, RAW, LATE))
+    return Link(stages, driven_by, (*seen, *judged), readings=(AFTER, BEFORE, RAW, *late))
 
 
 def _after(kind: str) -> str | None:

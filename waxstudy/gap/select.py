@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK
-from waxstudy.gap.links import SUPPLY
+from waxstudy.gap.links import SUPPLY, Reading
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.stray import is_covered
 from waxstudy.plugin import Belief, FloatArray
@@ -156,7 +156,8 @@ class _Search:
         All are fitted to both first parts.
         """
         base = self.fitter.base
-        whole = [self.fitter.refined((), base.departures, base.reading, (FIT, SELECT)) or base]
+        reading = found[0].candidate.fitted.reading if found else base.reading
+        whole = [self.fitter.refined((), base.departures, reading, (FIT, SELECT)) or base]
         for each in found:
             fitted = each.candidate.fitted
             earlier = dict(whole[-1].effects)
@@ -191,12 +192,28 @@ class _Search:
         best = min((one for _, one in fitted), key=lambda one: one.loss(SELECT))
         floor, own = Floor.of(self.fitter, best), Floor.of(self.fitter, current)
         highest = null(current, best, [one for _, one in fitted], floor, self.random)
-        return [self.candidate(effect, one, current, floor, own, highest) for effect, one in fitted]
+        read_as = {one.reading: self.read_as(current, one.reading) for _, one in fitted}
+        most = self.loss(current, SELECT)
+        return [self.candidate(effect, one, read_as[one.reading], most, floor, own, highest) for effect, one in fitted]
+
+    def read_as(self, current: Fitted, reading: Reading) -> Fitted:
+        """Return a model under another reading of the record: what that alone changes is no effect's doing."""
+        if reading == current.reading:
+            return current
+        return self.fitter.refined(current.effects, current.departures, reading) or current
 
     def candidate(
-        self, effect: EffectType, fitted: Fitted, current: Fitted, floor: Floor, own: Floor, highest: FloatArray
+        self,
+        effect: EffectType,
+        fitted: Fitted,
+        current: Fitted,
+        most: float,
+        floor: Floor,
+        own: Floor,
+        highest: FloatArray,
     ) -> Candidate:
-        gain = self.loss(current, SELECT) - self.loss(fitted, SELECT)
+        """Return a candidate beside a model under its own reading; its gain is over the better of both readings."""
+        gain = min(most, self.loss(current, SELECT)) - self.loss(fitted, SELECT)
         channel, share, left = shared(current, fitted, floor)
         p = float((1 + np.sum(highest >= gain)) / (1 + len(highest)))
         covered = effect.stage == "actuator" and gain > 0.0 and is_covered(self.fitter, current, fitted)
