@@ -90,13 +90,13 @@ def test_a_null_is_a_valid_record_with_all_channels_that_the_stages_need(engine:
 @pytest.mark.parametrize("engine", ["other-plant", "thin-floor-plant"])
 def test_a_plant_driven_by_its_own_record_gives_it_again(engine: str) -> None:
     """So what a stage would do without a cause differs by that cause alone."""
-    from waxstudy_trials.plant.engine import WARM_UP_DAYS, OtherPlant
+    from waxstudy_trials.plant.engine import OtherPlant
     from waxstudy_trials.plant.loop import COLUMNS, READING, simulate
     from waxstudy_trials.plant.weather import weather
 
     plant = engine_of(engine)
     assert issubclass(plant, OtherPlant)
-    course = weather(np.random.default_rng(1), WARM_UP_DAYS, -3.0, 40.0, 6.0)
+    course = weather(np.random.default_rng(1), 3, -3.0, 40.0, 6.0)
     free = simulate(plant.base, course, 21.0)
     forced = simulate(plant.base, course, 21.0, free)
     differs = np.abs(free - forced).max(axis=0)

@@ -129,7 +129,28 @@ def test_findings_where_the_model_differs_in_form_are_counted_apart() -> None:
     assert not null.unknown_claimed
     assert null.has_apart
     assert mark(truth(departs="valve"), effect("sensor-bias")).false_alarm
-    assert mark(truth(ALONE, departs="valve"), effect("let-by"), effect("low-authority")).right_group
+    slow = effect("slow-actuator", stage="actuator")
+    assert mark(truth(ALONE, departs="valve actuator"), effect("let-by"), slow).right_group
+
+
+def test_a_wrong_name_at_the_cause_s_own_stage_is_wrong_whatever_the_model_s_form() -> None:
+    named = mark(truth(ALONE, departs="valve"), effect("low-authority"))
+    assert named.misdiagnosis
+    assert not mark(truth(ALONE, departs="valve"), effect("let-by"), effect("low-authority")).right_group
+
+
+def test_to_name_every_effect_where_the_model_differs_in_form_is_worth_nothing() -> None:
+    everything = [effect(name) for name in STAGE]
+    places = "valve sensor room"
+    assert mark(truth(departs=places), *everything, unexplained=places).false_alarm
+    listed = mark(truth(ALONE, departs=places), *everything, unexplained=places)
+    assert (listed.right_group, listed.top_1, listed.misdiagnosis) == (False, False, True)
+
+
+def test_a_bare_unknown_is_a_claim_of_something_unknown() -> None:
+    assert mark(truth(), verdict="unknown").unknown_claimed
+    assert mark(truth(departs="room"), verdict="unknown").unknown_claimed
+    assert not mark(truth(departs="room"), unexplained="room").unknown_claimed
 
 
 def test_a_measured_house_may_be_untestable() -> None:

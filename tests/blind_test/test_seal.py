@@ -5,18 +5,22 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.blind_test.conftest import CASES, NONE, answering
 from tests.conftest import Waxstudy, call
+from waxstudy.blind_test import make, truth
 from waxstudy.blind_test.draw import Case, drawn
 from waxstudy.blind_test.key import BOX_BYTES, Key, KeyProblem
 from waxstudy.blind_test.make import Place
-from waxstudy.blind_test.plan import Plan, available
-from waxstudy.blind_test.record import FILES, PAGE_BYTES, WIDTH
+from waxstudy.blind_test.plan import Plan, Slot, available
+from waxstudy.blind_test.record import FILES, PAGE_BYTES, WIDTH, digest_of
 from waxstudy.plugin.trial import Unmakeable
 
 DRAWS = 500
@@ -30,6 +34,33 @@ def test_names_are_random_and_all_files_have_one_time(place: Place) -> None:
     boxes = [place.box(name) for name in names]
     assert {path.name for path in files if path.is_file()} == set(FILES)
     assert len({path.stat().st_mtime for path in [*files, *boxes]}) == 1 or os.name != "posix"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only stat of Linux tells when a file was born")
+def test_files_are_born_in_the_order_of_their_names_whatever_took_long_to_make(finished_test: Path) -> None:
+    place = Place(finished_test / "test")
+    files = [p for name in place.names() for p in (*(place.record(name) / f for f in FILES), place.box(name))]
+    said = subprocess.run(["stat", "--format=%.9W", *map(str, files)], capture_output=True, text=True, check=True)
+    born_s = [float(line) for line in said.stdout.split()]
+    if not any(born_s):
+        pytest.skip("this file system does not say when a file was born")
+    assert born_s == sorted(born_s)
+    assert max(born_s) - min(born_s) < 1.0
+
+
+def test_a_gap_that_no_draw_makes_large_enough_leaves_the_last_that_could_be_had(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def tried(place: Place, key: Key, slot: Slot, index: int, attempt: int, is_judged: bool) -> Any:
+        if attempt % 2:
+            raise Unmakeable("an odd one")
+        return attempt, None, None
+
+    monkeypatch.setattr(make, "_tried", tried)
+    monkeypatch.setattr(truth, "sizes", lambda *said, **how: [None])
+    slot = Slot("goal", "fast-room", "single", least_over=2.0)
+    case, _, sizes = make.settled(Place(tmp_path), Key(1, "a" * 32), slot, 0, is_judged=True)
+    assert (case, sizes) == (make.ATTEMPTS - 2, [None])
 
 
 def test_a_file_is_as_long_as_its_rows_and_columns_make_it(place: Place) -> None:
@@ -134,6 +165,9 @@ def test_a_changed_record_and_a_changed_truth_are_told(answered: Path, key: Key)
     first, second, third = place.names()[:3]
     data = place.record(first) / "data.csv"
     data.write_text(data.read_text().replace("1", "2", 1))
+    sealed = json.loads((answered / "sealed.json").read_text())
+    sealed["records"][first]["files"] = digest_of(place.record(first))  # anybody can write that
+    (answered / "sealed.json").write_text(json.dumps(sealed))
     truth = key.opened(second, place.box(second).read_bytes())
     place.box(second).write_bytes(key.closed(second, {**truth, "attempt": 99}))
     place.box(third).write_bytes(b"nothing")

@@ -17,6 +17,7 @@ from tests.blind_test.conftest import CASES, NONE, answering
 from tests.conftest import WAXSTUDY, Waxstudy
 from waxstudy.blind_test.make import Place
 from waxstudy.blind_test.record import digest_of
+from waxstudy.blind_test.solve import _read
 
 # prints what it can see instead of a diagnosis of anything
 LOOK = """\
@@ -58,6 +59,29 @@ def test_what_fails_is_kept_with_what_it_said_and_counts_as_untestable(
     assert sorted(own["failed"]) == place.names()
     assert own["all"]["right_group"]["count"] in (0, None)
     assert {each["said"] for each in own["failures"]} == {"failed"}
+
+
+MISTAKES = {
+    "bare parameters": '{"verdict": "effect", "effects": [{"name": "a", "stage": "valve", "parameters": {"x": 0.02}}]}',
+    "a bare shrinkage": '{"verdict": "effect", "effects": [{"name": "a", "stage": "valve", "shrink": 0.9}]}',
+    "a word for a group": '{"verdict": "group", "effects": [{"name": "a", "stage": "valve", "group": "let-by"}]}',
+    "names for what is unexplained": '{"verdict": "unknown", "unexplained": ["valve"]}',
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_an_answer_with_a_usual_mistake_is_a_failure_that_says_why(mistake: str) -> None:
+    answer, problem = _read(MISTAKES[mistake], 0)
+    assert answer is None
+    assert "cannot be read" in problem
+
+
+def test_a_diagnoser_may_say_what_is_no_text_and_is_named_as_a_folder(place: Place, waxstudy: Waxstudy) -> None:
+    bytes_on_stderr = "import sys; sys.stderr.buffer.write(bytes([255, 254])); sys.exit(3)"
+    assert waxstudy("blind-test", "solve", "test", "--", sys.executable, "-c", bytes_on_stderr).returncode == 0
+    assert {each["exit_code"] for each in answers(place).values()} == {3}
+    done = waxstudy("blind-test", "solve", "test", "--name", "../evil", "--", sys.executable)
+    assert (done.returncode, "folder's name" in done.stderr) == (2, True)
 
 
 def test_a_diagnoser_that_takes_too_long_is_ended(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:
@@ -107,14 +131,14 @@ def test_an_effect_is_taken_out_of_the_library(small_study: Path, waxstudy: Waxs
     assert waxstudy("blind-test", "without", "let-bye", "valve").returncode == 4
 
 
-def killed(folder: Path, begun: int, count: str, *arguments: object) -> None:
-    """Start a command and kill it, with its processes, once it has written so many files."""
+def killed(folder: Path, begun: int, count: str, *arguments: object, by: signal.Signals = signal.SIGKILL) -> None:
+    """Start a command and end it, with its processes, once it has written so many files."""
     command = [str(WAXSTUDY), *map(str, arguments)]
     process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, start_new_session=True)
     while len(list(folder.glob(count))) < begun:
         assert process.poll() is None, "it ended before it could be killed"
         time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGKILL)
+    os.killpg(process.pid, by)
     process.wait()
 
 
@@ -126,10 +150,10 @@ def test_making_that_was_killed_loses_and_changes_nothing(
     (tmp_path / "key").write_text((finished_test / "key").read_text())
     arguments = ("blind-test", "make", "--cases", CASES, "--out", "test", "--key-file", "key")
     killed(tmp_path, 2, "test/boxes/*.box", *arguments)
-    made = {path: path.stat().st_ino for path in (tmp_path / "test" / "boxes").glob("*.box")}
+    made = {path: path.read_bytes() for path in (tmp_path / "test" / "boxes").glob("*.box")}
     assert 2 <= len(made) < CASES
     assert waxstudy(*arguments).returncode == 0
-    assert {path: path.stat().st_ino for path in made} == made
+    assert {path: path.read_bytes() for path in made} == made
     whole, again = Place(finished_test / "test"), Place(tmp_path / "test")
     assert again.sealed == whole.sealed
     assert [digest_of(again.record(name)) for name in again.names()] == [
@@ -137,14 +161,16 @@ def test_making_that_was_killed_loses_and_changes_nothing(
     ]
 
 
+@pytest.mark.parametrize("by", ["SIGKILL", "SIGINT"])
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
-def test_solving_that_was_killed_goes_on_from_there(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:
+def test_solving_that_was_ended_goes_on_from_there(place: Place, waxstudy: Waxstudy, tmp_path: Path, by: str) -> None:
     script = tmp_path / "slowly.py"
     script.write_text(f"import time; time.sleep(0.2); print({NONE!r})")
     arguments = ("blind-test", "solve", "test", "--", sys.executable, "slowly.py")
-    killed(tmp_path, 2, "test/answers/external/[!c]*.json", *arguments)
+    killed(tmp_path, 2, "test/answers/external/[!c]*.json", *arguments, by=signal.Signals[by])
     before = answers(place)
     assert 2 <= len(before) < CASES
+    assert all(each["answer"] for each in before.values())
     assert waxstudy(*arguments).returncode == 0
     after = answers(place)
     assert sorted(after) == place.names()

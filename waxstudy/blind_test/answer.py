@@ -49,7 +49,7 @@ class Answer:
             claims = tuple(_claim(each) for each in said.get("effects") or ())
             open_ = tuple(_stages(each["stage"]) for each in said.get("unexplained") or () if _is_finding(each))
             untestable = frozenset(str(each["name"]) for each in said.get("untestable") or ())
-        except (KeyError, TypeError, ValueError) as error:
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise NoAnswer(f"its effects, unexplained or untestable cannot be read: {error!r}") from error
         return cls(said["verdict"], claims, open_, untestable)
 
@@ -57,11 +57,13 @@ class Answer:
 def _claim(said: Mapping[str, Any]) -> Claim:
     name = str(said["name"])
     parameters = {key: _interval(each) for key, each in (said.get("parameters") or {}).items()}
-    shrink = (said.get("shrink") or {}).get("value")
+    shrink, group = (said.get("shrink") or {}).get("value"), said.get("group") or [name]
+    if isinstance(group, str):
+        raise TypeError(f"group is to be a list of names, not '{group}'")
     return Claim(
         name=name,
         stages=_stages(said["stage"]),
-        group=frozenset(map(str, said.get("group") or [name])) | {name},
+        group=frozenset(map(str, group)) | {name},
         parameters={key: each for key, each in parameters.items() if each},
         shrink=None if shrink is None else float(shrink),
         channel=str(said.get("channel", "")),

@@ -97,7 +97,7 @@ def unknown_claimed(chosen: Chosen) -> Figure:
 
 
 def leave_one_out(chosen: Chosen) -> Figure:
-    return share([m.left_out_honestly for m in chosen.left_out if _is_goal(m, "all")])
+    return share([m.left_out_honestly for m in chosen.left_out if _is_goal(m, "all") and not m.truth.departs])
 
 
 def both(chosen: Chosen) -> Figure:
@@ -140,7 +140,7 @@ def _both_rooms(
 
 GOALS: Sequence[Goal] = (
     *_both_rooms("right group", right_group, 0.95, 0.85),
-    *_both_rooms("right group, beyond what is unknown of the room", beyond_room, None, None),
+    Goal("right group, beyond what is unknown of the room", FAST, None, beyond_room),
     *_both_rooms("mean size of right groups", group_size, 2.0, 2.0, at_most=True),
     *_both_rooms("top-1 effect, where it could be named", top_1, 0.90, 0.75),
     *_both_rooms("right stage", right_stage, 0.95, 0.85),

@@ -5,18 +5,22 @@ from __future__ import annotations
 import json
 import multiprocessing
 import os
+import shutil
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from waxstudy.blind_test.draw import Case, drawn
 from waxstudy.blind_test.key import Key, KeyProblem
 from waxstudy.blind_test.plan import Plan, Slot
-from waxstudy.blind_test.record import LONG_AGO_S, digest_of, set_times, write_record
+from waxstudy.blind_test.record import FILES, LONG_AGO_S, digest_of, set_times, write_record
 from waxstudy.plugin.trial import Staged, Unmakeable, engine_of
-from waxstudy.results.atomic import whole_file
+from waxstudy.results.atomic import whole_file, whole_folder
+
+if TYPE_CHECKING:
+    from waxstudy.dataset.read import Dataset
 
 FORMAT = 1
 ATTEMPTS = 24  # draws until a record has the gap that its stratum asks for
@@ -91,8 +95,7 @@ def begin(place: Place, plan: Plan, key: Key) -> None:
         return
     if place.folder.exists() and any(place.folder.iterdir()):
         raise BlindTestError(f"{place.folder}: there is something else in this folder")
-    for folder in (place.records, place.folder / BOXES):
-        folder.mkdir(parents=True, exist_ok=True)
+    place.folder.mkdir(parents=True, exist_ok=True)
     about = {"format": FORMAT, "plan": asdict(plan), "key_fingerprint": key.fingerprint}
     _write(place.folder / ABOUT, about)
 
@@ -100,6 +103,8 @@ def begin(place: Place, plan: Plan, key: Key) -> None:
 def make(place: Place, plan: Plan, key: Key, workers: int, tick: Tick) -> None:
     """Make every record that is not there yet, then the seals; raise `BlindTestError`, `Unmakeable` or `OSError`."""
     slots = plan.slots(key)
+    for folder in (place.records, place.folder / BOXES):
+        folder.mkdir(exist_ok=True)
     done = {index for index in range(len(slots)) if is_made(place, key, index)}
     missing = [index for index in range(len(slots)) if index not in done]
     tick(f"{len(done)} of {len(slots)} records", len(done) / max(1, len(slots)))
@@ -139,36 +144,57 @@ def make_one(place: Place, key: Key, slot: Slot, index: int, is_judged: bool) ->
 def settled(place: Place, key: Key, slot: Slot, index: int, is_judged: bool) -> tuple[Case, Staged, Sequence[Any]]:
     """Draw until the record can be had and its gaps are as large as its stratum asks for, and write it.
 
-    The last draw stays, whatever its gap, but one that cannot be had.
+    If no gap is, the last draw that could be had stays, whatever its gap.
     """
     from waxstudy.blind_test.truth import sizes
-    from waxstudy.dataset.read import read_dataset
 
+    small: list[int] = []
     reason = ""
     for attempt in range(ATTEMPTS):
         try:
-            case = drawn(key, slot, index, attempt, is_judged)
-            staged = engine_of(case.engine).make(case.scene)
-            write_record(place.record(case.name), staged, case.measured)
-            seen = read_dataset(place.record(case.name))
+            case, staged, seen = _tried(place, key, slot, index, attempt, is_judged)
             quick = sizes(case, staged, seen, with_alike=False) if slot.least_over else []
-            if any(each is None or each.over < slot.least_over for each in quick) and attempt < ATTEMPTS - 1:
-                continue
-            return case, staged, sizes(case, staged, seen)
+            if all(each is not None and each.over >= slot.least_over for each in quick):
+                return case, staged, sizes(case, staged, seen)
+            small.append(attempt)
         except Unmakeable as error:
             reason = str(error)
-    raise Unmakeable(f"{slot.engine}: no record of {slot.cause or slot.kind} can be had: {reason}")
+    if not small:
+        raise Unmakeable(f"{slot.engine}: no record of {slot.cause or slot.kind} can be had: {reason}")
+    case, staged, seen = _tried(place, key, slot, index, small[-1], is_judged)
+    return case, staged, sizes(case, staged, seen)
+
+
+def _tried(
+    place: Place, key: Key, slot: Slot, index: int, attempt: int, is_judged: bool
+) -> tuple[Case, Staged, Dataset]:
+    """Draw, make and write a record; raise `Unmakeable`."""
+    from waxstudy.dataset.read import read_dataset
+
+    case = drawn(key, slot, index, attempt, is_judged)
+    staged = engine_of(case.engine).make(case.scene)
+    write_record(place.record(case.name), staged, case.measured)
+    return case, staged, read_dataset(place.record(case.name))
 
 
 def seal(place: Place, key: Key, names: Sequence[str]) -> None:
-    """Write the hash of every truth and of every record's files, and give all files one time."""
+    """Write the hash of every truth, which holds that of the record's files, and give all files one time."""
     records: dict[str, Mapping[str, str]] = {}
     for name in sorted(names):
-        truth = key.opened(name, place.box(name).read_bytes())
-        records[name] = {"truth": key.seal_of(name, truth), "files": truth["files"]}
-        set_times(place.record(name))
-        os.utime(place.box(name), (LONG_AGO_S, LONG_AGO_S))
+        records[name] = {"truth": key.seal_of(name, key.opened(name, place.box(name).read_bytes()))}
+        _born_anew(place, name)
     _write(place.folder / SEALED, {"format": FORMAT, "records": records})
+
+
+def _born_anew(place: Place, name: str) -> None:
+    """Copy a record and its box: when a file was born tells how long the next one took to make."""
+    with whole_folder(place.record(name)) as folder:
+        for file in FILES:
+            shutil.copyfile(place.record(name) / file, folder / file)
+    set_times(place.record(name))
+    with whole_file(place.box(name)) as box:
+        shutil.copyfile(place.box(name), box)
+    os.utime(place.box(name), (LONG_AGO_S, LONG_AGO_S))
 
 
 def _write(path: Path, value: Any) -> None:

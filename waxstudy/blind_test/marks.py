@@ -83,7 +83,11 @@ def _cause(said: Mapping[str, Any]) -> TrueCause:
 
 @dataclass(frozen=True)
 class Mark:
-    """What an answer is worth. Claims at stages where the believed model differs in form are counted apart."""
+    """What an answer is worth.
+
+    Where the believed model differs in form, and no cause lies, one claim of a stage is counted apart: a finding there
+    is right in its way, a list of everything is not. What is left unexplained there is counted apart as well.
+    """
 
     truth: Truth
     answer: Answer
@@ -93,20 +97,25 @@ class Mark:
 
     @cached_property
     def claims(self) -> tuple[Claim, ...]:
-        return tuple(claim for claim in self.answer.claims if not self._is_apart(claim.stages, claim.group))
+        return tuple(claim for claim in self.answer.claims if not self._is_apart(claim))
 
     @cached_property
     def open_stages(self) -> tuple[frozenset[str], ...]:
-        return tuple(stages for stages in self.answer.open_stages if not self._is_apart(stages, frozenset()))
+        return tuple(stages for stages in self.answer.open_stages if not self._is_form(stages))
 
     @property
     def has_apart(self) -> bool:
         """Whether anything was found where the believed model differs in form."""
         return len(self.claims) + len(self.open_stages) < len(self.answer.claims) + len(self.answer.open_stages)
 
-    def _is_apart(self, stages: frozenset[str], group: frozenset[str]) -> bool:
-        of_causes = any(group & c.members or (not group and stages & c.stages) for c in self.truth.causes)
-        return stages <= self.truth.departs and not of_causes
+    def _is_apart(self, claim: Claim) -> bool:
+        is_named = any(claim.group & cause.members for cause in self.truth.causes)
+        is_only_one = sum(bool(claim.stages & other.stages) for other in self.answer.claims) == 1
+        return self._is_form(claim.stages) and is_only_one and not is_named
+
+    def _is_form(self, stages: frozenset[str]) -> bool:
+        """Whether the believed model differs in form at these stages, and no cause lies there."""
+        return stages <= self.truth.departs and not any(stages & cause.stages for cause in self.truth.causes)
 
     # --- figures ---
 
@@ -167,8 +176,9 @@ class Mark:
 
     @property
     def unknown_claimed(self) -> bool:
-        """Something that the library has, or nothing at all, said to be unknown."""
-        return self.answer.verdict == "unknown" and bool(self.open_stages)
+        """Something that the library has, or nothing at all, said to be unknown; but not for the form alone."""
+        is_of_form = self.answer.open_stages and not self.open_stages
+        return self.answer.verdict == "unknown" and not is_of_form
 
     @property
     def unknown_found(self) -> bool:

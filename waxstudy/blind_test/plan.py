@@ -54,12 +54,17 @@ class Plan:
 
 def available(is_judged: bool) -> tuple[str, ...]:
     """Return the engines that records can be had of here."""
-    return tuple(n for n, e in engines().items() if (is_judged or not e.is_kept) and not e.hindrance())
+    return tuple(name for name, engine in _wanted(is_judged).items() if not engine.hindrance())
 
 
 def left_out(is_judged: bool) -> Mapping[str, str]:
     """Return the engines that take no part here, with the reason."""
-    return {n: e.hindrance() for n, e in engines().items() if (is_judged or not e.is_kept) and e.hindrance()}
+    return {name: reason for name, engine in _wanted(is_judged).items() if (reason := engine.hindrance())}
+
+
+def _wanted(is_judged: bool) -> dict[str, type[Engine]]:
+    """Return the engines of a judged run, or of a mixture, which has neither those kept nor measured ones."""
+    return {n: e for n, e in engines().items() if is_judged or not (e.is_kept or e.is_measured)}
 
 
 def causes_of(engine: type[Engine], kind: Kind, is_judged: bool) -> list[str]:
@@ -89,10 +94,6 @@ def _shared(slots: Sequence[Slot], share: float) -> list[Slot]:
 
 def _spread(group: Sequence[Slot], count: int) -> list[Slot]:
     return [group[place * len(group) // count] for place in range(count)]
-
-
-def strata_names() -> list[str]:
-    return list(_strata([engine_of(name) for name in available(is_judged=True)]))
 
 
 def _strata(chosen: Sequence[type[Engine]]) -> dict[str, list[Slot]]:
@@ -161,11 +162,10 @@ MIXTURE: Sequence[tuple[Kind, float]] = (("null", 0.3), ("single", 0.4), ("pair"
 def _mixture(chosen: Sequence[type[Engine]], cases: int, key: Key) -> list[Slot]:
     """Return slots in which engine, kind, channels and noise are drawn by themselves."""
     random = key.random("mixture")
-    made = [e for e in chosen if not e.is_measured]
     kinds, shares = zip(*MIXTURE, strict=True)
     slots = []
     for _ in range(cases):
-        engine = made[int(random.integers(len(made)))]
+        engine = chosen[int(random.integers(len(chosen)))]
         kind = kinds[int(random.choice(len(kinds), p=shares))]
         free = bool(random.random() < 0.5)
         if not causes_of(engine, kind, is_judged=False):

@@ -47,7 +47,7 @@ def opened(place: Place, key: Key) -> Opened:
         seal, box = sealed.get(name, {}), boxes[name]
         if key.seal_of(name, box) != seal.get("truth"):
             broken.append(f"{name}: its truth is not the one that was sealed")
-        if _digest(place, name) != seal.get("files"):
+        if _digest(place, name) != box["files"]:
             broken.append(f"{name}: its files are not those that were sealed")
         if not _is_drawn(key, slot, index, plan.is_judged, box):
             broken.append(f"{name}: the key draws another case")

@@ -6,6 +6,7 @@ import json
 import multiprocessing
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
 from typing import Any
 
 from waxstudy.blind_test.draw import Case, Measured
@@ -25,15 +26,32 @@ def true_shrinkages(
     folder = place.folder / "shrinkage" / who
     folder.mkdir(parents=True, exist_ok=True)
     jobs = [job for mark in own if (job := _job(mark, boxes))]
-    missing = [job for job in jobs if not (folder / f"{job[0]}.json").exists()]
+    known = {job[0]: _kept(folder / f"{job[0]}.json", job) for job in jobs}
+    missing = [job for job in jobs if known[job[0]] is None]
     with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
         futures = {pool.submit(true_shrinkage, *job): job for job in missing}
         for number, future in enumerate(as_completed(futures)):
-            with whole_file(folder / f"{futures[future][0]}.json") as path:
-                path.write_text(json.dumps(future.result()) + "\n", encoding="utf-8")
+            job = futures[future]
+            known[job[0]] = {**_asked(job), "shrinkage": future.result()}
+            with whole_file(folder / f"{job[0]}.json") as path:
+                path.write_text(json.dumps(known[job[0]]) + "\n", encoding="utf-8")
             tick(f"shrinkage of {number + 1} of {len(missing)}", (number + 1) / len(missing))
-    found = {job[0]: json.loads((folder / f"{job[0]}.json").read_text(encoding="utf-8")) for job in jobs}
+    found = {name: each["shrinkage"] for name, each in known.items() if each}
     return {name: value for name, value in found.items() if value is not None}
+
+
+def _asked(job: Job) -> dict[str, Any]:
+    _, _, effect, values = job
+    return {"effect": effect, "values": dict(values)}
+
+
+def _kept(path: Path, job: Job) -> dict[str, Any] | None:
+    """Return what was computed before of the same claim, or None."""
+    try:
+        found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        return found if {**found, **_asked(job)} == found and "shrinkage" in found else None
+    except (OSError, ValueError, TypeError):
+        return None
 
 
 def _job(mark: Mark, boxes: Mapping[str, Mapping[str, Any]]) -> Job | None:

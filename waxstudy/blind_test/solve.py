@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -66,6 +68,8 @@ def external(name: str, command: Sequence[str]) -> Diagnoser:
     """Return any command; what is a file here is named so that it is found from elsewhere."""
     if name in (*known(), LEAVE_ONE_OUT):
         raise BlindTestError(f"'{name}' is a diagnoser of waxstudy: give yours another name")
+    if not re.fullmatch(r"\w[\w.-]*", name):
+        raise BlindTestError(f"'{name}' is to be a folder's name: letters, digits, and -, _ or . behind the first")
     return Diagnoser(name, tuple(str(Path(word).absolute()) if Path(word).is_file() else word for word in command))
 
 
@@ -79,7 +83,7 @@ def leaving_one_out(place: Place, key: Key) -> tuple[Diagnoser, list[str]]:
         truth = key.opened(name, place.box(name).read_bytes())
         if truth["kind"] == "single" and truth["stratum"] in ("goal", "mixture"):
             removed[name] = (truth["causes"][0]["name"],)
-    if missing := [name for name in removed if not answer_path(place, OURS, name).exists()]:
+    if missing := [name for name in place.names() if not is_answered(answer_path(place, OURS, name))]:
         raise BlindTestError(f"first solve all records with {OURS}: {len(missing)} are not answered yet")
     found = Diagnoser(LEAVE_ONE_OUT, (*PROGRAM, "blind-test", "without"), removed)
     return found, list(removed)
@@ -97,6 +101,7 @@ def answer_path(place: Place, diagnoser: str, record: str) -> Path:
 def solve(place: Place, who: Diagnoser, names: Sequence[str], workers: int, timeout_s: float, tick: Tick) -> int:
     """Store the answer to every record that has none yet; return how many are failures. Raise `BlindTestError`."""
     _begin(place, who)
+    _stopped.clear()
     paths = {name: answer_path(place, who.name, name) for name in names}
     missing = [name for name in names if not is_answered(paths[name])]
     done = len(names) - len(missing)
@@ -141,10 +146,12 @@ def is_answered(path: Path) -> bool:
 
 
 _running: set[subprocess.Popen[str]] = set()
+_stopped = threading.Event()  # what ends from then on was ended, and has not answered
 
 
 def _end_all() -> None:
     """End what still runs, with its children."""
+    _stopped.set()
     for process in list(_running):
         _end(process)
 
@@ -164,6 +171,8 @@ def _solve_one(place: Place, who: Diagnoser, record: str, timeout_s: float) -> N
         for name in FILES:
             shutil.copyfile(place.record(record) / name, folder / name)
         told = _called(who.called(record, folder), Path(temporary), timeout_s)
+    if _stopped.is_set():
+        return
     with whole_file(answer_path(place, who.name, record)) as path:
         path.write_text(json.dumps({"record": record, **told}, indent=1) + "\n", encoding="utf-8")
 
@@ -174,7 +183,13 @@ def _called(command: Sequence[str], folder: Path, timeout_s: float) -> dict[str,
     streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     try:
         process = subprocess.Popen(
-            command, cwd=folder, env={**os.environ, **ONE_THREAD}, text=True, start_new_session=True, **streams
+            command,
+            cwd=folder,
+            env={**os.environ, **ONE_THREAD},
+            encoding="utf-8",
+            errors="replace",
+            start_new_session=True,
+            **streams,
         )
     except OSError as error:
         raise BlindTestError(f"{command[0]}: cannot be run: {error.strerror or error}") from error

@@ -7,6 +7,7 @@ of a room.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -192,7 +193,7 @@ def _sized(fitter: Fitter, own: Cause, true_gaps: Gaps, floors: Gaps, form: Gaps
     gap, floor = true_gaps[channel], max(floors[channel], LEAST)
     beyond, names = 0.0, []
     if with_alike:
-        beyond = over(gaps(fitter.base.errors), floors)
+        beyond = over(gaps(fitter.base.errors), {c: math.hypot(floors[c], form.get(c, 0.0)) for c in floors})
         names = list(_alike(fitter, own, floors, form)) if gap > floor else []
     return Size(fitter.link.name, channel, gap, floor, beyond, tuple(names))
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+WARM_UP_S = 3 * 86_400  # before a record begins
+
 
 class Plant(NamedTuple):
     """Room, floor, circuit, valve, motor, thermostat; the last ones do nothing as they are. All chosen."""

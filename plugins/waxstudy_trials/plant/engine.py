@@ -13,11 +13,10 @@ from waxstudy.plugin.trial import Cause, Engine, Scene, Staged, Unmakeable
 from waxstudy_trials.commissioning import fitted_valve
 from waxstudy_trials.family import Channels
 from waxstudy_trials.plant.causes import PUTS
-from waxstudy_trials.plant.description import Plant
+from waxstudy_trials.plant.description import WARM_UP_S, Plant
 from waxstudy_trials.plant.weather import Weather, weather
 from waxstudy_trials.put import logged_puts, scene_of, with_all, with_causes
 
-WARM_UP_DAYS = 3
 STEP_S = 10  # of what is kept
 DAY_S = 86_400
 FIRST = date(2023, 1, 8)
@@ -106,7 +105,7 @@ class OtherPlant(Engine):
 
     @classmethod
     def _weather(cls, scene: Mapping[str, Any]) -> Weather:
-        random, days = np.random.default_rng(scene["seed"]), scene["days"] + WARM_UP_DAYS
+        random, days = np.random.default_rng(scene["seed"]), scene["days"] + WARM_UP_S // DAY_S
         return weather(random, days, scene["outdoor_C"], scene["gains_W"], cls.base.window_m2)
 
     @classmethod
@@ -199,7 +198,7 @@ def _kept(found: FloatArray) -> dict[str, FloatArray]:
     """Return the record's columns at longer steps, the flow as its mean, without the warm-up."""
     from waxstudy_trials.plant.loop import COLUMNS
 
-    rows = found[WARM_UP_DAYS * DAY_S :].reshape(-1, STEP_S, len(COLUMNS))
+    rows = found[WARM_UP_S:].reshape(-1, STEP_S, len(COLUMNS))
     kept = {ours: rows[:, -1, COLUMNS.index(column)] for column, ours in SOURCES.items()}
     kept["flow_L_h"] = rows[:, :, COLUMNS.index("flow_L_h")].mean(axis=1)
     kept["supply_C"] = rows[:, -1, COLUMNS.index("supply_C")]
@@ -209,7 +208,7 @@ def _kept(found: FloatArray) -> dict[str, FloatArray]:
 def _inputs(assumed: Weather, setpoint_C: float) -> dict[str, FloatArray]:
     """Return what is known or assumed besides, and what follows from it."""
     steps = 900 // STEP_S
-    first = WARM_UP_DAYS * DAY_S // 900
+    first = WARM_UP_S // 900
     held = {name: np.repeat(getattr(assumed, name)[first:], steps) for name in ("sun_W", "gains_W", "neighbour_C")}
     at = np.arange(len(held["sun_W"]) + first * steps) / steps
     outdoor_C = np.interp(at, np.arange(len(assumed.outdoor_C)), assumed.outdoor_C)[first * steps :]

@@ -12,7 +12,7 @@ import numba
 import numpy as np
 
 from waxstudy.plugin import FloatArray
-from waxstudy_trials.plant.description import Plant
+from waxstudy_trials.plant.description import WARM_UP_S, Plant
 from waxstudy_trials.plant.weather import PART_S, Weather
 
 WATER_J_L_K = 4180.0
@@ -155,7 +155,7 @@ def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: bool, found: An
         to_floor = 0.0
         if through > 0.01:
             per_K = through / 3600.0 * WATER_J_L_K
-            locked = p.air_lock if n > seconds // 2 else 1.0
+            locked = p.air_lock if n > (seconds + WARM_UP_S) // 2 else 1.0
             to_floor = per_K * (1.0 - math.exp(-locked * _exchange_W_K(p, through) / per_K)) * (enters - slab)
             leaves = enters - to_floor / per_K
             water_C += (leaves - water_C) * min(1.0, through / 3600.0 / 1.5)  # mixed on its way to the sensor

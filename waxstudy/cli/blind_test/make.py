@@ -96,6 +96,7 @@ def _key(place: Place, seed: int | None, text: str | None, file: Path | None) ->
         raise CommandError(f"{place.folder}: records are there already; to go on, give their key with --key", USAGE)
     key = Key.new(secrets.randbelow(10**9) if seed is None else seed)
     if file:
+        file.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(file) as path:
             path.write_text(f"{key}\n", encoding="utf-8")
         file.chmod(0o600)

@@ -39,7 +39,8 @@ def command(
 ) -> None:
     """Draw the truth again from the key, check it against the seals, and score everybody who answered.
 
-    Exit code 1 if a seal is broken: the score says which, and counts those records all the same.
+    Exit code 1 if a seal is broken: the score says which, and counts those records all the same, where their box can
+    be opened.
     """
     with failures(folder), bar(quiet) as tick:
         from waxstudy.blind_test.make import Place
