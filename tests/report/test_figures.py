@@ -11,7 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waxstudy.plugin import PublishedRow
+from tests.gap.realities import study as gap_study
+from waxstudy.plugin import PublishedRow, changed
+from waxstudy.report.activation import activations
 from waxstudy.report.against import Published
 from waxstudy.report.content import Content
 from waxstudy.report.figures import (
@@ -251,3 +253,14 @@ def test_dropping_the_rows_between_two_changes_leaves_the_steps_as_they_were(val
     # a value holds until its time stamp: the first kept row at or after each time tells it
     index = np.searchsorted(kept["time_s"].to_numpy(), frame["time_s"].to_numpy())
     np.testing.assert_array_equal(kept["flow"].to_numpy()[index], values)
+
+
+def test_an_actuator_with_other_numbers_has_a_curve_of_its_own() -> None:
+    study = gap_study()
+    plain = [curve.actuator for curve in activations(study)]
+    wax = study.cases["WAX"]
+    actuator = wax.blocks["actuator"]
+    slower = replace(actuator, parameters=changed(actuator.parameters, dead_a_s=-150.0))
+    with_slower = replace(study, cases={**study.cases, "WAX": replace(wax, blocks={**wax.blocks, "actuator": slower})})
+    found = activations(with_slower)
+    assert [curve.actuator for curve in found] == [*plain, "variable-times, WAX"]

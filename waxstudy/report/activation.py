@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import copy
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -36,23 +35,33 @@ class Activation:
 
 
 def activations(study: Study) -> list[Activation]:
-    """Return the curve of each actuator's examples, behind the valve of the first ladder's reference.
+    """Return the curve of each actuator's examples and of the study's own, behind the valve of the first reference.
 
-    Actuators are those of the packages that the study's blocks come from.
+    Examples are those of the packages that the study's blocks come from.
     """
     reference = next(iter(study.ladders.values())).reference
     valve = study.cases[reference].blocks.get("valve")
+    examples = list(_examples(study))
     found = []
-    for label, block, values in _examples(study):
+    for label, choice in (*examples, *_own(study, [choice for _, choice in examples])):
         try:
-            choice = Choice(block, block.Parameters.model_validate(dict(values)))
             found.append(activation(label, choice, valve))
         except Exception:  # an actuator that fails here and not in the run is none of this study's
             log.info("no activation curve of %s", label, exc_info=True)
     return found
 
 
-def _examples(study: Study) -> Iterator[tuple[str, type[Block], Mapping[str, Any]]]:
+def _own(study: Study, known: Sequence[Choice]) -> Iterator[tuple[str, Choice]]:
+    """Yield the actuators of a study that are no examples, each by the first case that has it."""
+    seen = list(known)
+    for name, case in study.cases.items():
+        choice = case.blocks.get("actuator")
+        if choice is not None and choice not in seen:
+            seen.append(choice)
+            yield f"{choice.component.name}, {name}", choice
+
+
+def _examples(study: Study) -> Iterator[tuple[str, Choice]]:
     registry = installed()
     used = [choice.component for case in study.cases.values() for choice in case.blocks.values()]
     packages = {registry.package_of(component).package for component in used}
@@ -63,7 +72,10 @@ def _examples(study: Study) -> Iterator[tuple[str, type[Block], Mapping[str, Any
             continue
         for label, values in block.examples.items():
             title = name if label == "default" else f"{name}, {label}"
-            yield title, block, values
+            try:
+                yield title, Choice(block, block.Parameters.model_validate(dict(values)))
+            except ValueError:
+                log.info("no activation curve of %s", title, exc_info=True)
 
 
 def activation(
