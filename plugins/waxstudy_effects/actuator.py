@@ -83,14 +83,10 @@ class WaxMotor(Effect):
         return [steady_times(product) for product in PRODUCTS]
 
 
-class WithConstantTimes(Effect):
+class WithConstantTimes(WaxMotor):
     """The actuator's times do not depend on its past, where `variable-times` is believed."""
 
     name = "constant-times"
-    api_version = "1.0"
-    stage = "actuator"
-    Parameters = FourTimes
-    priors = FOUR_PRIORS
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -98,23 +94,11 @@ class WithConstantTimes(Effect):
         return "" if is_other else "no actuator with times that vary is believed"
 
     @classmethod
-    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
-        return None
-
-    @classmethod
-    def apply(cls, belief: Belief, p: Any) -> Belief:
-        return belief.with_block("actuator", Choice.of(ConstantTimes, dict(p)))
-
-    @classmethod
     def sentence(cls, p: Any) -> str:
         return (
             f"The actuator's times do not depend on its past: {p.dead_time_s:.0f} s dead, {p.rise_time_s:.0f} s rise, "
             f"{p.hold_time_s:.0f} s hold, {p.fall_time_s:.0f} s fall."
         )
-
-    @classmethod
-    def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
-        return [steady_times(product) for product in PRODUCTS]
 
 
 class Coefficients(Parameters):

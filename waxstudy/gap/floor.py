@@ -21,9 +21,6 @@ class Floor:
     plain: Mapping[str, float]
     white: Mapping[str, float]
 
-    def whitened(self, channel: str) -> float:
-        return self.white[channel]
-
     @classmethod
     def of(cls, fitter: Fitter, fitted: Fitted) -> Floor:
         """Return the floor of a fitted model: its own predictions, shaken and seen by the instruments, judged by it."""

@@ -6,14 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from waxstudy.gap.links import SHOWN, Link, built, coarsened, full_flow_L_h, means
+from waxstudy.gap.links import SHOWN, Link, built, chain_of, coarsened, full_flow_L_h, means
 from waxstudy.gap.record import Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
-from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.recorded import driven_by, respond
 from waxstudy.simulation.replay import replay
 
-STEP_S = 5.0
 BEHIND = tuple(shown for kind, shown in SHOWN.items() if kind != "sensor")  # channels with stages behind them
 
 
@@ -50,11 +48,10 @@ def _flow(record: Record, belief: Belief, channel: str, signal: FloatArray) -> F
     kind = next(kind for kind, shown in SHOWN.items() if shown == channel)
     first = CHAIN[CHAIN.index(kind) + 1]
     blocks = {k: choice for k, choice in belief.blocks.items() if CHAIN.index(k) >= CHAIN.index(first)}
-    step_s = record.interval_s / max(1, int(np.ceil(record.interval_s / STEP_S)))
     jump = np.full(len(record), 0.5) if channel in record.binary else None
     setpoint_C = record.filled_or_zero("setpoint_C")
     _, shown = replay(
-        Chain(blocks, step_s),
+        chain_of(blocks, record.interval_s),
         first,
         signal,
         setpoint_C,

@@ -161,7 +161,7 @@ class Link:
         timing: dict[str, Any] = {"interval_s": record.interval_s, "start_s": start_s, "jump": jump}
 
         def made() -> tuple[Predicted, Predicted]:
-            return replay(_chain_of(blocks, record.interval_s), first, signal, setpoint_C, **timing)
+            return replay(chain_of(blocks, record.interval_s), first, signal, setpoint_C, **timing)
 
         key = (first, self.driven_by, reading.is_raw, reading.is_late, start_s, *blocks.items())
         ends, means = made() if drift.random else record.remembered("chain", key, made)
@@ -194,7 +194,7 @@ class Link:
         sensor = belief.blocks["sensor"]
 
         def made() -> FloatArray:
-            chain = _chain_of({"sensor": sensor}, record.interval_s)
+            chain = chain_of({"sensor": sensor}, record.interval_s)
             ends, _ = replay(chain, "sensor", air, air, interval_s=record.interval_s, start_s=record.start_s)
             return ends["sensor"]
 
@@ -275,7 +275,7 @@ def _with_means(readings: Iterable[Reading], record: Record) -> Iterator[Reading
             yield replace(reading, words=" ".join(filter(None, (reading.words, MEAN))), is_mean=True)
 
 
-def _chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
+def chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
     """Return the blocks at a step that divides the interval, five seconds or somewhat less."""
     return Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / STEP_S))))
 

@@ -223,7 +223,7 @@ class _Search:
         over = min(over_floor(current, channel, each, gain < CLEAR_GAIN) for each in (floor, own))
         both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
         strain = self.fitter.strain(fitted)
-        missed = left * floor.whitened(channel)
+        missed = left * floor.white[channel]
         believed = self.fitter.edited(fitted.effects[:-1], fitted.departures)  # what it was added to
         worth = is_worth_naming(effect, dict(fitted.effects)[effect], believed)
         return Candidate(
@@ -292,7 +292,7 @@ def over_floor(current: Fitted, channel: str, floor: Floor, is_slight: bool) -> 
     if errors.unit == "s" or not is_slight:
         return errors.gap(SELECT) / floor.plain[channel] if floor.plain[channel] else np.inf
     weighed = float(np.sqrt(errors.loss(SELECT) / max(1, int(np.sum(errors.judged & (errors.part == SELECT))))))
-    pairs = ((errors.gap(SELECT), floor.plain[channel]), (weighed, floor.whitened(channel)))
+    pairs = ((errors.gap(SELECT), floor.plain[channel]), (weighed, floor.white[channel]))
     return min(gap / least if least else np.inf for gap, least in pairs)
 
 
@@ -301,7 +301,7 @@ def shared(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[str, float, f
     changes = [old.loss(SELECT) - new.loss(SELECT) for old, new in zip(current.errors, fitted.errors, strict=True)]
     place = int(np.argmax(changes))
     old, new = current.errors[place], fitted.errors[place]
-    least = floor.whitened(old.channel) ** 2 * max(1, int(np.sum(old.judged & (old.part == SELECT))))
+    least = floor.white[old.channel] ** 2 * max(1, int(np.sum(old.judged & (old.part == SELECT))))
     before, after = old.loss(SELECT), new.loss(SELECT)
     share = (before - after) / (before - least) if before > least else 0.0
     return old.channel, min(share, 1.5), float(np.sqrt(after / least)) if least > 0 else np.inf

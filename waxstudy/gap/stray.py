@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.links import chain_of
 from waxstudy.gap.record import Record
 from waxstudy.plugin import Actuator, Belief, FloatArray
-from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.replay import replay
 
 SIGNALS = ("heating_signal", "control_output")
-STEP_S = 5.0
 
 
 def is_covered(fitter: Fitter, current: Fitted, fitted: Fitted) -> bool:
@@ -52,8 +51,7 @@ def opening(record: Record, belief: Belief) -> FloatArray | None:
     channel = next((name for name in SIGNALS if name in record.binary), None)
     if channel is None or "actuator" not in belief.blocks:
         return None
-    step_s = record.interval_s / max(1, int(np.ceil(record.interval_s / STEP_S)))
-    chain = Chain({"actuator": belief.blocks["actuator"]}, step_s)
+    chain = chain_of({"actuator": belief.blocks["actuator"]}, record.interval_s)
     signal, jump = record.filled(channel), np.full(len(record), 0.5)
     ends, _ = replay(chain, "actuator", signal, signal, interval_s=record.interval_s, start_s=record.start_s, jump=jump)
     return ends["actuator"]
