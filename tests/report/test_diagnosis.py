@@ -137,7 +137,7 @@ def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> No
     for told in (
         "valve: flow is off by 5.23 L/h, 4.8 times its noise floor; as believed, heat is off by +6.8 %, air by 0.23 K",
         "2 other channels judged: off by at most 1.2 times the noise floor",
-        "let-by: The valve lets 7.1 % of its flow through when it is closed. Fraction 0.0712 (0.0688 to 0.0741).",
+        "let-by: fraction 0.0712 (0.0688 to 0.0741).",
         "Found again in 98 % of resampled records; p = 0.0025.",
         "let-by takes away 93 % (90 to 95) of the gap of flow on held-out days; in all 5.19 → 1.40 L/h, floor 1.08",
         "heat off by -10 → -0.35 %",

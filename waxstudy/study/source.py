@@ -97,6 +97,8 @@ def _syntax_error(path: Path, text: str, message: str) -> StudyError:
     place = re.search(r"\(at line (\d+), column (\d+)\)$", message)
     line, column = (int(place[1]), int(place[2])) if place else (len(text.splitlines()) or 1, 0)
     known = [ours for start, ours in SYNTAX.items() if message.startswith(start)]
+    if re.search(r"=\s*-?\d+,\d+\s*($|[,}#])", next(iter(text.splitlines()[line - 1 : line]), "")):
+        known = ["a decimal number has a point, no comma"]
     end = f" (column {column})" if column else " (end of the file)"
     wrong = f"not valid TOML: {(known or ['this is not understood'])[0]}{end}"
     return StudyError([_problem(path, line, wrong)])

@@ -89,8 +89,7 @@ def _others(diagnosis: Diagnosis) -> list[str]:
 
 def _cause(effect: FoundEffect) -> str:
     values = [f"{named(name)[0]} {interval(v, named(name)[1])}" for name, v in effect.parameters.items()]
-    words = f"{effect.name}: {effect.sentence}"
-    words += f" {_capital(', '.join(values))}." if values else ""
+    words = f"{effect.name}: {', '.join(values)}." if values else f"{effect.name}: {effect.sentence}"
     if others := alternatives(effect):
         words += f" This record cannot tell it from {' or '.join(others)}."
     return f"{words} {how_sure(effect)}"
@@ -183,10 +182,6 @@ def _some(names: Sequence[str]) -> str:
 def _next(measurement: Measurement) -> str:
     names = [stage_words(name) for name in measurement.splits]
     return f"{measurement.what}; it would settle {_some(names)}" if names else measurement.what
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def as_terminal(diagnosis: Diagnosis, width: int, colour: bool) -> str:
