@@ -10,12 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.gap.realities import PERFECT, belief, plain, record
+from waxstudy.gap.candidate import LEAST_GAP, LEAST_SMOOTHED_GAP
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, Judge, losses, parts_of, softened
-from waxstudy.gap.links import Link, Predicted, links
+from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
-from waxstudy.gap.select import LEAST_GAP, LEAST_SMOOTHED_GAP
+from waxstudy.gap.room import Predicted
 from waxstudy.plugin import Belief
 
 DAY = 1440

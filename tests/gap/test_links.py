@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.gap.realities import belief, record
-from waxstudy.gap.links import AFTER, BEFORE, LATE, PLAIN, RAW, SHOWN, Drift, Link, links
+from waxstudy.gap.links import SHOWN, Link, links
+from waxstudy.gap.reading import AFTER, BEFORE, LATE, PLAIN, RAW, Drift
 from waxstudy.gap.record import ROOM_CHANNELS, Record
 from waxstudy.plugin import CHAIN, STAGES, Belief
 

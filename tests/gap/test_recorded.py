@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.gap.realities import PERFECT, belief, reality, record, study
-from waxstudy.gap.links import Link, built, links, room_response
+from waxstudy.gap.links import Link, links
+from waxstudy.gap.room import built, room_response
 from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Room
 from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond
 

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 
 from tests.gap.realities import EFFECTS, Effects, belief, effects, planted, record
+from waxstudy.gap.candidate import LEVEL
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.judge import SHRINK, parts_of
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
-from waxstudy.gap.select import LEVEL, Selection, select
+from waxstudy.gap.select import Selection, select
 from waxstudy.plugin import Belief, Effect, hookimpl
 from waxstudy.plugin.registry import Registry, _register
 

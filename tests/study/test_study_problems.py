@@ -336,7 +336,7 @@ SYNTAX = {
     "a = [1 2]": (1, "a comma is missing in this list"),
     "a = { b = 1 c = 2 }": (1, "a comma is missing in this table"),
     "a\n": (1, "'=' is expected after a key"),
-    'x = { band = 1,5 }': (1, "a decimal number has a point, no comma"),
+    "x = { band = 1,5 }": (1, "a decimal number has a point, no comma"),
     "\n= 1": (2, "a key or a [table] is expected here"),
     'path = "C:\\Users"': (1, "a backslash in a text"),
     'path = "C:\\data"': (1, "a backslash in a text"),

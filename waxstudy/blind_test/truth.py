@@ -19,8 +19,10 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import installed_effects, record_of
 from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.judge import Errors, Judge
-from waxstudy.gap.links import Link, Predicted, Reading, links
+from waxstudy.gap.links import Link, links
+from waxstudy.gap.reading import Reading
 from waxstudy.gap.record import Record
+from waxstudy.gap.room import Predicted
 from waxstudy.plugin import Belief, Choice
 from waxstudy.plugin.trial import Cause, Staged
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.links import built
 from waxstudy.gap.record import DAY_S, Record
 from waxstudy.gap.result import BeforeAfter
+from waxstudy.gap.room import built
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 from waxstudy.simulation import kernel
 from waxstudy.simulation.chain import Chain

@@ -2,56 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
-import pandas as pd
 
 from waxstudy.dataset.read import Dataset
-from waxstudy.gap.closed_loop import closed_loop
-from waxstudy.gap.fit import Fitted, Fitter
-from waxstudy.gap.impact import impact
-from waxstudy.gap.interval import parameter_intervals, shrink
-from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, parts_of
+from waxstudy.gap.assembly import Work, assembled, of_link
+from waxstudy.gap.fit import Fitter
 from waxstudy.gap.ladder import ladder_effects
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
-from waxstudy.gap.regimes import regimes
-from waxstudy.gap.result import (
-    BeforeAfter,
-    Diagnosis,
-    FoundEffect,
-    StageGap,
-    Step,
-    Tried,
-    Unexplained,
-    Untestable,
-    Verdict,
-)
+from waxstudy.gap.result import Diagnosis
 from waxstudy.gap.select import Selection, select
 from waxstudy.gap.space import EffectType
-from waxstudy.gap.testable import next_measurements, separating, too_short, uncovered, unshown
-from waxstudy.gap.unexplained import stage_of, unexplained
-from waxstudy.plugin import STAGES, Belief, Effect, Inputs
+from waxstudy.gap.testable import too_short
+from waxstudy.plugin import Belief, Effect, Inputs
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
 QUICK = 0.35  # of the fits' effort
 Tell = Callable[[str, float], None]
-
-
-@dataclass(frozen=True)
-class _Work:
-    """What a diagnosis works on."""
-
-    dataset: Dataset
-    record: Record
-    belief: Belief
-    effects: Sequence[EffectType]
-    seed: int
-    thorough: float
 
 
 def diagnose(
@@ -70,12 +41,12 @@ def diagnose(
     record = record_of(dataset)
     belief = Belief(dataset.nominal, dataset.room, _inputs(record))
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
-    work = _Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
+    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
     cut = links(record, belief)
     short = {link: reason for link in cut if (reason := too_short(link, record))}
     judged = [link for link in cut if link not in short]
     selections = list(_selections(work, judged, tick or (lambda what, share: None)))
-    return _assembled(work, cut, short, selections, quick)
+    return assembled(work, cut, short, selections, quick)
 
 
 def record_of(dataset: Dataset) -> Record:
@@ -101,11 +72,11 @@ def installed_effects() -> list[EffectType]:
     return [component for component in found if issubclass(component, Effect)]
 
 
-def _selections(work: _Work, cut: Sequence[Link], tick: Tell) -> Iterator[Selection]:
-    total = sum(len(_of(link, work.effects)) + 1 for link in cut) or 1
+def _selections(work: Work, cut: Sequence[Link], tick: Tell) -> Iterator[Selection]:
+    total = sum(len(of_link(link, work.effects)) + 1 for link in cut) or 1
     done = 0
     for place, link in enumerate(cut):
-        effects = _of(link, work.effects)
+        effects = of_link(link, work.effects)
         first = done
 
         def step(name: str, at: int = first, most: int = len(effects)) -> None:
@@ -126,231 +97,3 @@ def _selections(work: _Work, cut: Sequence[Link], tick: Tell) -> Iterator[Select
 def _impossible(dataset: Dataset, link: Link, reason: str) -> Problem:
     where = "[room]" if link.stages[0] == "emitter" else "[nominal]"
     return Problem(str(dataset.folder / "dataset.toml"), 0, where, "", "", reason)
-
-
-def _of(link: Link, effects: Sequence[EffectType]) -> list[EffectType]:
-    return [effect for effect in effects if effect.stage in link.stages]
-
-
-# --- what was found ---
-
-
-def _assembled(
-    work: _Work, cut: Sequence[Link], short: Mapping[Link, str], selections: Sequence[Selection], quick: bool
-) -> Diagnosis:
-    several = {e.name: e for selection in reversed(selections) for e in _found(selection, work.seed)}
-    found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
-    remains = [each for selection in selections for each in unexplained(selection, work.seed)]
-    untestable = list(_untestable(work, cut, short, selections))
-    verdict = _verdict(found, remains, selections)
-    stages = {effect.name: effect.stage for effect in work.effects}
-    return Diagnosis(
-        dataset=work.dataset.name,
-        verdict=verdict,
-        summary=_summary(verdict, found, remains, untestable),
-        stages=[stage for selection in selections for stage in _stages(work, selection, selections)],
-        effects=found,
-        unexplained=remains,
-        untestable=untestable,
-        tried=[each for selection in selections for each in _tried(selection)],
-        closed_loop=_closed_loop(work, selections),
-        waterfall=[step for selection in selections for step in _waterfall(selection)],
-        next_measurements=list(next_measurements(cut, found, untestable, stages, work.record.interval_s)),
-        warnings=[*work.dataset.warnings, *_withdrawn(selections)],
-        assumptions=[*work.dataset.assumptions, *_readings(selections)],
-        departures=_departures(selections),
-        parts=_parts(work),
-        seed=work.seed,
-        is_quick=quick,
-        traces=_traces(work, selections),
-    )
-
-
-def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
-    intervals = parameter_intervals(selection.fitter, selection.after) if selection.found else {}
-    random = np.random.default_rng([seed, 2])
-    for found, without in zip(selection.found, selection.without, strict=True):
-        channel = found.candidate.channel
-        before, after = (_errors(model, channel) for model in (without, selection.after))
-        floor = selection.floor.plain[channel]
-        values = dict(selection.after.effects)[found.effect]
-        yield FoundEffect(
-            name=found.effect.name,
-            stage=found.effect.stage,
-            sentence=found.effect.sentence(found.effect.Parameters(**values)),
-            group=list(found.group),
-            parameters=intervals[found.effect],
-            inclusion=found.inclusion,
-            p=found.candidate.p,
-            channel=channel,
-            gap_before=before.gap(),
-            gap_after=after.gap(),
-            noise_floor=floor,
-            shrink=shrink(before, after, floor, random),
-        )
-
-
-def _errors(fitted: Fitted, channel: str) -> Errors:
-    return next(each for each in fitted.errors if each.channel == channel)
-
-
-def _stages(work: _Work, selection: Selection, selections: Sequence[Selection]) -> Iterator[StageGap]:
-    link = selection.fitter.link
-    believed = _believed(work, selections, with_effects=False)
-    for before, after in zip(selection.before.errors, selection.after.errors, strict=True):
-        yield StageGap(
-            stage=stage_of(selection, before.channel),
-            channel=before.channel,
-            unit=before.unit,
-            gap=before.gap(),
-            gap_after=after.gap(),
-            noise_floor=selection.floor.plain[before.channel],
-            impact=_impact(work, selection, believed, before.channel),
-            regimes=regimes(work.record, work.belief, before),
-            autocorrelation=_autocorrelation(before.error[before.judged]),
-            separate_by=", ".join(separating(link)),
-        )
-
-
-def _impact(work: _Work, selection: Selection, believed: Belief, channel: str) -> Mapping[str, float]:
-    link, before = selection.fitter.link, selection.before
-    if link.with_room:
-        air = [each.gap() for each in before.errors if each.channel == "air_temperature_C"]
-        return {"air_K": air[0]} if air else {}
-    if channel != link.judged[-1]:
-        return {}
-    belief = selection.fitter.edited(before.effects, before.departures)
-    modelled = link.predict(work.record, belief, before.reading)[channel]
-    return impact(work.record, believed, link, modelled)
-
-
-def _autocorrelation(error: np.ndarray) -> float:
-    if len(error) < 3 or not error.any():
-        return 0.0
-    centred = error - error.mean()
-    power = float(centred @ centred)
-    return float(centred[1:] @ centred[:-1]) / power if power else 0.0
-
-
-def _tried(selection: Selection) -> Iterator[Tried]:
-    for each in sorted(selection.tried, key=lambda c: -c.gain):
-        yield Tried(each.effect.name, each.effect.stage, each.gain, each.p, each.share)
-
-
-def _untestable(
-    work: _Work, cut: Sequence[Link], short: Mapping[Link, str], selections: Sequence[Selection]
-) -> Iterator[Untestable]:
-    yield from uncovered(work.effects, cut, work.belief)
-    looked_at = [each for each in selections if not each.fitter.link.is_supply]
-    tried = [effect for selection in looked_at for effect in _of(selection.fitter.link, work.effects)]
-    for link, reason in short.items():
-        for effect in _of(link, work.effects):
-            if effect not in tried and not effect.hindrance(work.belief):
-                yield Untestable(effect.name, reason)
-    for selection in looked_at:
-        yield from unshown(selection, _of(selection.fitter.link, work.effects))
-
-
-def _verdict(found: Sequence[FoundEffect], remains: Sequence[Unexplained], selections: Sequence[Selection]) -> Verdict:
-    if any(len(effect.group) == 1 for effect in found):
-        return "effect"
-    if found:
-        return "group"
-    if any(each.is_finding for each in remains):
-        return "unknown"
-    return "none" if any(not each.fitter.link.is_supply for each in selections) else "untestable"
-
-
-def _summary(
-    verdict: Verdict, found: Sequence[FoundEffect], remains: Sequence[Unexplained], untestable: Sequence[Untestable]
-) -> str:
-    if verdict in ("effect", "group"):
-        return " ".join(effect.sentence for effect in found)
-    if verdict == "unknown":
-        places = ", ".join(dict.fromkeys(each.stage for each in remains if each.is_finding))
-        return f"Something that no known effect explains lies at: {places}."
-    if verdict == "untestable":
-        return f"This record cannot be judged: {untestable[0].reason if untestable else 'it holds too little'}."
-    return "The record shows no effect that the model lacks."
-
-
-def _believed(work: _Work, selections: Sequence[Selection], with_effects: bool) -> Belief:
-    """Return what is believed, its room as fitted and its sun as read, with or without the effects found."""
-    belief = work.belief
-    for selection in sorted(selections, key=lambda s: not s.fitter.link.with_room):
-        model = selection.after if with_effects else selection.before
-        if selection.fitter.link.with_room:
-            belief = selection.fitter.edited((), model.departures)
-            assert belief.inputs
-            factor = model.reading.solar_factor
-            belief = replace(belief, inputs=replace(belief.inputs, solar_W=factor * belief.inputs.solar_W))
-        for effect, values in model.effects:
-            belief = effect.apply(belief, effect.Parameters(**values))
-    return belief
-
-
-def _closed_loop(work: _Work, selections: Sequence[Selection]) -> Mapping[str, BeforeAfter]:
-    has_room = any(selection.fitter.link.with_room for selection in selections)
-    if not has_room or "controller" not in work.belief.blocks or not work.record.has("setpoint_C"):
-        return {}
-    before, after = (_believed(work, selections, with_effects) for with_effects in (False, True))
-    return closed_loop(work.record, before, after)
-
-
-def _waterfall(selection: Selection) -> Iterator[Step]:
-    names = ["", *(found.effect.name for found in selection.found)]
-    for name, model in zip(names, selection.models, strict=True):
-        for errors in model.errors:
-            yield Step(errors.channel, errors.unit, name, errors.gap())
-
-
-def _readings(selections: Sequence[Selection]) -> list[str]:
-    return [s.before.reading.words for s in selections if s.before.reading.words and len(s.fitter.link.readings) > 1]
-
-
-def _withdrawn(selections: Sequence[Selection]) -> list[str]:
-    names = [found.effect.name for selection in selections for found in selection.withdrawn]
-    return [f"{name} fitted the first days, but the last days do not confirm it: it is not claimed" for name in names]
-
-
-def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:
-    found = {}
-    for selection in selections:
-        fitter = selection.fitter
-        for unknown, value in zip(fitter.unknowns, selection.after.departures / fitter.sd, strict=True):
-            found[unknown.name] = float(value)
-    return found
-
-
-def _parts(work: _Work) -> Mapping[str, Sequence[str]]:
-    part = parts_of(work.record)
-    days = work.dataset.time.strftime("%Y-%m-%d")
-    found = {}
-    for name, number in (("fit", FIT), ("select", SELECT), ("shrinkage", SHRINK)):
-        chosen = np.flatnonzero(part == number)
-        if len(chosen):
-            found[name] = [str(days[chosen[0]]), str(days[chosen[-1]])]
-    return found
-
-
-def _traces(work: _Work, selections: Sequence[Selection]) -> pd.DataFrame:
-    """Return measured, before and after of each judged channel, on the record's samples."""
-    columns: dict[str, np.ndarray] = {}
-    count = len(work.record)
-    for selection in selections:
-        fitter = selection.fitter
-        for name, model in (("before", selection.before), ("after", selection.after)):
-            belief = fitter.edited(model.effects, model.departures)
-            predicted = fitter.link.predict(work.record, belief, model.reading)
-            for channel, values in predicted.items():
-                columns[f"{channel}_measured"] = work.record.values[channel]
-                columns[f"{channel}_{name}"] = _spread(values, count)
-    return pd.DataFrame(columns, index=work.dataset.time)
-
-
-def _spread(values: np.ndarray, count: int) -> np.ndarray:
-    """Return a prediction on every sample: means over quarters of an hour are held."""
-    if len(values) == count:
-        return values
-    index = np.minimum(np.arange(count) * len(values) // count, len(values) - 1)
-    return np.asarray(values[index])

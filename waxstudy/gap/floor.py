@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.gap.fit import Fitted, Fitter
-from waxstudy.gap.links import Drift, Predicted
+from waxstudy.gap.reading import Drift
+from waxstudy.gap.room import Predicted
 from waxstudy.plugin import SimulationError
 
 SHAKES = 3

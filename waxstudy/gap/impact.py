@@ -6,8 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from waxstudy.gap.links import SHOWN, Link, built, chain_of, coarsened, full_flow_L_h, means
+from waxstudy.gap.links import SHOWN, Link, chain_of
 from waxstudy.gap.record import Record
+from waxstudy.gap.room import built, coarsened, full_flow_L_h, means
 from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
 from waxstudy.simulation.recorded import driven_by, respond
 from waxstudy.simulation.replay import replay

@@ -8,10 +8,10 @@ import numpy as np
 
 from waxstudy.gap.fit import OTHER, Fitted, Fitter
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
-from waxstudy.gap.links import Drift
+from waxstudy.gap.reading import Drift
 from waxstudy.gap.record import CONTINUOUS
+from waxstudy.gap.resampling import by_block, whole
 from waxstudy.gap.result import Interval
-from waxstudy.gap.select import by_block, whole
 from waxstudy.gap.space import EffectType, Space
 from waxstudy.plugin import FloatArray, Prior
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.links import JUDGED_S, ROOM_STEP_S, STILL, Drift, Link, Predicted, weighted
+from waxstudy.gap.links import Link
+from waxstudy.gap.reading import STILL, Drift
 from waxstudy.gap.record import DAY_S, Record
+from waxstudy.gap.room import JUDGED_S, ROOM_STEP_S, Predicted, weighted
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 
 FIT, SELECT, SHRINK, LEFT_OUT = 0, 1, 2, -1

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from waxstudy.gap.clock import late_s
+from waxstudy.gap.reading import AFTER, BEFORE, LATE, LONG_S, MEAN, PLAIN, RAW, STILL, Drift, Reading
 from waxstudy.gap.record import ROOM_CHANNELS, Record
-from waxstudy.plugin import CHAIN, ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, Room
+from waxstudy.gap.room import Predicted, built, full_flow_L_h, room_response
+from waxstudy.plugin import CHAIN, Belief, FloatArray, Room
 from waxstudy.simulation.chain import Chain
-from waxstudy.simulation.recorded import believed_supply_C, driven_by, respond
+from waxstudy.simulation.recorded import believed_supply_C
 from waxstudy.simulation.replay import replay
 from waxstudy.study.model import Choice
 
@@ -27,82 +28,7 @@ SHOWN = {
 }
 ROOM_STAGES = ("emitter", "room")
 SUPPLY = "supply_temperature_C"
-OF_ROOM = {
-    "air_temperature_C": "air_C",
-    "operative_temperature_C": "operative_C",
-    "floor_surface_temperature_C": "floor_surface_C",
-    "return_temperature_C": "return_C",
-}
 STEP_S = 5.0
-ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
-JUDGED_S = 900.0
-Predicted = dict[str, FloatArray]
-
-
-@dataclass(frozen=True)
-class Reading:
-    """A way to read a record where its words leave a choice."""
-
-    words: str = ""  # a sentence for the report
-    is_before: bool = False  # the sensor's temperature was logged before what the sensor does to it
-    is_raw: bool = False  # the controller reads the noise that was logged
-    is_late: bool = False  # the controller reads the temperature of a sample ago
-    solar_factor: float = 1.0  # the sun's heat over what was recorded of it
-    is_mean: bool = False  # temperatures were logged as means over the interval, not at its end
-    handicap: float = 0.0  # loss by which it must be better than the others
-
-
-AFTER = Reading("The sensor temperature was logged as the controller reads it.")
-BEFORE = Reading("The sensor temperature was logged before the sensor's delay or lag.", is_before=True)
-RAW = Reading("The controller reads the sensor temperature with the noise that was logged.", is_raw=True, handicap=60.0)
-LATE = Reading("The controller decides once a sample, on the temperature of the last.", is_late=True, handicap=60.0)
-PLAIN = Reading()
-MEAN = "The room's temperatures were logged as means over the interval."
-LONG_S = 300.0  # interval from which on that matters
-
-
-@dataclass(frozen=True)
-class Drift:
-    """How the drive of a link is shaken to see what its noise does: random numbers, or none."""
-
-    random: np.random.Generator | None = None
-    is_twice: bool = True  # smoothed once more, which shows what smoothing does
-
-    def temperature(self, record: Record, channel: str) -> FloatArray:
-        """Return the smoothed channel, shaken with as much noise as smoothing leaves."""
-        values = record.drive(channel)
-        if self.random is None:
-            return values
-        spread = float(np.hypot(record.noise[channel], record.between(channel)))
-        noise = self.random.normal(0.0, spread, len(values))
-        return record.smooth(values + noise) if self.is_twice else values + record.smooth(noise)
-
-    def raw(self, record: Record, channel: str) -> FloatArray:
-        """Return the channel as it was logged, shaken with its noise once more."""
-        values = record.filled(channel)
-        return values if self.random is None else values + self.random.normal(0.0, record.noise[channel], len(values))
-
-    def opening(self, record: Record) -> FloatArray:
-        values = record.drive("displacement")
-        if self.random is None:
-            return values
-        noise = self.random.normal(0.0, record.noise["displacement"], len(values))
-        return np.where((values > 0.0) & (values < 1.0), np.clip(values + noise, 0.0, 1.0), values)
-
-    def output(self, record: Record) -> FloatArray:
-        """Return the controller's output, a sample early or late: nobody knows when in an interval it was read."""
-        values = record.drive("control_output")
-        if self.random is None:
-            return values
-        at = np.arange(len(values)) + self.random.integers(-1, 2, len(values))
-        return np.asarray(values[np.clip(at, 0, len(values) - 1)])
-
-    def jump(self, record: Record) -> FloatArray:
-        """Return after which part of each interval a switch jumps: halfway, or anywhere."""
-        return np.full(len(record), 0.5) if self.random is None else self.random.random(len(record))
-
-
-STILL = Drift()
 
 
 @dataclass(frozen=True)
@@ -278,64 +204,3 @@ def _with_means(readings: Iterable[Reading], record: Record) -> Iterator[Reading
 def chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
     """Return the blocks at a step that divides the interval, five seconds or somewhat less."""
     return Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / STEP_S))))
-
-
-def full_flow_L_h(record: Record, belief: Belief) -> float:
-    """Return the flow with the valve open: the room's, or the usual one of the largest that were recorded."""
-    if belief.room is not None:
-        return built(belief.room).full_flow_L_h
-    flow = record.values["flow_L_h"]
-    return float(np.nanmedian(flow[flow > 0.8 * np.nanquantile(flow, 0.99)]))
-
-
-@lru_cache(maxsize=256)
-def built(room: Choice) -> LinearRoom:
-    """Return the linear room of a choice."""
-    assert issubclass(room.component, Room)
-    return room.component.build(room.parameters)
-
-
-def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, reading: Reading = PLAIN) -> Predicted:
-    """Return what the room makes of a flow: its channels, means over quarters of an hour."""
-    assert belief.room
-    assert belief.inputs
-    coarse, parts = coarsened(belief.inputs, record.interval_s)
-    coarse = replace(coarse, solar_W=reading.solar_factor * coarse.solar_W)
-    driven = driven_by(built(belief.room), coarse)
-    flow = means(flow_L_h, parts)
-    found = respond(driven, coarse, flow)
-    merged = max(1, round(JUDGED_S / coarse.interval_s))
-    # what is logged is at the end of each interval, or its mean; the room is known at the end of several
-    early = 0.5 if reading.is_mean else 0.5 * (1.0 - 1.0 / parts)
-    shown = {}
-    for channel, output in OF_ROOM.items():
-        values = found[output]
-        if output in ROOM_OUTPUTS:
-            values = (1.0 - early) * values + early * np.concatenate((values[:1], values[:-1]))
-            shown[channel] = means(values, merged)
-        else:
-            shown[channel] = weighted(values, flow, merged)
-    return shown
-
-
-def coarsened(inputs: Inputs, interval_s: float) -> tuple[Inputs, int]:
-    """Return the inputs as means over steps of at most five minutes, and how many intervals make one."""
-    parts = max(1, round(min(ROOM_STEP_S, JUDGED_S) / interval_s))
-    arrays = {name: value for name, value in vars(inputs).items() if isinstance(value, np.ndarray)}
-    coarse = {name: means(value, parts) for name, value in arrays.items()}
-    changes: dict[str, Any] = {"interval_s": interval_s * parts, **coarse}
-    return replace(inputs, **changes), parts
-
-
-def means(values: FloatArray, parts: int) -> FloatArray:
-    """Return the means over each `parts` values; a rest at the end is left out."""
-    count = len(values) // parts
-    return np.asarray(values[: count * parts].reshape(count, parts) @ np.full(parts, 1.0 / parts))
-
-
-def weighted(values: FloatArray, weight: FloatArray, parts: int) -> FloatArray:
-    """Return the means over each `parts` values by weight, NaN where there is none."""
-    whole = np.where(np.isfinite(values), weight, 0.0)
-    sums = means(whole, parts)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(sums > 0.0, means(whole * np.nan_to_num(values), parts) / sums, np.nan)

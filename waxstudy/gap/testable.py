@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from waxstudy.gap.candidate import LEAST_GAIN
 from waxstudy.gap.links import ROOM_STAGES, SHOWN, Link
 from waxstudy.gap.record import AIR, Record
+from waxstudy.gap.resampling import whole
 from waxstudy.gap.result import FoundEffect, Measurement, Untestable
-from waxstudy.gap.select import LEAST_GAIN, Selection, whole
+from waxstudy.gap.select import Selection
 from waxstudy.gap.space import EffectType, Values
 from waxstudy.plugin import CHAIN, Belief
 

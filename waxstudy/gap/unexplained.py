@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from waxstudy.gap.judge import Errors
+from waxstudy.gap.resampling import by_block
 from waxstudy.gap.result import Unexplained
-from waxstudy.gap.select import Selection, by_block
+from waxstudy.gap.select import Selection
 from waxstudy.gap.stray import moved_s, stray_s
 
 LEAST_EXCESS = 1.5  # of what is left over the noise floor

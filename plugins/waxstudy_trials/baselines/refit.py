@@ -10,8 +10,8 @@ import numpy as np
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.closed_loop import STEP_S
 from waxstudy.gap.diagnose import installed_effects
-from waxstudy.gap.links import built, coarsened
 from waxstudy.gap.record import DAY_S, Record
+from waxstudy.gap.room import built, coarsened
 from waxstudy.gap.space import EffectType, Space
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 from waxstudy.simulation.chain import Chain

@@ -8,8 +8,8 @@ import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import installed_effects
-from waxstudy.gap.links import full_flow_L_h
 from waxstudy.gap.record import Record
+from waxstudy.gap.room import full_flow_L_h
 from waxstudy.plugin import Belief
 from waxstudy_trials.baselines import Json, answer, taken
 

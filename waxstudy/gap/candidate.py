@@ -1,0 +1,126 @@
+"""An effect tried at a link, and the conditions under which it is claimed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from waxstudy.gap.fit import Fitted
+from waxstudy.gap.floor import Floor
+from waxstudy.gap.judge import SELECT
+from waxstudy.gap.links import SUPPLY
+from waxstudy.gap.space import EffectType
+from waxstudy.plugin import Belief
+
+LEVEL = 0.01  # family-wise, over the effects of a link
+LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
+LEAST_GAP = 1.1  # over the floor
+LEAST_SMOOTHED_GAP = 1.5
+LEAST_PART = 0.15  # that one of them must explain alone
+EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
+LEAST_GAIN = 10.0  # whitened
+CLEAR_GAIN = 50.0
+ALIKE = 9.0  # difference of loss at which two effects cannot be told apart, in units of what is left
+SAME = 1e-6  # share of a gain that is but rounding
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect tried on top of a model: fitted on the first part, judged on the second."""
+
+    effect: EffectType
+    fitted: Fitted
+    gain: float  # loss that it takes away on the second part, but for what the drive's noise adds to it
+    loss: float  # on both parts, likewise
+    strain: float  # squares of how far the room had to depart from what is believed, in standard deviations
+    p: float  # family-wise
+    share: float  # of the gap above the floor, of the channel where it acts most, on the second part
+    plain_share: float  # the same of errors in the channel's unit
+    left: float  # whitened gap that is left of that channel, over its floor
+    missed: float  # the same, in standard deviations
+    channel: str  # where it acts most
+    over: float  # the gap of that channel before it, over the floor of both models, in the channel's unit
+    is_covered: bool  # by what real actuators are known to stray from the believed one
+    is_worth_naming: bool  # far enough from what is believed
+
+    @property
+    def is_seen(self) -> bool:
+        return self.p <= LEVEL and self.gain >= LEAST_GAIN
+
+    @property
+    def is_part(self) -> bool:
+        """Whether it may be one of two effects that explain a gap together."""
+        return self.is_seen and self.over >= self.least_gap and self.share >= LEAST_PART and not self.is_covered
+
+    @property
+    def least_gap(self) -> float:
+        """Gap over the floor below which nothing is claimed: more for a control output that runs on.
+
+        Its drive is smoothed, and where it is cut off at 0 or 1 that looks like another tuning.
+        """
+        is_smoothed = self.channel == "control_output" and self.fitted.unit(self.channel) != "s"
+        return LEAST_SMOOTHED_GAP if is_smoothed else LEAST_GAP
+
+    @property
+    def is_accepted(self) -> bool:
+        is_gap = self.over >= self.least_gap and min(self.share, self.plain_share) >= LEAST_SHARE
+        # a heating curve is claimed to be shifted only where nothing else is left of its gap
+        is_whole = self.channel != SUPPLY or self.left <= EXPLAINED
+        return self.is_seen and is_gap and is_whole and self.is_worth_naming and not self.is_covered
+
+
+def best_of(candidates: Sequence[Candidate]) -> Candidate:
+    """Return the candidate that gains most; of those that gain the same but for rounding, the first by name."""
+    most = max(c.gain for c in candidates)
+    return min((c for c in candidates if c.gain >= most * (1.0 - SAME)), key=lambda c: c.effect.name)
+
+
+def alike(best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
+    """Return the effects that cannot be told from the best one on what it was chosen by, the best first."""
+    left = max(1.0, best.missed) ** 2
+
+    def worse(other: Candidate) -> float:
+        return other.loss + other.strain - best.loss - best.strain
+
+    others = sorted((c for c in candidates if c.effect is not best.effect and c.is_seen), key=worse)
+    return (best.effect.name, *(c.effect.name for c in others if worse(c) <= ALIKE * left))
+
+
+def is_worth_naming(effect: EffectType, values: Mapping[str, float], believed: Belief) -> bool:
+    """Whether a parameter lies farther from what is believed than what the effect calls noticeable."""
+    neutral = effect.neutral(believed)
+    if neutral is None or not effect.priors:
+        return True
+    for name, prior in effect.priors.items():
+        value, still = values[name], neutral[name]
+        if prior.is_log and max(value / still, still / value) > prior.noticeable:
+            return True
+        if not prior.is_log and abs(value - still) > prior.noticeable:
+            return True
+    return False
+
+
+def over_floor(current: Fitted, channel: str, floor: Floor, is_slight: bool) -> float:
+    """Return a channel's gap over a floor, in its unit; of a slight gain in what runs on also weighed as errors are.
+
+    A model that passes less noise on misses less, right or wrong: the gap must stand out of its own model's floor too.
+    """
+    errors = next(e for e in current.errors if e.channel == channel)
+    if errors.unit == "s" or not is_slight:
+        return errors.gap(SELECT) / floor.plain[channel] if floor.plain[channel] else np.inf
+    weighed = float(np.sqrt(errors.loss(SELECT) / max(1, int(np.sum(errors.judged & (errors.part == SELECT))))))
+    pairs = ((errors.gap(SELECT), floor.plain[channel]), (weighed, floor.white[channel]))
+    return min(gap / least if least else np.inf for gap, least in pairs)
+
+
+def shared(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[str, float, float]:
+    """Return the channel that gains most, the share of its gap above the floor that is explained, and what is left."""
+    changes = [old.loss(SELECT) - new.loss(SELECT) for old, new in zip(current.errors, fitted.errors, strict=True)]
+    place = int(np.argmax(changes))
+    old, new = current.errors[place], fitted.errors[place]
+    least = floor.white[old.channel] ** 2 * max(1, int(np.sum(old.judged & (old.part == SELECT))))
+    before, after = old.loss(SELECT), new.loss(SELECT)
+    share = (before - after) / (before - least) if before > least else 0.0
+    return old.channel, min(share, 1.5), float(np.sqrt(after / least)) if least > 0 else np.inf

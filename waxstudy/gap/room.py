@@ -1,0 +1,86 @@
+"""The believed room under a record's inputs, as it is judged: means over quarters of an hour."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from waxstudy.gap.reading import PLAIN, Reading
+from waxstudy.gap.record import Record
+from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, Room
+from waxstudy.simulation.recorded import driven_by, respond
+from waxstudy.study.model import Choice
+
+OF_ROOM = {
+    "air_temperature_C": "air_C",
+    "operative_temperature_C": "operative_C",
+    "floor_surface_temperature_C": "floor_surface_C",
+    "return_temperature_C": "return_C",
+}
+ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
+JUDGED_S = 900.0
+Predicted = dict[str, FloatArray]
+
+
+def full_flow_L_h(record: Record, belief: Belief) -> float:
+    """Return the flow with the valve open: the room's, or the usual one of the largest that were recorded."""
+    if belief.room is not None:
+        return built(belief.room).full_flow_L_h
+    flow = record.values["flow_L_h"]
+    return float(np.nanmedian(flow[flow > 0.8 * np.nanquantile(flow, 0.99)]))
+
+
+@lru_cache(maxsize=256)
+def built(room: Choice) -> LinearRoom:
+    """Return the linear room of a choice."""
+    assert issubclass(room.component, Room)
+    return room.component.build(room.parameters)
+
+
+def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, reading: Reading = PLAIN) -> Predicted:
+    """Return what the room makes of a flow: its channels, means over quarters of an hour."""
+    assert belief.room
+    assert belief.inputs
+    coarse, parts = coarsened(belief.inputs, record.interval_s)
+    coarse = replace(coarse, solar_W=reading.solar_factor * coarse.solar_W)
+    driven = driven_by(built(belief.room), coarse)
+    flow = means(flow_L_h, parts)
+    found = respond(driven, coarse, flow)
+    merged = max(1, round(JUDGED_S / coarse.interval_s))
+    # what is logged is at the end of each interval, or its mean; the room is known at the end of several
+    early = 0.5 if reading.is_mean else 0.5 * (1.0 - 1.0 / parts)
+    shown = {}
+    for channel, output in OF_ROOM.items():
+        values = found[output]
+        if output in ROOM_OUTPUTS:
+            values = (1.0 - early) * values + early * np.concatenate((values[:1], values[:-1]))
+            shown[channel] = means(values, merged)
+        else:
+            shown[channel] = weighted(values, flow, merged)
+    return shown
+
+
+def coarsened(inputs: Inputs, interval_s: float) -> tuple[Inputs, int]:
+    """Return the inputs as means over steps of at most five minutes, and how many intervals make one."""
+    parts = max(1, round(min(ROOM_STEP_S, JUDGED_S) / interval_s))
+    arrays = {name: value for name, value in vars(inputs).items() if isinstance(value, np.ndarray)}
+    coarse = {name: means(value, parts) for name, value in arrays.items()}
+    changes: dict[str, Any] = {"interval_s": interval_s * parts, **coarse}
+    return replace(inputs, **changes), parts
+
+
+def means(values: FloatArray, parts: int) -> FloatArray:
+    """Return the means over each `parts` values; a rest at the end is left out."""
+    count = len(values) // parts
+    return np.asarray(values[: count * parts].reshape(count, parts) @ np.full(parts, 1.0 / parts))
+
+
+def weighted(values: FloatArray, weight: FloatArray, parts: int) -> FloatArray:
+    """Return the means over each `parts` values by weight, NaN where there is none."""
+    whole = np.where(np.isfinite(values), weight, 0.0)
+    sums = means(whole, parts)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(sums > 0.0, means(whole * np.nan_to_num(values), parts) / sums, np.nan)
