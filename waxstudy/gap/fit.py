@@ -121,6 +121,11 @@ class Fitter:
             best = self._room_fit((), best.departures, best.reading, (FIT,)) or best
         return best
 
+    @cached_property
+    def readings(self) -> Sequence[Reading]:
+        """Ways to read the record with an effect: the belief's, and those that differ from it in one choice."""
+        return [each for each in self.link.readings if each.differs(self.base.reading) <= 1]
+
     def _best(self, tried: Sequence[Fitted | None]) -> Fitted:
         done = [each for each in tried if each is not None]
         if not done:
@@ -151,7 +156,7 @@ class Fitter:
         if effect.hindrance(self.edited(given.effects, given.departures)):
             return None
         space = Space(effect)
-        scanned = [self._scanned(effect, space, given, reading, parts) for reading in self.link.readings]
+        scanned = [self._scanned(effect, space, given, reading, parts) for reading in self.readings]
         possible = [each for each in sorted(scanned, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         # a first look cannot choose between ways to read the record; for a room looking closer at each takes too long
         ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]

@@ -41,7 +41,7 @@ def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, M
 
 def _as_good(fitter: Fitter, fitted: Fitted) -> Iterator[Fitted]:
     """Yield the fits under other readings that cannot be told from this one."""
-    for reading in fitter.link.readings:
+    for reading in fitter.readings:
         if reading != fitted.reading:
             other = fitter.refined(fitted.effects, fitted.departures, reading, (FIT, SELECT))
             if other and fitter.score(other, (FIT, SELECT)) <= fitter.score(fitted, (FIT, SELECT)) + OTHER:

@@ -128,7 +128,7 @@ class Judge:
         """Return what a belief predicts, and then what it does with its drive shaken; nothing where it cannot run."""
         if self.link.with_room:
             return []
-        reading = next(each for each in reversed(self.link.readings) if not each.is_raw)
+        reading = next(each for each in reversed(self.link.readings) if not (each.is_raw or each.is_late))
         drifts = [STILL, *(Drift(np.random.default_rng(seed)) for seed in range(SHAKES))]
         try:
             return [self.link.predict(self.record, belief, reading, drift) for drift in drifts]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +22,15 @@ class Reading:
     solar_factor: float = 1.0  # the sun's heat over what was recorded of it
     is_mean: bool = False  # temperatures were logged as means over the interval, not at its end
     handicap: float = 0.0  # loss by which it must be better than the others
+
+    def differs(self, other: Reading) -> int:
+        """Return in how many of its choices it differs: the sensor's log, the sun's heat, the room's temperatures."""
+        pairs = zip(self._choices, other._choices, strict=True)
+        return sum(one != another for one, another in pairs)
+
+    @property
+    def _choices(self) -> tuple[Any, ...]:
+        return (self.is_before, self.is_raw, self.is_late), self.solar_factor, self.is_mean
 
 
 AFTER = Reading("The sensor temperature was logged as the controller reads it.")

@@ -86,7 +86,7 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
 def _moved(selection: Selection, effect: EffectType, values: Values, now: np.ndarray) -> float:
     base = selection.before
     moved = []
-    for reading in selection.fitter.link.readings:
+    for reading in selection.fitter.readings:
         other = selection.fitter.at([(effect, values)], base.departures, reading)
         still = selection.fitter.at((), base.departures, reading)
         if other and still:
