@@ -164,7 +164,7 @@ def _null_record(case: Case, staged: Staged, free: Record, place: int) -> Record
 def _as_measured(link: Link, record: Record, belief: Belief) -> Predicted:
     """Return a record's channels as those of a link are judged."""
     judge = Judge(link, record, belief)
-    return {channel: judge.measured(channel) for channel in link.judged}
+    return Predicted({channel: judge.measured(channel) for channel in link.judged})
 
 
 # --- a record that was measured ---

@@ -46,7 +46,7 @@ class Floor:
 
 def _seen(fitter: Fitter, still: Predicted, shaken: Predicted, drift: Drift) -> Predicted:
     """Return a prediction that misses the record by what noise makes of a right one: the record plus the difference."""
-    record, seen = fitter.record, {}
+    record, seen = fitter.record, Predicted()
     assert drift.random
     for channel, value in still.items():
         difference = shaken[channel] - value
@@ -57,6 +57,10 @@ def _seen(fitter: Fitter, still: Predicted, shaken: Predicted, drift: Drift) -> 
         noise = np.nan_to_num(fitter.judge.noise(channel)) * drift.random.normal(size=len(value))
         count = min(len(measured), len(difference))
         seen[channel] = measured[:count] + difference[:count] + noise[:count]
+        if channel in still.shifted:
+            # the shaken one is what was measured, which the right model misses but for when its switches were thrown
+            shown = measured[:count] - shaken[channel][:count] + noise[:count]
+            seen.shifted = {**seen.shifted, channel: still.shifted[channel] + shown}
     return seen
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.gap.links import Link
-from waxstudy.gap.reading import STILL, Drift
+from waxstudy.gap.reading import LONG_S, STILL, Drift
 from waxstudy.gap.record import DAY_S, Record
 from waxstudy.gap.room import JUDGED_S, ROOM_STEP_S, Predicted, weighted
 from waxstudy.plugin import Belief, FloatArray, SimulationError
@@ -16,7 +16,6 @@ from waxstudy.plugin import Belief, FloatArray, SimulationError
 FIT, SELECT, SHRINK, LEFT_OUT = 0, 1, 2, -1
 SOFT = 3.0  # standard deviations beyond which an error of a switch counts straight
 SHAKES = 4  # how often a drive is shaken to see what its noise does to the timing of switches
-SHIFTS = (-0.5, -0.25, 0.0, 0.25, 0.5)  # of an interval: nobody knows when in it a switch was thrown
 SHORT_DAYS = 6
 LEAST_SHRINK_DAYS = 3
 # what the form of a room's model leaves of each channel, as seen against another engine's rooms [K]
@@ -30,6 +29,7 @@ CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 PIECE = 8  # quarters of an hour over which such errors hang together
 STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4
+RESTS, LONE = 0.05, 0.1  # of full scale: a drive that does not move, a sample that stands alone
 SMOOTHED = ("sensor_temperature_C", "control_output")
 RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
 STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it went on between them
@@ -90,7 +90,7 @@ class Judge:
             elif channel in self._measured:
                 found.append(self._room(channel, predicted[channel]))
             else:
-                found.append(self._running(channel, predicted[channel]))
+                found.append(self._running(channel, predicted))
         return found
 
     def measured(self, channel: str) -> FloatArray:
@@ -188,16 +188,18 @@ class Judge:
         if self.link.driven_by == "displacement":
             # it jumped within a sample: nobody knows when, nor what flowed meanwhile
             known &= np.abs(np.diff(record.filled("displacement"), prepend=0.0)) < JUMP
+        if record.interval_s >= LONG_S and self.link.driven_by in (*record.binary, "displacement"):
+            known &= ~is_lone(record.filled(channel), record.filled(self.link.driven_by))
         if channel in SMOOTHED:
             # as the link's drive was: what is linear then misses nothing by it
             measured = record.smooth(record.filled(channel))
         return _Run(np.nan_to_num(measured), known, self._scale(channel))
 
-    def _running(self, channel: str, predicted: FloatArray) -> Errors:
+    def _running(self, channel: str, predicted: Predicted) -> Errors:
         record, run = self.record, self._runs[channel]
-        error = np.where(run.known, predicted - run.measured, 0.0)
-        if self.link.driven_by in record.binary:
-            error = self._best_shift(predicted, run)
+        error = np.where(run.known, predicted[channel] - run.measured, 0.0)
+        if channel in predicted.shifted:
+            error = self._best_shift(predicted.shifted[channel], run)
         unit = {"flow_L_h": "L/h", "displacement": "1", "control_output": "1"}.get(channel, "K")
         sample = np.arange(len(record))
         return Errors(channel, unit, error, error / run.scale, run.known, record.cycle, self.parts, sample)
@@ -216,15 +218,14 @@ class Judge:
             return np.hypot(np.hypot(resting, within), self._drives[channel])
         return np.hypot(np.maximum(resting, 1e-3), self._drives.get(channel, 0.0))
 
-    def _best_shift(self, predicted: FloatArray, run: _Run) -> FloatArray:
+    def _best_shift(self, shifted: FloatArray, run: _Run) -> FloatArray:
         """Return the errors after each switch of the drive is put where in its interval it fits best."""
         drive = self.record.filled(self.link.driven_by)
         segment = np.concatenate(([0], np.cumsum(np.diff(drive) != 0)))
-        at, count = np.arange(len(predicted)), segment[-1] + 1
-        tried = [np.where(run.known, np.interp(at - shift, at, predicted) - run.measured, 0.0) for shift in SHIFTS]
-        losses = [np.bincount(segment, weights=(error / run.scale) ** 2, minlength=count) for error in tried]
+        tried = np.where(run.known, shifted - run.measured, 0.0)
+        losses = [np.bincount(segment, weights=(error / run.scale) ** 2, minlength=segment[-1] + 1) for error in tried]
         best = np.argmin(losses, axis=0)[segment]
-        return np.asarray(np.choose(best, tried))
+        return np.asarray(tried[best, np.arange(len(segment))])
 
     # --- what the room shows ---
 
@@ -275,6 +276,16 @@ def stands(values: FloatArray, full: float) -> np.ndarray:
 
     zero = values <= STANDS * full
     return np.asarray(zero & (uniform_filter1d(zero.astype(float), 31) > 0.3))
+
+
+def is_lone(values: FloatArray, drive: FloatArray) -> np.ndarray:
+    """Return samples that stand alone while the drive rests: a pulse or pause came and went between its samples."""
+    rests, moved = np.abs(np.diff(drive)) <= RESTS, np.diff(values) / max(float(np.max(values)), 1e-9)
+    lone = np.zeros(len(values), dtype=bool)
+    still = rests[:-2] & rests[1:-1] & rests[2:]
+    there, back = moved[1:-1], moved[2:]
+    lone[2:-1] = still & (np.minimum(np.abs(there), np.abs(back)) > LONE) & (np.abs(there + back) < LONE)
+    return lone
 
 
 def softened(whitened: FloatArray) -> FloatArray:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from waxstudy.gap.clock import late_s
+from waxstudy.gap.path import cells, path
 from waxstudy.gap.reading import AFTER, BEFORE, LATE, LONG_S, MEAN, PLAIN, RAW, STILL, Drift, Reading
 from waxstudy.gap.record import ROOM_CHANNELS, Record
-from waxstudy.gap.room import Predicted, built, full_flow_L_h, room_response
+from waxstudy.gap.room import Predicted, built, full_flow_L_h, means, room_response
 from waxstudy.plugin import CHAIN, Belief, FloatArray, Room
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.recorded import believed_supply_C
@@ -29,6 +29,8 @@ SHOWN = {
 ROOM_STAGES = ("emitter", "room")
 SUPPLY = "supply_temperature_C"
 STEP_S = 5.0
+# by kind: at the ends of the intervals (n,), their means (n,), and what depends on when a switch was thrown (shifts, n)
+Replayed = tuple[Mapping[str, FloatArray], Mapping[str, FloatArray], Mapping[str, FloatArray]]
 
 
 @dataclass(frozen=True)
@@ -59,20 +61,21 @@ class Link:
         Raises `SimulationError`, and `ValueError` from an impossible room.
         """
         if self.is_supply:
-            return {SUPPLY: _curve_C(record, belief)}
+            return Predicted({SUPPLY: _curve_C(record, belief)})
         chain = [stage for stage in self.stages if stage in CHAIN]
-        shown: Predicted = {}
+        shown = Predicted()
         flow = record.filled_or_zero("flow_L_h")
         if chain:
             shown = self._chain(record, belief, reading, drift, chain)
             flow = shown.get("flow_L_h", flow)
         if self.with_room:
-            shown |= room_response(record, belief, flow, reading)
-        return {channel: shown[channel] for channel in self.judged}
+            shown.update(room_response(record, belief, flow, reading))
+        shifted = {channel: shown.shifted[channel] for channel in self.judged if channel in shown.shifted}
+        return Predicted({channel: shown[channel] for channel in self.judged}, shifted)
 
     def _chain(self, record: Record, belief: Belief, reading: Reading, drift: Drift, chain: list[str]) -> Predicted:
         blocks, first = {kind: belief.blocks[kind] for kind in chain if kind in belief.blocks}, chain[0]
-        shown: Predicted = {}
+        shown = Predicted()
         signal, jump = self._drive(record, reading, drift), None
         if first == "sensor":
             if SHOWN["sensor"] in self.judged:
@@ -82,21 +85,26 @@ class Link:
                 blocks.pop("sensor", None)
         elif self.driven_by in record.binary:
             jump = drift.jump(record)
-        setpoint_C = record.filled_or_zero("setpoint_C")
         start_s = record.start_s - late_s(record, blocks.get("modulator"))
-        timing: dict[str, Any] = {"interval_s": record.interval_s, "start_s": start_s, "jump": jump}
 
-        def made() -> tuple[Predicted, Predicted]:
-            return replay(chain_of(blocks, record.interval_s), first, signal, setpoint_C, **timing)
+        def made() -> Replayed:
+            if self.driven_by == "displacement":
+                return _along_its_path(blocks, signal, record)
+            setpoint_C, timing = record.filled_or_zero("setpoint_C"), (record.interval_s, start_s)
+            if jump is not None and not drift.random:
+                return _thrown(blocks, first, signal, setpoint_C, *timing)
+            return _straight(blocks, first, signal, setpoint_C, *timing, jump)
 
         key = (first, self.driven_by, reading.is_raw, reading.is_late, start_s, *blocks.items())
-        ends, means = made() if drift.random else record.remembered("chain", key, made)
-        for kind in chain:
-            if kind == "valve":
-                shown["flow_L_h"] = means["valve"] * full_flow_L_h(record, belief)
-            elif kind != "sensor":
-                is_noisy = reading.is_raw and SHOWN[kind] == "control_output" and SHOWN[kind] not in record.binary
-                shown[SHOWN[kind]] = record.smooth(ends[kind]) if is_noisy else ends[kind]
+        ends, averages, shifted = made() if drift.random else record.remembered("chain", key, made)
+        shown.update({SHOWN[kind]: ends[kind] for kind in chain if kind in ends and kind != "sensor"})
+        if "valve" in chain:
+            full_L_h = full_flow_L_h(record, belief)
+            shown["flow_L_h"] = averages["valve"] * full_L_h
+            shifted = {**shifted, "valve": shifted["valve"] * full_L_h} if "valve" in shifted else shifted
+        if reading.is_raw and "controller" in chain and SHOWN["controller"] not in record.binary:
+            shown[SHOWN["controller"]] = record.smooth(shown[SHOWN["controller"]])
+        shown.shifted = {SHOWN[kind]: each for kind, each in shifted.items()}
         return shown
 
     def _drive(self, record: Record, reading: Reading, drift: Drift) -> FloatArray:
@@ -125,6 +133,55 @@ class Link:
             return ends["sensor"]
 
         return made() if drift.random else record.remembered("sensor", sensor, made)
+
+
+def _along_its_path(blocks: Mapping[str, Choice], opening: FloatArray, record: Record) -> Replayed:
+    """Return what a valve makes of an opening that was sampled, at the ends of the intervals and their means."""
+    fine, parts = path(opening, record.interval_s), cells(record.interval_s)
+    cell_s = record.interval_s / parts
+    ends, mean = replay(chain_of(blocks, cell_s), "valve", fine, fine, interval_s=cell_s, start_s=record.start_s)
+    return {"valve": ends["valve"][parts - 1 :: parts]}, {"valve": means(mean["valve"], parts)}, {}
+
+
+def _straight(
+    blocks: Mapping[str, Choice],
+    first: str,
+    signal: FloatArray,
+    setpoint_C: FloatArray,
+    interval_s: float,
+    start_s: float,
+    jump: FloatArray | None,
+) -> Replayed:
+    """Return what a signal drives that runs straight from sample to sample, or jumps after a part of each interval."""
+    ready = chain_of(blocks, interval_s)
+    ends, averages = replay(ready, first, signal, setpoint_C, interval_s=interval_s, start_s=start_s, jump=jump)
+    return ends, averages, {}
+
+
+def _thrown(
+    blocks: Mapping[str, Choice],
+    first: str,
+    signal: FloatArray,
+    setpoint_C: FloatArray,
+    interval_s: float,
+    start_s: float,
+) -> Replayed:
+    """Return what a switch drives, thrown in the middle of its interval, and in each of its cells."""
+    count, parts = len(signal), max(2, cells(interval_s))
+    cell_s, fine = interval_s / parts, np.repeat(signal, parts)
+    ends, averages, _ = _straight(
+        blocks, first, fine, np.repeat(setpoint_C, parts), cell_s, start_s, np.full(len(fine), 0.5)
+    )
+    last = (np.arange(count) + 1) * parts - np.arange(parts)[:, None]  # (shifts, n) the cell behind each interval
+    whole = {kind: np.insert(np.cumsum(each), 0, 0.0) for kind, each in averages.items() if kind == "valve"}
+    shifted = {kind: ends[kind][last - 1] for kind in blocks if kind == "actuator"}
+    shifted |= {kind: (each[last] - each[np.maximum(last - parts, 0)]) / parts for kind, each in whole.items()}
+    middle = last[parts // 2]
+    return (
+        {kind: each[middle - 1] for kind, each in ends.items()},
+        {kind: (each[middle] - each[np.maximum(middle - parts, 0)]) / parts for kind, each in whole.items()},
+        shifted,
+    )
 
 
 def links(record: Record, belief: Belief) -> list[Link]:

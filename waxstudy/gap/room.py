@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -22,7 +24,19 @@ OF_ROOM = {
 }
 ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
 JUDGED_S = 900.0
-Predicted = dict[str, FloatArray]
+
+
+class Predicted(dict[str, FloatArray]):
+    """What is predicted of channels, each (n,), of a room's (quarters,).
+
+    `shifted` (shifts, n) has those that a switch drives, for each part of an interval in which it may have been thrown.
+    """
+
+    def __init__(
+        self, values: Mapping[str, FloatArray] = MappingProxyType({}), shifted: Mapping[str, FloatArray] | None = None
+    ) -> None:
+        super().__init__(values)
+        self.shifted = shifted or {}
 
 
 def full_flow_L_h(record: Record, belief: Belief) -> float:
@@ -52,7 +66,7 @@ def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, reading:
     merged = max(1, round(JUDGED_S / coarse.interval_s))
     # what is logged is at the end of each interval, or its mean; the room is known at the end of several
     early = 0.5 if reading.is_mean else 0.5 * (1.0 - 1.0 / parts)
-    shown = {}
+    shown = Predicted()
     for channel, output in OF_ROOM.items():
         values = found[output]
         if output in ROOM_OUTPUTS:
