@@ -16,7 +16,7 @@ from waxstudy.gap.interval import parameter_intervals
 from waxstudy.gap.judge import FIT, SELECT
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
-from waxstudy.gap.space import Space
+from waxstudy.gap.space import Space, descend
 from waxstudy.plugin import Belief, Prior
 
 BOTH = (FIT, SELECT)
@@ -223,3 +223,10 @@ def test_a_first_look_spreads_its_points_over_the_whole_range(name: str) -> None
     assert len(np.unique(points, axis=0)) == len(points) >= 17
     assert (points.max(axis=0) > 0.9).all()
     assert (points.min(axis=0) < 0.1).all()
+
+
+@pytest.mark.parametrize("start", [0.46, 0.5, 0.54])
+def test_where_a_range_fits_alike_its_middle_is_taken(start: float) -> None:
+    """A shortest pulse between two that were recorded says nothing: its ends would be the worst guess."""
+    found = descend(lambda x: float(not 0.45 <= x[0] <= 0.55), np.array([start]), 30)
+    assert found[0] == pytest.approx(0.5, abs=0.02)
