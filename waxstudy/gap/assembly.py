@@ -226,7 +226,11 @@ def _readings(selections: Sequence[Selection]) -> list[str]:
 
 def _withdrawn(selections: Sequence[Selection]) -> list[str]:
     names = [found.effect.name for selection in selections for found in selection.withdrawn]
-    return [f"{name} fitted the first days, but the last days do not confirm it: it is not claimed" for name in names]
+    told = [f"{name} fitted the first days, but the last days do not confirm it: it is not claimed" for name in names]
+    poor = [found.effect.name for selection in selections for found in selection.distrusted]
+    return told + [
+        f"{name} explains a part of what the room is missed by, but too much stays: not claimed" for name in poor
+    ]
 
 
 def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:

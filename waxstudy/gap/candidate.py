@@ -64,6 +64,11 @@ class Candidate:
         return LEAST_SMOOTHED_GAP if is_smoothed else LEAST_GAP
 
     @property
+    def is_slight(self) -> bool:
+        """Whether it explains its channel, but is too small to be named."""
+        return self.is_seen and self.left <= EXPLAINED and not self.is_worth_naming
+
+    @property
     def is_accepted(self) -> bool:
         is_gap = self.over >= self.least_gap and min(self.share, self.plain_share) >= LEAST_SHARE
         # a heating curve is claimed to be shifted only where nothing else is left of its gap

@@ -25,6 +25,14 @@ OF_ROOM = {
 ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
 JUDGED_S = 900.0
 
+# what the form of a room's model may leave: twice what is seen against another engine's room without any effect
+ROOM_FORM_K = {
+    "air_temperature_C": 0.25,
+    "operative_temperature_C": 0.25,
+    "floor_surface_temperature_C": 0.3,
+    "return_temperature_C": 0.5,
+}
+
 
 class Predicted(dict[str, FloatArray]):
     """What is predicted of channels, each (n,), of a room's (quarters,).

@@ -11,8 +11,10 @@ from waxstudy.gap.candidate import CLEAR_GAIN, Candidate, alike, best_of, is_wor
 from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK
+from waxstudy.gap.links import ROOM_STAGES
 from waxstudy.gap.reading import Reading
 from waxstudy.gap.resampling import inclusion, null
+from waxstudy.gap.room import ROOM_FORM_K
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.stray import is_covered
 from waxstudy.plugin import FloatArray
@@ -20,6 +22,7 @@ from waxstudy.plugin import FloatArray
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 MOST_EFFECTS = 3
 CONFIRMED = 0.25  # of the square of a gap that an effect must take away on days that nobody looked at
+OF_AIR = ("air_temperature_C", "operative_temperature_C")
 PAIRED = 2  # effects that others are tried beside, where none is enough alone
 
 Tick = Callable[[str], None]
@@ -49,6 +52,12 @@ class Selection:
     tried: tuple[Candidate, ...]  # of the first round
     floor: Floor
     withdrawn: tuple[Found, ...] = ()  # accepted, but not confirmed by the last part
+    distrusted: tuple[Found, ...] = ()  # accepted, but of a room that stays missed by more than its model's form
+
+    @property
+    def slight(self) -> frozenset[str]:
+        """Channels whose gap an effect explains that is too small to be named."""
+        return frozenset(candidate.channel for candidate in self.tried if candidate.is_slight)
 
     @property
     def before(self) -> Fitted:
@@ -93,8 +102,13 @@ class _Search:
             withdrawn.append(doubtful)
             found.remove(doubtful)
             models, without = self.models(found)
+        distrusted = [each for each in found if each.effect.stage in ROOM_STAGES and is_poor(self.fitter, models[-1])]
+        if distrusted:
+            found = [each for each in found if each not in distrusted]
+            models, without = self.models(found)
         floor = Floor.of(self.fitter, models[-1])
-        return Selection(self.fitter, models, without, tuple(found), tuple(first), floor, tuple(withdrawn))
+        parts = tuple(found), tuple(first), floor, tuple(withdrawn), tuple(distrusted)
+        return Selection(self.fitter, models, without, *parts)
 
     def models(self, found: Sequence[Found]) -> tuple[tuple[Fitted, ...], tuple[Fitted, ...]]:
         """Return the believed model and those with one more effect each, and the last without each one of them.
@@ -197,6 +211,13 @@ class _Search:
     def found(self, best: Candidate, candidates: Sequence[Candidate], current: Fitted) -> Found:
         group = alike(best, candidates)
         return Found(best, group, inclusion(group, candidates, current, self.random))
+
+
+def is_poor(fitter: Fitter, model: Fitted) -> bool:
+    """Whether the air of a room by itself stays missed by more than the form of its model may leave."""
+    if fitter.link.stages != ROOM_STAGES:
+        return False
+    return any(errors.gap() > ROOM_FORM_K[errors.channel] for errors in model.errors if errors.channel in OF_AIR)
 
 
 def unconfirmed(found: Sequence[Found], after: Fitted, without: Sequence[Fitted]) -> Found | None:

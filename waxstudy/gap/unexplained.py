@@ -10,20 +10,14 @@ import numpy as np
 from waxstudy.gap.judge import Errors
 from waxstudy.gap.resampling import by_block
 from waxstudy.gap.result import Unexplained
+from waxstudy.gap.room import ROOM_FORM_K
 from waxstudy.gap.select import Selection
 from waxstudy.gap.stray import moved_s, stray_s
 
 LEAST_EXCESS = 1.5  # of what is left over the noise floor
 LEVEL = 0.01
 DRAWS = 1000
-# what the form of a room's model may leave: twice what is seen against another engine's room without any effect
 LEAST_TYPICAL = 2.5  # standard deviations by which what makes up a gap is off
-ROOM_FORM_K = {
-    "air_temperature_C": 0.25,
-    "operative_temperature_C": 0.25,
-    "floor_surface_temperature_C": 0.3,
-    "return_temperature_C": 0.5,
-}
 
 
 def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
@@ -37,7 +31,7 @@ def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
         weighed = errors if selection.fitter.link.with_room else replace(errors, error=errors.whitened)
         threshold = LEAST_EXCESS * (floor if weighed is errors else white)
         p = _p(weighed, threshold, random)
-        is_large = errors.gap() > LEAST_EXCESS * floor
+        is_large = errors.gap() > LEAST_EXCESS * floor and errors.channel not in selection.slight
         if p <= LEVEL and is_large and (weighed is errors or carried_by(weighed) >= LEAST_TYPICAL):
             yield _described(selection, errors, floor, p)
 
