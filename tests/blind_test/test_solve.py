@@ -134,7 +134,13 @@ def test_an_effect_is_taken_out_of_the_library(small_study: Path, waxstudy: Waxs
 def killed(folder: Path, begun: int, count: str, *arguments: object, by: signal.Signals = signal.SIGKILL) -> None:
     """Start a command and end it, with its processes, once it has written so many files."""
     command = [str(WAXSTUDY), *map(str, arguments)]
-    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, start_new_session=True)
+    process = subprocess.Popen(
+        command,
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # which a shell's background job ignores
+    )
     while len(list(folder.glob(count))) < begun:
         assert process.poll() is None, "it ended before it could be killed"
         time.sleep(0.02)
