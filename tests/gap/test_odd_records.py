@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.gap.realities import dataset, rows, study
+from tests.gap.realities import PERFECT, dataset, rows, study
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import diagnose, record_of
 from waxstudy.gap.links import links
@@ -95,6 +95,13 @@ def test_stated_noise_is_never_less_than_the_rounding() -> None:
     coarse["sensor_temperature_C"] = (2.0 * coarse["sensor_temperature_C"]).round() / 2.0
     seen = record_of(replace(dataset(coarse, "REAL"), noise={"sensor_temperature_C": 0.01}))
     assert seen.noise["sensor_temperature_C"] == pytest.approx(0.5 * 12.0**-0.5)
+
+
+def test_an_opening_that_is_only_seen_open_or_closed_is_not_rounded() -> None:
+    whole = rows("REAL", days=DAYS, **PERFECT)
+    data = whole.assign(displacement=whole["displacement"].round())
+    seen = record_of(replace(dataset(data, "REAL"), noise={"displacement": 0.01}))
+    assert seen.noise["displacement"] == 0.01
 
 
 def test_what_is_not_measured_is_no_figure_of_the_loop() -> None:

@@ -17,6 +17,7 @@ SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blo
 AFTER_GAP_S = 1800.0  # a switch that was missed in a gap is not judged for so long
 DAY_S = 86_400.0
 ON = 0.5
+FEWEST_VALUES = 4  # of a channel whose step tells of rounding
 RESOLUTION_SHARE = 12.0**-0.5  # standard deviation of rounding, in steps
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
@@ -263,8 +264,9 @@ def _resting_noise(known: FloatArray) -> float:
 
 
 def _resolution(known: FloatArray) -> float:
-    """Return the step of a channel that is rounded, 0 where none shows."""
-    steps = np.abs(np.diff(np.unique(np.round(known, 9))))
+    """Return the step of a channel that is rounded, 0 where none shows: what is open or closed is not rounded."""
+    values = np.unique(np.round(known, 9))
+    steps = np.abs(np.diff(values)) if len(values) >= FEWEST_VALUES else np.zeros(0)
     steps = steps[steps > 1e-9]
     return float(np.min(steps)) if len(steps) else 0.0
 
