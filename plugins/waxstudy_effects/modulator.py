@@ -65,10 +65,10 @@ def likely_periods_s(belief: Belief) -> Sequence[float]:
 @lru_cache(maxsize=8)
 def _period_s(at_s: tuple[float, ...]) -> float:
     """Return the longest period at whose starts most of some times [s] lie."""
-    span_s = at_s[-1] - at_s[0]
+    times_s, span_s = np.array(at_s), at_s[-1] - at_s[0]
     periods_s = 1.0 / np.arange(1.0 / PERIOD.high, 1.0 / PERIOD.low, 0.1 / span_s)
     # an interval's length of doubt about each switch is nothing beside a period
-    hits = np.array([abs(np.mean(np.exp(2j * np.pi * np.array(at_s) / period_s))) for period_s in periods_s])
+    hits = np.array([abs(np.mean(np.exp(2j * np.pi * times_s / period_s))) for period_s in periods_s])
     longest = np.flatnonzero(hits >= CLOSE * hits.max())[0]
     near = np.abs(periods_s / periods_s[longest] - 1.0) < NEAR
     return float(periods_s[near][np.argmax(hits[near])])

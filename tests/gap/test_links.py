@@ -48,7 +48,8 @@ def expected(chosen: set[str]) -> list[tuple[str, ...]]:
         if kind != "sensor" and SHOWN[kind] in chosen:
             stages.append(tuple(rest))
             rest = []
-    has_room = chosen.issuperset(INPUTS) and not chosen.isdisjoint(ROOM_CHANNELS)
+    judged = chosen & set(ROOM_CHANNELS) - (set() if "flow_L_h" in chosen else {"return_temperature_C"})
+    has_room = chosen.issuperset(INPUTS) and bool(judged)
     return [*stages, (*rest, "emitter", "room")] if has_room else stages
 
 

@@ -90,10 +90,9 @@ class Link:
         def made() -> Replayed:
             if self.driven_by == "displacement":
                 return _along_its_path(blocks, signal, record)
-            setpoint_C, timing = record.filled_or_zero("setpoint_C"), (record.interval_s, start_s)
-            if jump is not None and not drift.random:
-                return _thrown(blocks, first, signal, setpoint_C, *timing)
-            return _straight(blocks, first, signal, setpoint_C, *timing, jump)
+            setpoint_C = record.filled_or_zero("setpoint_C")
+            drive = _Drive(blocks, first, signal, setpoint_C, record.interval_s, start_s)
+            return drive.thrown() if jump is not None and not drift.random else drive.straight(jump)
 
         key = (first, self.driven_by, reading.is_raw, reading.is_late, start_s, *blocks.items())
         ends, averages, shifted = made() if drift.random else record.remembered("chain", key, made)
@@ -143,45 +142,39 @@ def _along_its_path(blocks: Mapping[str, Choice], opening: FloatArray, record: R
     return {"valve": ends["valve"][parts - 1 :: parts]}, {"valve": means(mean["valve"], parts)}, {}
 
 
-def _straight(
-    blocks: Mapping[str, Choice],
-    first: str,
-    signal: FloatArray,
-    setpoint_C: FloatArray,
-    interval_s: float,
-    start_s: float,
-    jump: FloatArray | None,
-) -> Replayed:
-    """Return what a signal drives that runs straight from sample to sample, or jumps after a part of each interval."""
-    ready = chain_of(blocks, interval_s)
-    ends, averages = replay(ready, first, signal, setpoint_C, interval_s=interval_s, start_s=start_s, jump=jump)
-    return ends, averages, {}
+@dataclass(frozen=True)
+class _Drive:
+    """What drives a chain's blocks from the block of kind `first` on; signal and setpoint are (n,)."""
 
+    blocks: Mapping[str, Choice]
+    first: str
+    signal: FloatArray
+    setpoint_C: FloatArray
+    interval_s: float
+    start_s: float
 
-def _thrown(
-    blocks: Mapping[str, Choice],
-    first: str,
-    signal: FloatArray,
-    setpoint_C: FloatArray,
-    interval_s: float,
-    start_s: float,
-) -> Replayed:
-    """Return what a switch drives, thrown in the middle of its interval, and in each of its cells."""
-    count, parts = len(signal), max(2, cells(interval_s))
-    cell_s, fine = interval_s / parts, np.repeat(signal, parts)
-    ends, averages, _ = _straight(
-        blocks, first, fine, np.repeat(setpoint_C, parts), cell_s, start_s, np.full(len(fine), 0.5)
-    )
-    last = (np.arange(count) + 1) * parts - np.arange(parts)[:, None]  # (shifts, n) the cell behind each interval
-    whole = {kind: np.insert(np.cumsum(each), 0, 0.0) for kind, each in averages.items() if kind == "valve"}
-    shifted = {kind: ends[kind][last - 1] for kind in blocks if kind == "actuator"}
-    shifted |= {kind: (each[last] - each[np.maximum(last - parts, 0)]) / parts for kind, each in whole.items()}
-    middle = last[parts // 2]
-    return (
-        {kind: each[middle - 1] for kind, each in ends.items()},
-        {kind: (each[middle] - each[np.maximum(middle - parts, 0)]) / parts for kind, each in whole.items()},
-        shifted,
-    )
+    def straight(self, jump: FloatArray | None) -> Replayed:
+        """Return what a signal drives that runs from sample to sample, or jumps after a part of each interval."""
+        ready, timing = chain_of(self.blocks, self.interval_s), {"interval_s": self.interval_s, "start_s": self.start_s}
+        ends, averages = replay(ready, self.first, self.signal, self.setpoint_C, **timing, jump=jump)
+        return ends, averages, {}
+
+    def thrown(self) -> Replayed:
+        """Return what a switch drives, thrown in the middle of its interval, and in each of its cells."""
+        count, parts = len(self.signal), max(2, cells(self.interval_s))
+        fine, setpoint_C = (np.repeat(each, parts) for each in (self.signal, self.setpoint_C))
+        in_cells = replace(self, signal=fine, setpoint_C=setpoint_C, interval_s=self.interval_s / parts)
+        ends, averages, _ = in_cells.straight(np.full(len(fine), 0.5))
+        last = (np.arange(count) + 1) * parts - np.arange(parts)[:, None]  # (shifts, n) the cell behind each interval
+        whole = {kind: np.insert(np.cumsum(each), 0, 0.0) for kind, each in averages.items() if kind == "valve"}
+        shifted = {kind: ends[kind][last - 1] for kind in self.blocks if kind == "actuator"}
+        flows = {kind: (each[last] - each[np.maximum(last - parts, 0)]) / parts for kind, each in whole.items()}
+        middle = parts // 2
+        return (
+            {kind: each[last[middle] - 1] for kind, each in ends.items()},
+            {kind: each[middle] for kind, each in flows.items()},
+            shifted | flows,
+        )
 
 
 def links(record: Record, belief: Belief) -> list[Link]:
