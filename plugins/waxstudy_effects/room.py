@@ -108,6 +108,10 @@ class WindowOpening(Effect):
         return "" if belief.inputs else NO_RECORD
 
     @classmethod
+    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
+        return {"flow_L_s": 0.0}  # at any hours
+
+    @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
         assert belief.inputs
         inputs = belief.inputs
@@ -122,8 +126,9 @@ class WindowOpening(Effect):
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
-        hours = ((6.0, 8.0), (8.0, 12.0), (12.0, 16.0), (16.0, 19.0), (19.0, 22.0), (22.0, 6.0))
-        return [{"flow_L_s": 10.0, "from_h": from_h, "to_h": to_h} for from_h, to_h in hours]
+        hours = [(float(hour), lasting_h) for hour in range(24) for lasting_h in (1.0, 3.0)]
+        hours += [(6.0 * quarter, 8.0) for quarter in range(4)]
+        return [{"flow_L_s": 10.0, "from_h": from_h, "to_h": (from_h + h) % DAY_H} for from_h, h in hours]
 
 
 def open_share(inputs: Inputs, from_h: float, to_h: float) -> FloatArray:

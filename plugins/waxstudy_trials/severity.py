@@ -48,7 +48,10 @@ def _on_the_way(
     found = {}
     for name, prior in priors.items():
         own = share * float(np.exp(random.normal(0.0, 0.2)))
-        found[name] = _within(prior, neutral[name] + own * (end[name] - neutral[name]))
+        if name in neutral:
+            found[name] = _within(prior, neutral[name] + own * (end[name] - neutral[name]))
+        else:
+            found[name] = _within(prior, end[name] + prior.noticeable * float(random.normal()))
     return found
 
 

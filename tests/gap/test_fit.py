@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -17,9 +18,11 @@ from waxstudy.gap.judge import FIT, SELECT
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.space import Space, descend
+from waxstudy.gap.unknowns import FLOOR, START
 from waxstudy.plugin import Belief, Prior
 
 BOTH = (FIT, SELECT)
+OF_START = (START, FLOOR)
 # what is believed and what is put in: of a chain's first stages into its closed loop, else into its link
 IN_LOOP: Mapping[str, tuple[str, Mapping[str, float]]] = {
     "sensor-delay": ("IDEAL", {"delay_s": 420.0}),
@@ -89,6 +92,55 @@ def test_what_is_found_lies_within_the_bounds_it_was_looked_for_in(name: str) ->
     ((effect, values),) = found(name)[1].effects
     for parameter, prior in effect.priors.items():
         assert prior.low <= values[parameter] <= prior.high
+
+
+def of_room(days: int, **true: Mapping[str, float]) -> tuple[Fitter, Fitted]:
+    """A room's effect put into its link of a short record, and the best fit of its name."""
+    seen = record("REAL", days=days)
+    believed = belief("REAL", seen)
+    link = link_of(next(iter(true)).replace("_", "-"), links(seen, believed))
+    put_in = effects(**true)
+    fitter = Fitter(link, planted(link, seen, believed, put_in), believed)
+    fitted = fitter.fit(EFFECTS[put_in[0][0]], fitter.base, BOTH)
+    assert fitted
+    return fitter, fitted
+
+
+@pytest.mark.parametrize(("flow_L_s", "from_h", "to_h"), [(3.0, 7.0, 8.0), (6.0, 22.2, 23.0), (2.0, 10.5, 15.5)])
+def test_a_small_or_short_window_is_found_at_whatever_hour(flow_L_s: float, from_h: float, to_h: float) -> None:
+    _, fitted = of_room(4, window_opening={"flow_L_s": flow_L_s, "from_h": from_h, "to_h": to_h})
+    ((_, found),) = fitted.effects
+    assert found["from_h"] == pytest.approx(from_h, abs=0.3)
+    assert found["to_h"] == pytest.approx(to_h, abs=0.3)
+    assert found["flow_L_s"] == pytest.approx(flow_L_s, rel=0.2)
+
+
+def test_a_room_that_was_colder_than_its_first_day_is_no_other_room() -> None:
+    seen = record("REAL", days=3)
+    believed = belief("REAL", seen)
+    assert believed.inputs
+    colder = replace(believed, inputs=replace(believed.inputs, start_K=-3.0, start_floor_K=-1.0))
+    link = link_of("solar-factor", links(seen, believed))
+    fitter = Fitter(link, planted(link, seen, colder), believed)
+    names = [unknown.name for unknown in fitter.unknowns]
+    start_K, floor_K = (fitter.base.departures[names.index(name)] for name in OF_START)
+    assert start_K < -2.0
+    assert start_K + floor_K == pytest.approx(-4.0, abs=0.5)
+    others = [abs(z) for name, z in zip(names, fitter.base.departures / fitter.sd, strict=True) if name not in OF_START]
+    assert max(others) < 1.0
+
+
+def test_a_room_that_leaves_little_shows_that_its_form_is_good_and_one_that_has_to_depart_does_not() -> None:
+    fitter, fitted = of_room(6, floor_cover={"resistance_m2K_W": 0.05})
+    assert 0.0 < fitter.spread(fitted) < 0.5
+    assert fitter.spread(fitter.base) == 1.0
+    strained = replace(fitted, departures=2.0 * fitter.sd)
+    assert fitter.spread(strained) == 1.0
+
+
+def test_a_chain_s_noise_is_its_instruments_and_never_narrowed() -> None:
+    fitter, fitted = found("max-flow")
+    assert fitter.spread(fitted) == 1.0
 
 
 # sensors and controllers are judged by switches that noise moves: their neutral is checked by what they gain

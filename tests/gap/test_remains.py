@@ -130,7 +130,7 @@ def test_a_link_of_a_few_cycles_or_days_cannot_be_judged() -> None:
     seen, _, cut = ready()
     short = replace(seen, values={name: each[:2000] for name, each in seen.values.items()})
     assert "2 days" in too_short(link_at("room", cut), short)
-    assert "4 are needed" in too_short(link_at("room", cut), short)
+    assert "3 are needed" in too_short(link_at("room", cut), short)
 
 
 def test_an_effect_whose_stage_shows_nowhere_is_untestable_and_what_to_record_is_said() -> None:

@@ -41,13 +41,14 @@ class Candidate:
     left: float  # whitened gap that is left of that channel, over its floor
     missed: float  # the same, in standard deviations
     channel: str  # where it acts most
+    spread: float  # of the room's form by what is left of it here, in units of what it may leave; 1 in a chain
     over: float  # the gap of that channel before it, over the floor of both models, in the channel's unit
     is_covered: bool  # by what real actuators are known to stray from the believed one
     is_worth_naming: bool  # far enough from what is believed
 
     @property
     def is_seen(self) -> bool:
-        return self.p <= LEVEL and self.gain >= LEAST_GAIN
+        return self.p <= LEVEL and self.gain >= LEAST_GAIN * self.spread
 
     @property
     def is_part(self) -> bool:
@@ -84,7 +85,7 @@ def best_of(candidates: Sequence[Candidate]) -> Candidate:
 
 def alike(best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
     """Return the effects that cannot be told from the best one on what it was chosen by, the best first."""
-    left = max(1.0, best.missed) ** 2
+    left = max(1.0, best.missed) ** 2 * best.spread
 
     def worse(other: Candidate) -> float:
         return other.loss + other.strain - best.loss - best.strain
@@ -98,8 +99,8 @@ def is_worth_naming(effect: EffectType, values: Mapping[str, float], believed: B
     neutral = effect.neutral(believed)
     if neutral is None or not effect.priors:
         return True
-    for name, prior in effect.priors.items():
-        value, still = values[name], neutral[name]
+    for name in effect.priors.keys() & neutral.keys():
+        prior, value, still = effect.priors[name], values[name], neutral[name]
         if prior.is_log and max(value / still, still / value) > prior.noticeable:
             return True
         if not prior.is_log and abs(value - still) > prior.noticeable:

@@ -9,7 +9,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from waxstudy.gap.judge import FIT, SELECT, Errors, Judge
+from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, Judge
 from waxstudy.gap.links import Link
 from waxstudy.gap.newton import MOST_SD, LeastSquares
 from waxstudy.gap.reading import Drift, Reading
@@ -24,6 +24,9 @@ REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
 OTHER = 9.0  # loss by which another reading must be better
 AGAIN = 2  # fits of the believed room from where the last one ended
+STRONGEST = 4.0  # times a point of a first look
+SCALED = 4  # such points that are tried at the strength that suits the record
+TINY = 1e-12
 PROMISING = 5.0  # loss that an effect must take away from a room for a closer look; a quick diagnosis asks for more
 
 
@@ -151,6 +154,18 @@ class Fitter:
         """Return the squares of the room's departures, in standard deviations."""
         return float(np.sum((fitted.departures / self.sd) ** 2)) if len(self.sd) else 0.0
 
+    def spread(self, fitted: Fitted) -> float:
+        """Return the square of what a room leaves by its form, in units of what it may leave; 1 where none takes part.
+
+        A room as believed that leaves far less, and did not have to depart for it, shows that its form is better than
+        that. Each channel counts once a day, as what a form leaves comes again every day.
+        """
+        if not self.unknowns:
+            return 1.0
+        days = [len(np.unique(each.block[each.judged & (each.part != SHRINK)])) for each in fitted.errors]
+        left = fitted.loss(FIT) + fitted.loss(SELECT) + self.strain(fitted)
+        return float(min(1.0, left / max(1, sum(days))))
+
     def fit(self, effect: EffectType, given: Fitted, parts: Sequence[int] = (FIT,)) -> Fitted | None:
         """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""
         if effect.hindrance(self.edited(given.effects, given.departures)):
@@ -162,7 +177,8 @@ class Fitter:
         ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]
         done = [each for each in ends if each is not None]
         best = min(done, key=lambda each: self.fair_score(each, parts) + of_other(each.reading, given), default=None)
-        if best and self.unknowns and self.score(best, parts) < self.score(given, parts) - PROMISING / self.thorough:
+        promising = PROMISING * self.spread(given) / self.thorough
+        if best and self.unknowns and self.score(best, parts) < self.score(given, parts) - promising:
             return self.refined(best.effects, best.departures, best.reading, parts)
         return best
 
@@ -175,9 +191,41 @@ class Fitter:
         self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
     ) -> tuple[float, Values, Reading]:
         tried = [*space.points(self.thorough), *effect.starts(self.belief)]
-        scores = [self.score(self._at((*given.effects, (effect, v)), given, reading, parts), parts) for v in tried]
+        looks = [self._at((*given.effects, (effect, v)), given, reading, parts) for v in tried]
+        more = self._scaled(effect, space, tried, looks, given, reading, parts)
+        tried += more
+        looks += [self._at((*given.effects, (effect, v)), given, reading, parts) for v in more]
+        scores = [self.score(each, parts) for each in looks]
         best = int(np.argmin(scores))
         return scores[best] + of_other(reading, given), tried[best], reading
+
+    def _scaled(
+        self,
+        effect: EffectType,
+        space: Space,
+        tried: Sequence[Values],
+        looks: Sequence[Fitted | None],
+        given: Fitted,
+        reading: Reading,
+        parts: Sequence[int],
+    ) -> list[Values]:
+        """Return points of a first look as strong as suits the record: a room answers nearly in proportion.
+
+        A window of the right hours, but of thrice the flow, would look worse than none.
+        """
+        neutral = effect.neutral(self.edited(given.effects, given.departures))
+        still = self._at(given.effects, given, reading, parts) if self.unknowns and neutral else None
+        if still is None or neutral is None:
+            return []
+        before = _missed(still, parts)
+        found = []
+        for values, look in zip(tried, looks, strict=True):
+            change = _missed(look, parts) - before if look else np.zeros(len(before))
+            along = float(before @ change) / max(float(change @ change), TINY)
+            strength = min(STRONGEST, max(0.0, -along))
+            left = before + strength * change
+            found.append((float(left @ left), space.scaled(values, neutral, strength)))
+        return [values for _, values in sorted(found, key=itemgetter(0))[:SCALED]]
 
     def _at(
         self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading, parts: Sequence[int]
@@ -281,6 +329,10 @@ class Fitter:
         problem = LeastSquares(self, effects, reading, parts)
         most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
         return problem.solved(problem.vector(departures), most, known)
+
+
+def _missed(fitted: Fitted, parts: Sequence[int]) -> FloatArray:
+    return np.concatenate([each.whitened[np.isin(each.part, parts)] for each in fitted.errors])
 
 
 def of_other(reading: Reading, given: Fitted) -> float:

@@ -55,7 +55,7 @@ def inclusion(
     gains = (by_block(base[None, seen] ** 2, member, len(numbers)) - loss) @ weights
     names = [c.effect.name for c in candidates]
     chosen = [names[best] in group for best in np.argmax(gains, axis=0)]
-    return float(np.mean(np.array(chosen) & (gains.max(axis=0) > LEAST_GAIN)))
+    return float(np.mean(np.array(chosen) & (gains.max(axis=0) > LEAST_GAIN * candidates[0].spread)))
 
 
 def whole(fitted: Fitted) -> tuple[FloatArray, np.ndarray, np.ndarray]:

@@ -154,7 +154,11 @@ class _Search:
         highest = null(current, best, [one for _, one in fitted], floor, self.random)
         read_as = {one.reading: self.read_as(current, one.reading) for _, one in fitted}
         most = self.loss(current, SELECT)
-        return [self.candidate(effect, one, read_as[one.reading], most, floor, own, highest) for effect, one in fitted]
+        spread = self.fitter.spread(best)
+        return [
+            self.candidate(effect, one, read_as[one.reading], most, floor, own, highest, spread)
+            for effect, one in fitted
+        ]
 
     def read_as(self, current: Fitted, reading: Reading) -> Fitted:
         """Return a model under another reading of the record: what that alone changes is no effect's doing."""
@@ -171,6 +175,7 @@ class _Search:
         floor: Floor,
         own: Floor,
         highest: FloatArray,
+        spread: float,
     ) -> Candidate:
         """Return a candidate beside a model under its own reading; its gain is over the better of both readings."""
         gain = min(most, self.loss(current, SELECT)) - self.loss(fitted, SELECT)
@@ -187,7 +192,21 @@ class _Search:
         believed = self.fitter.edited(fitted.effects[:-1], fitted.departures)  # what it was added to
         worth = is_worth_naming(effect, dict(fitted.effects)[effect], believed)
         return Candidate(
-            effect, fitted, gain, both, strain, p, share, plain_share, left, missed, channel, over, covered, worth
+            effect=effect,
+            fitted=fitted,
+            gain=gain,
+            loss=both,
+            strain=strain,
+            p=p,
+            share=share,
+            plain_share=plain_share,
+            left=left,
+            missed=missed,
+            channel=channel,
+            spread=spread,
+            over=over,
+            is_covered=covered,
+            is_worth_naming=worth,
         )
 
     def loss(self, fitted: Fitted, part: int) -> float:

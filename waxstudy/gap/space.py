@@ -29,6 +29,11 @@ class Space:
     def inside(self, values: Values) -> FloatArray:
         return np.array([_place(prior, values[name]) for name, prior in zip(self.names, self.priors, strict=True)])
 
+    def scaled(self, values: Values, neutral: Values, strength: float) -> Values:
+        """Return values that lie a number of times as far from neutral ones, within the cube."""
+        at, still = self.inside(values), self.inside({**values, **neutral})
+        return self.values(np.clip(still + strength * (at - still), 0.0, 1.0))
+
     def points(self, thorough: float) -> list[Values]:
         """Return points spread over the cube: evenly for one parameter, else a Sobol sequence."""
         count = len(self.names)

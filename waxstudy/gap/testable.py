@@ -16,7 +16,7 @@ from waxstudy.gap.space import EffectType, Values
 from waxstudy.plugin import CHAIN, Belief
 
 CLEAR = 4  # noticeable steps from neutral that a record should show
-LEAST_BLOCKS = 4
+LEAST_BLOCKS = 3
 LEVELS = ("control_output", "displacement")
 STEADY = 0.1  # range of a level that stays where it is
 NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
@@ -99,7 +99,9 @@ def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]
     neutral = effect.neutral(believed)
     if neutral is None:
         return
-    for name, prior in effect.priors.items():
+    values = {**effect.Parameters(**neutral).model_dump(), **neutral}
+    for name in [each for each in effect.priors if each in neutral]:
+        prior = effect.priors[name]
         for way in (-1, 1):
             steps = way * CLEAR
             value = (
@@ -107,7 +109,7 @@ def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]
             )
             clipped = min(prior.high, max(prior.low, value))
             if clipped != neutral[name]:
-                yield {**neutral, name: clipped}
+                yield {**values, name: clipped}
     yield from effect.starts(believed)
 
 

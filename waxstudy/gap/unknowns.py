@@ -13,7 +13,7 @@ from waxstudy.plugin import Belief, Inputs, Room, Uncertainty
 ASSUMED_GAINS, ASSUMED_SUN = 0.15, 0.12
 MEASURED_GAINS, MEASURED_SUN = 0.05, 0.07
 GAINS, SUN, START, FLOOR = "internal gains", "solar gain", "start", "start of the floor"
-START_K = 0.5  # nobody knows the weather before the record
+START_K = 2.0  # nobody knows the weather before the record
 
 
 @dataclass(frozen=True)

@@ -115,7 +115,10 @@ class Effect(Component):
 
     @classmethod
     def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
-        """Return the parameters at which it does nothing, or None where there are none (a block is replaced)."""
+        """Return the parameters at which it does nothing, or None where there are none (a block is replaced).
+
+        A parameter that is left out may then be anything: the hours of a window through which no air comes.
+        """
         return {name: float(field.default) for name, field in cls.Parameters.model_fields.items()}
 
     @classmethod
