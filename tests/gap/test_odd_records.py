@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.gap.realities import PERFECT, dataset, rows, study
+from tests.gap.realities import PERFECT, Effects, belief, dataset, effects, planted, rows, study
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import diagnose, record_of
 from waxstudy.gap.links import links
@@ -110,3 +110,41 @@ def test_what_is_not_measured_is_no_figure_of_the_loop() -> None:
     assert "air_mean_C" in diagnosis.closed_loop
     assert "cycles_per_day" not in diagnosis.closed_loop
     assert all({"heat_percent", "air_K"} == set(gap["impact"]) for gap in diagnosis.described()["stages"])
+
+
+def of_room(days: int, true: Effects, **channels: np.ndarray | float) -> Dataset:
+    """A room in which some effects happen under other inputs than a real loop had; flow and channels of it only."""
+    data = rows("REAL", days=days)
+    seen = record_of(dataset(data, "REAL"))
+    driven = replace(
+        seen, values={**seen.values, **{name: each * np.ones(len(seen)) for name, each in channels.items()}}
+    )
+    believed = belief("REAL", driven)
+    link = next(each for each in links(driven, believed) if each.with_room)
+    made = pd.DataFrame({"time": data["time"], **planted(link, driven, believed, true).values})
+    return replace(dataset(made, "REAL"), nominal={})
+
+
+def test_what_only_the_last_days_show_is_looked_for_in_them_too_and_said_to_be_so() -> None:
+    days = 7
+    minute = np.arange(days * 1440)
+    sun_W = np.where((minute > 4 * 1440) & (minute % 1440 > 540) & (minute % 1440 < 960), 400.0, 0.0)
+    lit = of_room(days, effects(solar_factor={"factor": 0.5}), solar_gain_W=sun_W)
+    diagnosis = diagnose(lit, quick=True)
+    assert [effect.name for effect in diagnosis.effects] == ["solar-factor"]
+    assert diagnosis.effects[0].parameters["factor"].value == pytest.approx(0.5, rel=0.1)
+    assert any("solar-factor shows in the last days only" in warning for warning in diagnosis.warnings)
+
+
+def test_a_room_that_is_never_heated_still_shows_what_it_loses() -> None:
+    still = {"flow_L_h": 0.0, "heating_signal": 0.0, "displacement": 0.0, "control_output": 0.0}
+    cold = of_room(DAYS, effects(window_opening={"flow_L_s": 8.0, "from_h": 20.0, "to_h": 22.0}), **still)
+    diagnosis = diagnose(cold, quick=True)
+    assert [effect.name for effect in diagnosis.effects] == ["window-opening"]
+    assert "flow_L_h never changes" not in {each.reason for each in diagnosis.untestable}
+
+
+def test_a_flow_that_stands_still_while_the_valve_moves_is_no_drive_of_a_room() -> None:
+    diagnosis = diagnose(of_room(DAYS, (), flow_L_h=50.0), quick=True)
+    reasons = {each.name: each.reason for each in diagnosis.untestable}
+    assert reasons["infiltration"] == "flow_L_h never changes in this record"

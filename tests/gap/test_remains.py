@@ -161,6 +161,22 @@ def test_a_leak_does_not_show_in_a_valve_that_is_never_closed() -> None:
     assert list(unshown(searched(link, seen, believed), candidates)) == []
 
 
+def test_a_room_that_is_not_understood_can_show_no_effect_of_its_own() -> None:
+    seen, believed, cut = ready()
+    link = link_at("room", cut)
+    warm = planted(link, seen, believed, effects(supply_offset={"offset_K": 6.0}))
+    strange = 1.5 * np.sin(2.0 * np.pi * np.arange(len(seen)) / (31.0 * 60.0))
+    odd = {name: warm.values[name] + strange for name in ("air_temperature_C", "operative_temperature_C")}
+    lost = searched(link, replace(warm, values={**warm.values, **odd}), believed, ["supply-offset", "floor-cover"])
+    assert lost.found == ()
+    told = {each.name: each.reason for each in unshown(lost, [EFFECTS["supply-offset"], EFFECTS["floor-cover"]])}
+    assert set(told) == {"supply-offset", "floor-cover"}
+    assert all("stays missed by" in reason for reason in told.values())
+    known = searched(link, warm, believed, ["supply-offset", "floor-cover"])
+    assert [each.effect.name for each in known.found] == ["supply-offset"]
+    assert list(unshown(known, [EFFECTS["supply-offset"], EFFECTS["floor-cover"]])) == []
+
+
 def test_a_clear_departure_is_within_what_is_possible() -> None:
     _, believed, _ = ready()
     for effect in EFFECTS.values():

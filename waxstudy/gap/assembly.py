@@ -227,6 +227,8 @@ def _readings(selections: Sequence[Selection]) -> list[str]:
 def _withdrawn(selections: Sequence[Selection]) -> list[str]:
     names = [found.effect.name for selection in selections for found in selection.withdrawn]
     told = [f"{name} fitted the first days, but the last days do not confirm it: it is not claimed" for name in names]
+    late = [found.effect.name for s in selections if not s.fitter.holds_out for found in s.found]
+    told += [f"{name} shows in the last days only: they took part in finding it, none are held out" for name in late]
     poor = [found.effect.name for selection in selections for found in selection.distrusted]
     return told + [
         f"{name} explains a part of what the room is missed by, but too much stays: not claimed" for name in poor

@@ -13,7 +13,7 @@ from waxstudy.gap.ladder import ladder_effects
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.result import Diagnosis
-from waxstudy.gap.select import Selection, select
+from waxstudy.gap.select import Selection, Tick, select
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.testable import too_short
 from waxstudy.plugin import Belief, Effect, Inputs
@@ -85,13 +85,23 @@ def _selections(work: Work, cut: Sequence[Link], tick: Tell) -> Iterator[Selecti
             tick(name, done / total)
 
         tick(link.name, done / total)
-        fitter = Fitter(link, work.record, work.belief, work.thorough, work.dataset.room_tolerance)
-        try:
-            assert fitter.base
-        except ValueError as error:
-            raise StudyError([_impossible(work.dataset, link, str(error))]) from error
-        yield select(fitter, effects, work.seed + place, step)
+        selection = _selection(work, link, effects, work.seed + place, step)
+        if selection.is_late:
+            again = _selection(work, link, effects, work.seed + place, step, holds_out=False)
+            selection = again if again.found else selection
+        yield selection
         done = first + len(effects) + 1
+
+
+def _selection(
+    work: Work, link: Link, effects: Sequence[EffectType], seed: int, tick: Tick, holds_out: bool = True
+) -> Selection:
+    fitter = Fitter(link, work.record, work.belief, work.thorough, work.dataset.room_tolerance, holds_out)
+    try:
+        assert fitter.base
+    except ValueError as error:
+        raise StudyError([_impossible(work.dataset, link, str(error))]) from error
+    return select(fitter, effects, seed, tick)
 
 
 def _impossible(dataset: Dataset, link: Link, reason: str) -> Problem:

@@ -54,10 +54,17 @@ class Fitter:
     """Fits hypotheses to one link, always from the same belief."""
 
     def __init__(
-        self, link: Link, record: Record, belief: Belief, thorough: float = 1.0, room_tolerance: float = 1.0
+        self,
+        link: Link,
+        record: Record,
+        belief: Belief,
+        thorough: float = 1.0,
+        room_tolerance: float = 1.0,
+        holds_out: bool = True,
     ) -> None:
         self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
-        self.judge = Judge(link, record, belief)
+        self.holds_out = holds_out
+        self.judge = Judge(link, record, belief, holds_out)
         self.unknowns = unknowns(belief, record, room_tolerance) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
         self._solutions: dict[tuple[int, ...], tuple[FloatArray, np.ndarray]] = {}

@@ -61,9 +61,9 @@ class Errors:
 class Judge:
     """Compares predictions of one link with the record, always in the same way, so that losses can be compared."""
 
-    def __init__(self, link: Link, record: Record, belief: Belief) -> None:
+    def __init__(self, link: Link, record: Record, belief: Belief, holds_out: bool = True) -> None:
         self.link, self.record = link, record
-        self.parts = parts_of(record, days_in_turn=link.with_room)
+        self.parts = parts_of(record, days_in_turn=link.with_room, holds_out=holds_out)
         shaken = self._shaken(belief)
         switches = [channel for channel in link.judged if self._is_switch(channel)]
         self._timing = {channel: self._switching(channel, shaken) for channel in switches}
@@ -302,7 +302,7 @@ def _windows(record: Record, channel: str) -> np.ndarray:
     return np.searchsorted(middles, np.arange(len(record)), side="right")
 
 
-def parts_of(record: Record, days_in_turn: bool = False) -> np.ndarray:
+def parts_of(record: Record, days_in_turn: bool = False, holds_out: bool = True) -> np.ndarray:
     """Return the part of each sample: fit, then select, then shrinkage of at least three days.
 
     A room is fitted and judged on days in turn: what a few days tell of it would not hold in other weather. A short
@@ -311,7 +311,7 @@ def parts_of(record: Record, days_in_turn: bool = False) -> np.ndarray:
     days = len(record) * record.interval_s / DAY_S
     at = (np.arange(len(record)) + 0.5) * record.interval_s / DAY_S
     in_turn = np.where((record.day if days_in_turn else record.cycle) % 2 == 0, FIT, SELECT)
-    if days < SHORT_DAYS:
+    if days < SHORT_DAYS or not holds_out:
         return in_turn
     kept = max(LEAST_SHRINK_DAYS, 0.3 * days)
     first = in_turn if days_in_turn else np.where(at < 0.57 * (days - kept), FIT, SELECT)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.candidate import CLEAR_GAIN, Candidate, alike, best_of, is_worth_naming, over_floor, shared
+from waxstudy.gap.candidate import CLEAR_GAIN, EXPLAINED, Candidate, alike, best_of, is_worth_naming, over_floor, shared
 from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.floor import Floor
-from waxstudy.gap.judge import FIT, SELECT, SHRINK
+from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
 from waxstudy.gap.links import ROOM_STAGES
 from waxstudy.gap.reading import Reading
 from waxstudy.gap.resampling import inclusion, null
@@ -23,6 +23,7 @@ LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none doe
 MOST_EFFECTS = 3
 CONFIRMED = 0.25  # of the square of a gap that an effect must take away on days that nobody looked at
 OF_AIR = ("air_temperature_C", "operative_temperature_C")
+LATE = 2.0  # times the gap of the days before, at which the last days show something that those did not
 PAIRED = 2  # effects that others are tried beside, where none is enough alone
 
 Tick = Callable[[str], None]
@@ -53,6 +54,11 @@ class Selection:
     floor: Floor
     withdrawn: tuple[Found, ...] = ()  # accepted, but not confirmed by the last part
     distrusted: tuple[Found, ...] = ()  # accepted, but of a room that stays missed by more than its model's form
+
+    @property
+    def is_late(self) -> bool:
+        """Whether nothing was found, and the last days, which took no part in it, show a gap that the others do not."""
+        return not self.found and any(_is_late(self, errors) for errors in self.after.errors)
 
     @property
     def slight(self) -> frozenset[str]:
@@ -230,6 +236,12 @@ class _Search:
     def found(self, best: Candidate, candidates: Sequence[Candidate], current: Fitted) -> Found:
         group = alike(best, candidates)
         return Found(best, group, inclusion(group, candidates, current, self.random))
+
+
+def _is_late(selection: Selection, errors: Errors) -> bool:
+    last, before = errors.gap(SHRINK), max(errors.gap(FIT), errors.gap(SELECT))
+    form_K = ROOM_FORM_K.get(errors.channel, 0.0) if selection.fitter.link.with_room else 0.0
+    return last > max(LATE * before, EXPLAINED * selection.floor.plain[errors.channel], form_K)
 
 
 def is_poor(fitter: Fitter, model: Fitted) -> bool:

@@ -11,7 +11,7 @@ from waxstudy.gap.links import ROOM_STAGES, SHOWN, Link
 from waxstudy.gap.record import AIR, Record
 from waxstudy.gap.resampling import whole
 from waxstudy.gap.result import FoundEffect, Measurement, Untestable
-from waxstudy.gap.select import Selection
+from waxstudy.gap.select import OF_AIR, Selection, is_poor
 from waxstudy.gap.space import EffectType, Values
 from waxstudy.plugin import CHAIN, Belief
 
@@ -30,9 +30,11 @@ def too_short(link: Link, record: Record) -> str:
         what = "days" if link.with_room else "cycles"
         return f"only {len(blocks)} {what} of {channel} are recorded, {LEAST_BLOCKS} are needed"
     # a signal that is always on shows a motor that stands elsewhere; what moves without its drive shows a dead one
-    for name in (channel,) if _stands(record, channel) else (channel, link.driven_by):
-        values = record.values[name]
-        if np.nanmax(values) - np.nanmin(values) <= 1e-9:
+    # a room in which nobody heats still has its sun and its losses
+    is_idle = link.with_room and not any(_moves(record, name) for name in ("heating_signal", link.driven_by))
+    is_idle = is_idle and all(_stands(record, name) for name in LEVELS if record.has(name))
+    for name in (channel,) if is_idle or _stands(record, channel) else (channel, link.driven_by):
+        if not _moves(record, name):
             return f"{name} never changes in this record"
     share = float(_known(record, channel).mean())
     return f"{100 * (1 - share):.0f} % of {channel} is missing" if share < 0.3 else ""
@@ -47,6 +49,13 @@ def _stands(record: Record, channel: str) -> bool:
     """Whether a level stays where it is, but for noise."""
     low, high = np.nanquantile(record.values[channel], (0.01, 0.99))
     return channel in LEVELS and bool(high - low < STEADY)
+
+
+def _moves(record: Record, channel: str) -> bool:
+    if not record.has(channel):
+        return False
+    values = record.values[channel]
+    return bool(np.nanmax(values) - np.nanmin(values) > 1e-9)
 
 
 def _known(record: Record, channel: str) -> np.ndarray:
@@ -69,13 +78,21 @@ def needed(stage: str) -> str:
 
 
 def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Untestable]:
-    """Yield the effects that a clear departure would not have moved what is recorded by."""
+    """Yield the effects that a clear departure would not have moved what is recorded by.
+
+    In a room that stays missed by more than its form, none could be told from what is not understood of it.
+    """
     fitter, base = selection.fitter, selection.before
+    missed_K = max((errors.gap() for errors in selection.after.errors if errors.channel in OF_AIR), default=0.0)
+    lost = f"the room stays missed by {missed_K:.1f} K whatever is added" if is_poor(fitter, selection.after) else ""
     now, part, _ = whole(base)
     believed = fitter.edited(base.effects, base.departures)
     named = {name for found in selection.found for name in found.group}
     for effect in effects:
         if effect.name in named or effect.hindrance(believed):
+            continue
+        if lost:
+            yield Untestable(effect.name, lost)
             continue
         moved = max((_moved(selection, effect, values, now) for values in clear(effect, believed)), default=np.inf)
         left = max(1.0, float(np.mean(now[part >= 0] ** 2)))
