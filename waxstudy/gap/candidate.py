@@ -17,7 +17,7 @@ from waxstudy.plugin import Belief
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_GAP = 1.1  # over the floor
-LEAST_SMOOTHED_GAP = 1.5
+LEAST_SMOOTHED_GAP = 2.0
 LEAST_PART = 0.15  # that one of them must explain alone
 EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
 LEAST_GAIN = 10.0  # whitened

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import typing
 from collections import namedtuple
+from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
@@ -59,6 +60,11 @@ def _empty() -> np.ndarray:
     return np.zeros(1, dtype=np.dtype([(EMPTY, "i8")]))
 
 
+@cache
+def _hints(state: type) -> dict[str, Any]:
+    return typing.get_type_hints(state)
+
+
 def state_dtype(state: type) -> np.dtype[Any]:
     """Return the record layout of a state dataclass of float, int, bool and Ring fields.
 
@@ -70,7 +76,7 @@ def state_dtype(state: type) -> np.dtype[Any]:
         raise TypeError(
             f"its State, {state.__name__}, is frozen: a step changes its state, so mark it plain @dataclass"
         )
-    hints = typing.get_type_hints(state)
+    hints = _hints(state)
     fields: list[tuple[str, Any]] = []
     for field in dataclasses.fields(state):
         hint = hints[field.name]
@@ -110,7 +116,7 @@ def state_problem(state: Any) -> str:
     >>> state_problem(state)
     "its step sets 'openning', which its State does not declare; did you mean 'opening'?"
     """
-    hints = typing.get_type_hints(type(state))
+    hints = _hints(type(state))  # type: ignore[arg-type]  # a class is hashable
     for name in getattr(state, "__dict__", {}):
         if name not in hints:
             near = nearest(name, hints)
