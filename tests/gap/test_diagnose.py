@@ -50,6 +50,7 @@ def test_nothing_is_claimed_where_nothing_was_put_in(record: str):
     [
         ("r02", "sensor-delay", "delay_s", 600.0),
         ("r03", "let-by", "fraction", 0.015),
+        ("r04", "gain-shift", "shift_h", 8.0),
     ],
 )
 def test_what_was_put_in_is_named_and_measured(record: str, name: str, parameter: str, truth: float):

@@ -23,7 +23,7 @@ REFINE = {1: 30, 2: 60, 3: 110}
 REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
 OTHER = 9.0  # loss by which another reading must be better
-AGAIN = 2  # fits of the believed room from where the last one ended
+AGAIN = 2  # fits of a room from where the last one ended
 STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
@@ -126,10 +126,13 @@ class Fitter:
         first = self._best([self._room_fit((), start, self.link.readings[0], (FIT,))])
         known = self._slopes_at(first) if len(self.link.readings) > 1 else None
         others = [self._room_fit((), first.departures, reading, (FIT,), known) for reading in self.link.readings[1:]]
-        best = self._best([first, *others])
+        return self.settled(self._best([first, *others]))
+
+    def settled(self, fitted: Fitted) -> Fitted:
+        """Return a fit that others are compared with, gone on with to its end: else they gain what it had left."""
         for _ in range(AGAIN if self.unknowns else 0):
-            best = self._room_fit((), best.departures, best.reading, (FIT,)) or best
-        return best
+            fitted = self._room_fit(fitted.effects, fitted.departures, fitted.reading, (FIT,), most=STEPS) or fitted
+        return fitted
 
     @cached_property
     def readings(self) -> Sequence[Reading]:
@@ -326,6 +329,7 @@ class Fitter:
         reading: Reading,
         parts: Sequence[int],
         known: FloatArray | None = None,
+        most: int | None = None,
     ) -> Fitted | None:
         """Fit departures and effects together by damped Gauss-Newton steps, the departures held by their priors.
 
@@ -334,7 +338,8 @@ class Fitter:
         if not self.unknowns:
             return self.at(effects, departures, reading)
         problem = LeastSquares(self, effects, reading, parts)
-        most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
+        if most is None:
+            most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
         return problem.solved(problem.vector(departures), most, known)
 
 

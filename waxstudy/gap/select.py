@@ -85,6 +85,10 @@ class _Search:
         # what can be only because another effect is there would change that one's parameters, and means nothing alone
         self.effects = [effect for effect in effects if not effect.hindrance(fitter.belief)]
 
+    @property
+    def is_quick(self) -> bool:
+        return self.fitter.thorough < 1.0
+
     def run(self) -> Selection:
         current = self.fitter.base
         found: list[Found] = []
@@ -101,7 +105,9 @@ class _Search:
                 found += [self.found(c, [*candidates, best], current) for c in pair]
             else:
                 break
-            current = best.fitted
+            if self.is_quick and is_enough(self.fitter, best):
+                break
+            current = self.fitter.settled(best.fitted)
         models, without = self.models(found)
         withdrawn: list[Found] = []
         while doubtful := unconfirmed(found, models[-1], without):
@@ -221,7 +227,7 @@ class _Search:
 
     def pair(self, current: Fitted, candidates: Sequence[Candidate]) -> tuple[Candidate, Candidate] | None:
         """Return two effects that explain together what neither does alone, or None; a quick search does not look."""
-        if self.fitter.thorough < 1.0:
+        if self.is_quick:
             return None
         seen = sorted((c for c in candidates if c.is_part), key=lambda c: -c.gain)
         best: tuple[Candidate, Candidate] | None = None
@@ -242,6 +248,13 @@ def _is_late(selection: Selection, errors: Errors) -> bool:
     last, before = errors.gap(SHRINK), max(errors.gap(FIT), errors.gap(SELECT))
     form_K = ROOM_FORM_K.get(errors.channel, 0.0) if selection.fitter.link.with_room else 0.0
     return last > max(LATE * before, EXPLAINED * selection.floor.plain[errors.channel], form_K)
+
+
+def is_enough(fitter: Fitter, best: Candidate) -> bool:
+    """Whether what an effect leaves would be no finding: of a room its form, of a chain little over the floor."""
+    if not fitter.link.with_room:
+        return best.left <= EXPLAINED
+    return all(errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0) for errors in best.fitted.errors)
 
 
 def is_poor(fitter: Fitter, model: Fitted) -> bool:
