@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.gap.realities import EFFECTS, Effects, belief, effects, planted, record
-from waxstudy.gap.candidate import LEVEL
+from waxstudy.gap.candidate import LEVEL, best_of
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.judge import SHRINK, parts_of
 from waxstudy.gap.links import Link, links
@@ -242,3 +242,13 @@ def test_the_same_seed_gives_the_same_selection() -> None:
         (c.effect.name, c.gain, c.p, c.share) for c in other.tried
     ]
     assert [(f.group, f.inclusion) for f in one.found] == [(f.group, f.inclusion) for f in other.found]
+
+
+def test_of_two_that_leave_only_noise_the_one_with_fewer_parameters_is_named() -> None:
+    tried = of_planted(effects(slow_actuator={"factor": 2.0}), "actuator").tried
+    by_name = {each.effect.name: each for each in tried}
+    simple, rich = by_name["slow-actuator"], by_name["constant-times"]
+    ahead = replace(rich, gain=simple.gain + 500.0, left=1.0)
+    assert best_of([replace(simple, left=1.02), ahead]).effect.name == "slow-actuator"
+    assert best_of([replace(simple, left=1.1), ahead]).effect.name == "constant-times"
+    assert best_of([simple, replace(rich, gain=simple.gain - 500.0)]).effect.name == "slow-actuator"

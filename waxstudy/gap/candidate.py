@@ -17,12 +17,13 @@ from waxstudy.plugin import Belief
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_GAP = 1.1  # over the floor
-LEAST_SMOOTHED_GAP = 2.0
+LEAST_SMOOTHED_GAP = 1.75
 LEAST_PART = 0.15  # that one of them must explain alone
 EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
 LEAST_GAIN = 10.0  # whitened
 CLEAR_GAIN = 50.0
 ALIKE = 9.0  # difference of loss at which two effects cannot be told apart, in units of what is left
+NOISE_ONLY = 1.03  # left over the floor, at which nothing but noise is left
 SAME = 1e-6  # share of a gain that is but rounding
 
 
@@ -61,8 +62,7 @@ class Candidate:
 
         Its drive is smoothed, and where it is cut off at 0 or 1 that looks like another tuning.
         """
-        is_smoothed = self.channel == "control_output" and self.fitted.unit(self.channel) != "s"
-        return LEAST_SMOOTHED_GAP if is_smoothed else LEAST_GAP
+        return LEAST_SMOOTHED_GAP if runs_on(self.channel, self.fitted.unit(self.channel)) else LEAST_GAP
 
     @property
     def is_slight(self) -> bool:
@@ -77,10 +77,20 @@ class Candidate:
         return self.is_seen and is_gap and is_whole and self.is_worth_naming and not self.is_covered
 
 
+def runs_on(channel: str, unit: str) -> bool:
+    """Whether a channel is a control output that does not switch."""
+    return channel == "control_output" and unit != "s"
+
+
 def best_of(candidates: Sequence[Candidate]) -> Candidate:
-    """Return the candidate that gains most; of those that gain the same but for rounding, the first by name."""
+    """Return the candidate that gains most; of those that gain the same but for rounding, the first by name.
+
+    One with fewer parameters that leaves no more than noise is better: more of them follow what sampling blurs.
+    """
     most = max(c.gain for c in candidates)
-    return min((c for c in candidates if c.gain >= most * (1.0 - SAME)), key=lambda c: c.effect.name)
+    best = min((c for c in candidates if c.gain >= most * (1.0 - SAME)), key=lambda c: c.effect.name)
+    even = [c for c in candidates if c.left <= NOISE_ONLY and len(c.effect.priors) < len(best.effect.priors)]
+    return min(even, key=lambda c: (len(c.effect.priors), -c.gain, c.effect.name), default=best)
 
 
 def alike(best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:

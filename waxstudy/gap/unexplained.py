@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from waxstudy.gap.candidate import LEAST_SMOOTHED_GAP, runs_on
 from waxstudy.gap.judge import Errors
 from waxstudy.gap.resampling import by_block
 from waxstudy.gap.result import Unexplained
@@ -29,9 +30,9 @@ def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
         floor, white = selection.floor.plain[errors.channel], selection.floor.white[errors.channel]
         # by what each switch and sample can be known to: one that hangs on noise says little
         weighed = errors if selection.fitter.link.with_room else replace(errors, error=errors.whitened)
-        threshold = LEAST_EXCESS * (floor if weighed is errors else white)
-        p = _p(weighed, threshold, random)
-        is_large = errors.gap() > LEAST_EXCESS * floor and errors.channel not in selection.slight
+        least = LEAST_SMOOTHED_GAP if runs_on(errors.channel, errors.unit) else LEAST_EXCESS
+        p = _p(weighed, least * (floor if weighed is errors else white), random)
+        is_large = errors.gap() > least * floor and errors.channel not in selection.slight
         if p <= LEVEL and is_large and (weighed is errors or carried_by(weighed) >= LEAST_TYPICAL):
             yield _described(selection, errors, floor, p)
 
