@@ -133,6 +133,7 @@ def test_what_only_the_last_days_show_is_looked_for_in_them_too_and_said_to_be_s
     diagnosis = diagnose(lit, quick=True)
     assert [effect.name for effect in diagnosis.effects] == ["solar-factor"]
     assert diagnosis.effects[0].parameters["factor"].value == pytest.approx(0.5, rel=0.1)
+    assert not diagnosis.effects[0].is_held_out
     assert any("solar-factor shows in the last days only" in warning for warning in diagnosis.warnings)
 
 

@@ -176,7 +176,7 @@ def test_what_could_not_be_judged_is_not_called_free_of_gaps() -> None:
 
 
 def test_without_days_kept_apart_the_summary_does_not_speak_of_them() -> None:
-    short = replace(EFFECT, parts={name: days for name, days in EFFECT.parts.items() if name != "shrinkage"})
+    short = replace(EFFECT, effects=[replace(each, is_held_out=False) for each in EFFECT.effects])
     assert "on held-out days" not in flat(short)
     assert "where its fit has not seen" in flat(short)
 

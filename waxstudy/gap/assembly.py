@@ -103,6 +103,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             gap_after=after.gap(),
             noise_floor=floor,
             shrink=shrink(before, after, floor, random),
+            is_held_out=bool((before.part == SHRINK).any()),
         )
 
 

@@ -79,7 +79,8 @@ class FoundEffect:
     gap_before: float
     gap_after: float
     noise_floor: float
-    shrink: Interval  # on days that took no part in finding it
+    shrink: Interval  # on days that its fit has not seen
+    is_held_out: bool = True  # whether these took no part in choosing it either
 
 
 @dataclass(frozen=True)

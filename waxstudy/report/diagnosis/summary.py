@@ -110,13 +110,13 @@ def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     before, after, floor = (number(v) for v in (effect.gap_before, effect.gap_after, effect.noise_floor))
     return (
         f"{effect.name} takes away {percent_interval(effect.shrink)} of the gap of {channel_words(effect.channel)} "
-        f"{held_out(diagnosis)}; in all {before} → {with_unit(after, unit)}, floor {floor}"
+        f"{held_out([effect])}; in all {before} → {with_unit(after, unit)}, floor {floor}"
     )
 
 
-def held_out(diagnosis: Diagnosis) -> str:
+def held_out(effects: Sequence[FoundEffect]) -> str:
     """Where shrinkage was judged."""
-    return "on held-out days" if diagnosis.parts.get("shrinkage") else "where its fit has not seen"
+    return "on held-out days" if all(effect.is_held_out for effect in effects) else "where its fit has not seen"
 
 
 def _loop(diagnosis: Diagnosis) -> list[str]:

@@ -88,7 +88,7 @@ def found(diagnosis: Diagnosis) -> Table:
         for effect in diagnosis.effects
     ]
     headings = ["effect", "judged by", "gap before", "gap after", "noise floor", "shrinks by", "found again", "p"]
-    return f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis)}", headings, rows
+    return f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis.effects)}", headings, rows
 
 
 def closed_loop(diagnosis: Diagnosis) -> Table:
