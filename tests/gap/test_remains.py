@@ -93,6 +93,16 @@ def test_an_ideal_actuator_has_nothing_published_that_it_strays_by() -> None:
     assert stray_s(believed) == 0.0
 
 
+def test_an_ideal_actuator_that_is_seen_a_sample_late_is_no_motor() -> None:
+    seen = record("IDEAL", days=3, interval_s=10.0)
+    believed = belief("IDEAL", seen)
+    link = link_at("actuator", links(seen, believed))
+    late = np.insert(seen.values["displacement"][:-1], 0, 0.0)
+    of_late = searched(link, replace(seen, values={**seen.values, "displacement": late}), believed, ["wax-motor"])
+    assert of_late.found == ()
+    assert not any(each.is_finding for each in unexplained(of_late, 1))
+
+
 def test_the_opening_that_is_believed_is_what_was_recorded_of_it() -> None:
     seen, believed, _ = ready()
     believed_opening = opening(seen, believed)

@@ -6,6 +6,7 @@ import numpy as np
 
 from waxstudy.gap.fit import Fitted, Fitter
 from waxstudy.gap.links import chain_of
+from waxstudy.gap.path import CELL_S
 from waxstudy.gap.record import Record
 from waxstudy.plugin import Actuator, Belief, FloatArray
 from waxstudy.simulation.replay import replay
@@ -19,14 +20,17 @@ def is_covered(fitter: Fitter, current: Fitted, fitted: Fitted) -> bool:
     The believed actuator's `stray_s` is the published |displacement error| integrated over a switch [s].
     """
     believed = fitter.edited(current.effects, current.departures)
-    allowed = stray_s(believed)
-    if not allowed:
-        return False
+    allowed = allowed_s(fitter.record, believed)
     before = opening(fitter.record, believed)
     after = opening(fitter.record, fitter.edited(fitted.effects, fitted.departures))
     if before is None or after is None:
         return False
     return moved_s(fitter.record, before - after) <= allowed
+
+
+def allowed_s(record: Record, belief: Belief) -> float:
+    """Return what an opening may be off by per switch: what real actuators stray, or when a sample was taken."""
+    return max(stray_s(belief), min(record.interval_s, CELL_S))
 
 
 def stray_s(belief: Belief) -> float:
@@ -47,10 +51,15 @@ def moved_s(record: Record, difference: FloatArray) -> float:
 
 
 def opening(record: Record, belief: Belief) -> FloatArray | None:
-    """Return what the believed actuator makes of the recorded signal, None where no signal was recorded."""
+    """Return what the believed actuator makes of the recorded signal, None where no signal was recorded.
+
+    Where none is believed the valve follows its signal.
+    """
     channel = next((name for name in SIGNALS if name in record.binary), None)
-    if channel is None or "actuator" not in belief.blocks:
+    if channel is None:
         return None
+    if "actuator" not in belief.blocks:
+        return record.filled(channel)
     chain = chain_of({"actuator": belief.blocks["actuator"]}, record.interval_s)
     signal, jump = record.filled(channel), np.full(len(record), 0.5)
     ends, _ = replay(chain, "actuator", signal, signal, interval_s=record.interval_s, start_s=record.start_s, jump=jump)

@@ -13,7 +13,7 @@ from waxstudy.gap.resampling import by_block
 from waxstudy.gap.result import Unexplained
 from waxstudy.gap.room import ROOM_FORM_K
 from waxstudy.gap.select import Selection
-from waxstudy.gap.stray import moved_s, stray_s
+from waxstudy.gap.stray import allowed_s, moved_s
 
 LEAST_EXCESS = 1.5  # of what is left over the noise floor
 LEVEL = 0.01
@@ -67,8 +67,8 @@ def _p(errors: Errors, threshold: float, random: np.random.Generator) -> float:
 def is_covered(selection: Selection, errors: Errors) -> bool:
     """Whether an actuator is missed by no more, per switch, than real ones are known to stray from it."""
     fitter = selection.fitter
-    allowed = stray_s(fitter.edited(selection.after.effects, selection.after.departures))
-    if not allowed or errors.channel not in ("displacement", "flow_L_h") or "actuator" not in fitter.link.stages:
+    allowed = allowed_s(fitter.record, fitter.edited(selection.after.effects, selection.after.departures))
+    if errors.channel not in ("displacement", "flow_L_h") or "actuator" not in fitter.link.stages:
         return False
     full = 1.0 if errors.channel == "displacement" else float(np.nanmax(fitter.record.values["flow_L_h"]))
     beyond_noise = np.abs(errors.error) > 4.0 * fitter.record.noise[errors.channel]
