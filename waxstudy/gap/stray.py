@@ -17,6 +17,8 @@ SIGNALS = ("heating_signal", "control_output")
 def is_covered(fitter: Fitter, current: Fitted, fitted: Fitted) -> bool:
     """Whether an effect moves the opening less, per switch, than published errors of the believed actuator are.
 
+    Or by no more than the time at which a sample was taken is known.
+
     The believed actuator's `stray_s` is the published |displacement error| integrated over a switch [s].
     """
     believed = fitter.edited(current.effects, current.departures)

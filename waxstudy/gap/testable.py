@@ -8,12 +8,13 @@ import numpy as np
 
 from waxstudy.gap.candidate import LEAST_GAIN
 from waxstudy.gap.links import ROOM_STAGES, SHOWN, Link
+from waxstudy.gap.reading import Reading
 from waxstudy.gap.record import AIR, Record
 from waxstudy.gap.resampling import whole
 from waxstudy.gap.result import FoundEffect, Measurement, Untestable
 from waxstudy.gap.select import OF_AIR, Selection, is_poor
 from waxstudy.gap.space import EffectType, Values
-from waxstudy.plugin import CHAIN, Belief
+from waxstudy.plugin import CHAIN, Belief, FloatArray
 
 CLEAR = 4  # noticeable steps from neutral that a record should show
 LEAST_BLOCKS = 3
@@ -79,27 +80,34 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
     now, part, _ = whole(base)
     believed = fitter.edited(base.effects, base.departures)
     named = {name for found in selection.found for name in found.group}
+    least = 2.0 * LEAST_GAIN * max(1.0, float(np.mean(now[part >= 0] ** 2)))
+    tried = [(reading, fitter.at((), base.departures, reading)) for reading in fitter.readings]
+    stills = [(reading, whole(still)[0]) for reading, still in tried if still]
     for effect in effects:
         if effect.name in named or effect.hindrance(believed):
             continue
         if lost:
             yield Untestable(effect.name, lost)
             continue
-        least = 2.0 * LEAST_GAIN * max(1.0, float(np.mean(now[part >= 0] ** 2)))
         departures = list(clear(effect, believed))
-        if departures and not any(_moves_by(selection, effect, values, least) for values in departures):
+        if departures and not any(_moves_by(selection, effect, values, stills, least) for values in departures):
             yield Untestable(effect.name, "nothing in this record would look different with it")
 
 
-def _moves_by(selection: Selection, effect: EffectType, values: Values, least: float) -> bool:
+def _moves_by(
+    selection: Selection,
+    effect: EffectType,
+    values: Values,
+    stills: Sequence[tuple[Reading, FloatArray]],  # the errors without it, for each way to read the record
+    least: float,
+) -> bool:
     """Whether an effect changes the errors by a loss, however the record is read; also where that cannot be told."""
     fitter, departures = selection.fitter, selection.before.departures
     told = False
-    for reading in fitter.readings:
-        other, still = (fitter.at(effects, departures, reading) for effects in ([(effect, values)], ()))
-        if other and still:
+    for reading, still in stills:
+        if other := fitter.at([(effect, values)], departures, reading):
             told = True
-            if float(np.sum((whole(other)[0] - whole(still)[0]) ** 2)) >= least:
+            if float(np.sum((whole(other)[0] - still) ** 2)) >= least:
                 return True
     return not told
 

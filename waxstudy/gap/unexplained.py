@@ -65,7 +65,7 @@ def _p(errors: Errors, threshold: float, random: np.random.Generator) -> float:
 
 
 def is_covered(selection: Selection, errors: Errors) -> bool:
-    """Whether an actuator is missed by no more, per switch, than real ones are known to stray from it."""
+    """Whether an actuator is missed by no more, per switch, than real ones stray from it, or than sampling tells."""
     fitter = selection.fitter
     allowed = allowed_s(fitter.record, fitter.edited(selection.after.effects, selection.after.departures))
     if errors.channel not in ("displacement", "flow_L_h") or "actuator" not in fitter.link.stages:
