@@ -131,16 +131,22 @@ def test_an_effect_is_taken_out_of_the_library(small_study: Path, waxstudy: Waxs
     assert waxstudy("blind-test", "without", "let-bye", "valve").returncode == 4
 
 
-def killed(folder: Path, begun: int, count: str, *arguments: object, by: signal.Signals = signal.SIGKILL) -> None:
-    """Start a command and end it, with its processes, once it has written so many files."""
-    command = [str(WAXSTUDY), *map(str, arguments)]
-    process = subprocess.Popen(
-        command,
+def started(folder: Path, *arguments: object, **streams: Any) -> subprocess.Popen[str]:
+    """Start a command in a session of its own, ready to be interrupted: a shell's background job ignores that."""
+    return subprocess.Popen(
+        [str(WAXSTUDY), *map(str, arguments)],
         cwd=folder,
+        encoding="utf-8",
         stdout=subprocess.DEVNULL,
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # which a shell's background job ignores
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        **streams,
     )
+
+
+def killed(folder: Path, begun: int, count: str, *arguments: object, by: signal.Signals = signal.SIGKILL) -> None:
+    """Start a command and end it, with its processes, once it has written so many files."""
+    process = started(folder, *arguments)
     while len(list(folder.glob(count))) < begun:
         assert process.poll() is None, "it ended before it could be killed"
         time.sleep(0.02)
@@ -181,3 +187,21 @@ def test_solving_that_was_ended_goes_on_from_there(place: Place, waxstudy: Waxst
     after = answers(place)
     assert sorted(after) == place.names()
     assert {name: after[name] for name in before} == before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signal of this kind")
+def test_a_diagnoser_that_the_interrupt_reached_first_has_not_answered(place: Place, tmp_path: Path) -> None:
+    script = tmp_path / "interrupted.py"
+    script.write_text(
+        "import os, signal, subprocess\n"
+        "signal.signal(signal.SIGINT, signal.SIG_DFL)\n"
+        "late = ['sh', '-c', f'sleep 0.3; kill -INT {os.getppid()}']\n"
+        "subprocess.Popen(late, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)\n"
+        "os.kill(os.getpid(), signal.SIGINT)\n"
+    )
+    arguments = ("blind-test", "solve", "test", "--workers", 1, "--", sys.executable, "interrupted.py")
+    with started(tmp_path, *arguments, stderr=subprocess.PIPE) as process:
+        said = process.communicate(timeout=60)[1]
+    assert process.returncode != 0
+    assert "the same command goes on from there" in said
+    assert not answers(place)
