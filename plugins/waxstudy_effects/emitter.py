@@ -13,6 +13,8 @@ from waxstudy_effects.description import changed_room, description, room_hindran
 from waxstudy_paper.room.construction import Layer
 
 NO_RECORD = "nothing that drives the room is recorded"
+PIECE_S = 10.0
+PIECE_S = 10.0  # of an interval, in which water leaves a pipe
 STANDING_S = 3600.0  # see PipeDelay
 COVER_W_MK = 0.1  # of a cover's material; only its resistance counts
 LEAST_COVER_M2K_W = 1e-6  # less is no layer at all
@@ -103,15 +105,21 @@ class PipeDelay(Effect):
 
 
 def after_pipe_C(inputs: Inputs, volume_L: float) -> FloatArray:
-    """Return the temperature at the end of a pipe, at the end of each interval."""
+    """Return the temperature at the end of a pipe, of the water that leaves it in each interval.
+
+    A plug may pass within an interval: the mean is taken over pieces of 10 s, all with the interval's flow.
+    """
     assert inputs.flow_L_h is not None
-    time_s = inputs.interval_s * np.arange(1.0, len(inputs.supply_C) + 1.0)
+    count, pieces = len(inputs.supply_C), max(1, round(inputs.interval_s / PIECE_S))
+    end_s = inputs.interval_s * np.arange(1.0, count + 1.0)
+    time_s = inputs.interval_s / pieces * (np.arange(count * pieces) + 0.5)
     # a flow too small to matter, so that a time belongs to each volume while the water stands
     passed_L = np.cumsum(np.maximum(inputs.flow_L_h, 1e-6)) * inputs.interval_s / 3600.0
-    entered_s = np.interp(passed_L - volume_L, passed_L, time_s)
+    left_L = np.interp(time_s, np.append(0.0, end_s), np.append(0.0, passed_L)) - volume_L
+    entered_s = np.interp(left_L, np.append(0.0, passed_L), np.append(0.0, end_s))
     kept = np.exp(-(time_s - entered_s) / STANDING_S)
-    entered_C = np.interp(entered_s, time_s, inputs.supply_C)
-    return np.asarray(inputs.air_C + (entered_C - inputs.air_C) * kept)
+    entered_C, air_C = np.interp(entered_s, end_s, inputs.supply_C), np.repeat(inputs.air_C, pieces)
+    return np.asarray((air_C + (entered_C - air_C) * kept).reshape(count, pieces).mean(axis=1))
 
 
 class FloorCoverParameters(Parameters):

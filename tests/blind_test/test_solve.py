@@ -19,6 +19,7 @@ from waxstudy.blind_test.make import Place
 from waxstudy.blind_test.record import digest_of
 from waxstudy.blind_test.solve import _read
 
+FINISHED = "test/answers/external/[!.][!o]*.json"  # neither half written ones nor command.json
 # prints what it can see instead of a diagnosis of anything
 LOOK = """\
 import json, os, pathlib, sys
@@ -30,7 +31,8 @@ print(json.dumps({"verdict": "none", "seen": seen, "words": sys.argv[1:-1]}))
 
 def answers(place: Place, name: str = "external") -> dict[str, Any]:
     folder = place.folder / "answers" / name
-    return {path.stem: json.loads(path.read_text()) for path in folder.glob("*.json") if path.stem != "command"}
+    finished = [path for path in folder.glob("[!.]*.json") if path.stem != "command"]
+    return {path.stem: json.loads(path.read_text()) for path in finished}
 
 
 def test_a_diagnoser_sees_one_record_and_nothing_else(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:
@@ -161,8 +163,8 @@ def test_making_that_was_killed_loses_and_changes_nothing(
 ) -> None:
     (tmp_path / "key").write_text((finished_test / "key").read_text())
     arguments = ("blind-test", "make", "--cases", CASES, "--out", "test", "--key-file", "key")
-    killed(tmp_path, 2, "test/boxes/*.box", *arguments)
-    made = {path: path.read_bytes() for path in (tmp_path / "test" / "boxes").glob("*.box")}
+    killed(tmp_path, 2, "test/boxes/[!.]*.box", *arguments)
+    made = {path: path.read_bytes() for path in (tmp_path / "test" / "boxes").glob("[!.]*.box")}
     assert 2 <= len(made) < CASES
     assert waxstudy(*arguments).returncode == 0
     assert {path: path.read_bytes() for path in made} == made
@@ -179,7 +181,7 @@ def test_solving_that_was_ended_goes_on_from_there(place: Place, waxstudy: Waxst
     script = tmp_path / "slowly.py"
     script.write_text(f"import time; time.sleep(0.2); print({NONE!r})")
     arguments = ("blind-test", "solve", "test", "--", sys.executable, "slowly.py")
-    killed(tmp_path, 2, "test/answers/external/[!c]*.json", *arguments, by=signal.Signals[by])
+    killed(tmp_path, 2, FINISHED, *arguments, by=signal.Signals[by])
     before = answers(place)
     assert 2 <= len(before) < CASES
     assert all(each["answer"] for each in before.values())

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from hashlib import sha256
 from pathlib import Path
+
+from waxstudy.results.atomic import PARTIAL
 
 
 def contents(folder: Path) -> dict[str, str]:
     """Digest of every file below a folder; what a running or killed process was writing is left out."""
-    files = [path for path in folder.rglob("*") if path.is_file()]
+    files = [Path(root) / name for root, _, names in os.walk(folder) if PARTIAL not in root for name in names]
     names = {path: path.relative_to(folder).as_posix() for path in files}
-    return {names[path]: sha256(path.read_bytes()).hexdigest() for path in files if ".partial-" not in names[path]}
+    return {names[path]: sha256(path.read_bytes()).hexdigest() for path in files if PARTIAL not in names[path]}
 
 
 def finished_cases(folder: Path) -> dict[str, str]:

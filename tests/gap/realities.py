@@ -137,7 +137,9 @@ def planted(link: Link, record: Record, believed: Belief, true: Effects = (), se
     """A record in which a link does what is believed with some effects, seen with each channel's noise."""
     random = np.random.default_rng(seed)
     values = dict(record.values)
-    for channel, predicted in link.predict(record, with_effects(believed, true), link.readings[0]).items():
+    for channel, predicted in link.predict(
+        record, with_effects(believed, true), link.readings[0], is_fine=True
+    ).items():
         whole = np.repeat(predicted, len(record) // len(predicted))
         noise = random.normal(0.0, record.noise[channel], len(record))
         noise[whole == 0.0] *= 0.0 if channel == "flow_L_h" else 1.0  # a meter that stands still

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.gap.realities import EFFECTS, belief, effects, planted, record
-from waxstudy.gap.fit import Fitted, Fitter
+from tests.gap.realities import EFFECTS, belief, effects, planted, record, with_effects
+from waxstudy.gap.fit import REFINED, Fitted, Fitter
 from waxstudy.gap.interval import parameter_intervals
 from waxstudy.gap.judge import FIT, SELECT
 from waxstudy.gap.links import Link, links
@@ -136,6 +136,19 @@ def test_a_room_that_leaves_little_shows_that_its_form_is_good_and_one_that_has_
     assert fitter.spread(fitter.base) == 1.0
     strained = replace(fitted, departures=2.0 * fitter.sd)
     assert fitter.spread(strained) == 1.0
+
+
+@pytest.mark.parametrize("true", [{}, {"infiltration": {"factor": 3.0}}, {"thermal_mass": {"factor": 1.5}}])
+def test_a_room_in_long_steps_is_refined_to_what_short_ones_give(true: Mapping[str, Mapping[str, float]]) -> None:
+    seen = record("REAL", days=4)
+    believed = belief("REAL", seen)
+    link = link_of("thermal-mass", links(seen, believed))
+    reading, edited = link.readings[0], with_effects(believed, effects(**true))
+    fine, coarse = (link.predict(seen, edited, reading, is_fine=way) for way in (True, False))
+    refined = Fitter(link, seen, believed).predicted(edited, reading)
+    for channel in REFINED:
+        off_K = [np.nanstd((each[channel] - fine[channel])[24:]) for each in (refined, coarse)]
+        assert off_K[0] <= 0.1 * off_K[1], channel
 
 
 def test_a_chain_s_noise_is_its_instruments_and_never_narrowed() -> None:

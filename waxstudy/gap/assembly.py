@@ -137,7 +137,7 @@ def _impact(work: Work, selection: Selection, believed: Belief, channel: str) ->
     if channel != link.judged[-1]:
         return {}
     belief = selection.fitter.edited(before.effects, before.departures)
-    modelled = link.predict(work.record, belief, before.reading)[channel]
+    modelled = selection.fitter.predicted(belief, before.reading)[channel]
     return impact(work.record, believed, link, modelled)
 
 
@@ -264,7 +264,7 @@ def _traces(work: Work, selections: Sequence[Selection]) -> pd.DataFrame:
         fitter = selection.fitter
         for name, model in (("before", selection.before), ("after", selection.after)):
             belief = fitter.edited(model.effects, model.departures)
-            predicted = fitter.link.predict(work.record, belief, model.reading)
+            predicted = fitter.predicted(belief, model.reading)
             for channel, values in predicted.items():
                 columns[f"{channel}_measured"] = work.record.values[channel]
                 columns[f"{channel}_{name}"] = _spread(values, count)

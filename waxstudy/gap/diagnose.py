@@ -8,7 +8,9 @@ import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.assembly import Work, assembled, of_link
-from waxstudy.gap.fit import Fitter
+from waxstudy.gap.candidate import ALIKE
+from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.judge import FIT, SELECT
 from waxstudy.gap.ladder import ladder_effects
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
@@ -22,6 +24,8 @@ from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
 QUICK = 0.35  # of the fits' effort
+# of what a room's form may leave: what shows that it is as believed, and what shows that it is not
+GOOD_FORM, POOR_FORM = 0.5, 4.0
 Tell = Callable[[str, float], None]
 
 
@@ -89,7 +93,7 @@ def _selections(work: Work, cut: Sequence[Link], tick: Tell) -> Iterator[Selecti
         if selection.is_late:
             again = _selection(work, link, effects, work.seed + place, step, holds_out=False)
             selection = again if again.found else selection
-        yield selection
+        yield _to_the_letter(work, selection, effects, work.seed + place, step)
         done = first + len(effects) + 1
 
 
@@ -102,6 +106,27 @@ def _selection(
     except ValueError as error:
         raise StudyError([_impossible(work.dataset, link, str(error))]) from error
     return select(fitter, effects, seed, tick)
+
+
+def _to_the_letter(work: Work, wide: Selection, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
+    """Return a selection in which nothing of the room departs, where effects make all departures needless.
+
+    That they fit as well as a dozen unknowns together is no chance, although these could take each of them.
+    """
+    loose = wide.fitter
+    if not loose.link.with_room or loose.form(wide.after) > POOR_FORM:
+        return wide
+    least = loose.score(wide.after, (FIT, SELECT))
+    exact = Fitter(loose.link, work.record, work.belief, work.thorough, 0.0, loose.holds_out)
+    if _is_as_good(exact, exact.base, least):
+        return wide
+    found = select(exact, effects, seed, tick)
+    is_good = exact.form(found.after) <= GOOD_FORM and _is_as_good(exact, found.after, least)
+    return found if found.found and is_good else wide
+
+
+def _is_as_good(fitter: Fitter, model: Fitted, least: float) -> bool:
+    return fitter.score(model, (FIT, SELECT)) <= least + ALIKE * fitter.spread(model)
 
 
 def _impossible(dataset: Dataset, link: Link, reason: str) -> Problem:

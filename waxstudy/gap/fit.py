@@ -12,8 +12,9 @@ import numpy as np
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, Judge
 from waxstudy.gap.links import Link
 from waxstudy.gap.newton import MOST_SD, LeastSquares
-from waxstudy.gap.reading import Drift, Reading
+from waxstudy.gap.reading import STILL, Drift, Reading
 from waxstudy.gap.record import Record
+from waxstudy.gap.room import Predicted
 from waxstudy.gap.space import EffectType, Space, Values, descend, valued
 from waxstudy.gap.unknowns import unknowns
 from waxstudy.plugin import Belief, FloatArray, SimulationError
@@ -26,6 +27,7 @@ OTHER = 9.0  # loss by which another reading must be better
 AGAIN = 2  # fits of a room from where the last one ended
 STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
+REFINED = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C")
 TINY = 1e-12
 PROMISING = 5.0  # loss that an effect must take away from a room for a closer look; a quick diagnosis asks for more
 
@@ -65,8 +67,9 @@ class Fitter:
         self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
         self.holds_out = holds_out
         self.judge = Judge(link, record, belief, holds_out)
-        self.unknowns = unknowns(belief, record, room_tolerance) if link.with_room else []
+        self.unknowns = unknowns(belief, record, link.driven_by, room_tolerance) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
+        self._refinements: dict[Reading, Mapping[str, FloatArray]] = {}
         self._solutions: dict[tuple[int, ...], tuple[FloatArray, np.ndarray]] = {}
         self._last: tuple[tuple[bytes, frozenset[str]], Belief] | None = None  # what was departed to last
 
@@ -95,10 +98,30 @@ class Fitter:
     ) -> Fitted | None:
         """Return what a hypothesis misses at given values, or None where it cannot be simulated."""
         try:
-            predicted = self.link.predict(self.record, self.edited(effects, departures), reading)
+            predicted = self.predicted(self.edited(effects, departures), reading)
         except (SimulationError, ValueError, ArithmeticError):
             return None
         return Fitted(tuple(effects), reading, departures, self.judge.errors(predicted))
+
+    def predicted(self, belief: Belief, reading: Reading, drift: Drift = STILL) -> Predicted:
+        """Return what the link makes of a belief, a room's as if its steps were those of the record.
+
+        What shorter steps change of the room as believed is added: they change as much of any other. Not of the return,
+        whose first minutes of each pulse are a matter of the model's form.
+        """
+        found = self.link.predict(self.record, belief, reading, drift)
+        for channel, change in self._refinement(reading).items():
+            found[channel] = found[channel] + change
+        return found
+
+    def _refinement(self, reading: Reading) -> Mapping[str, FloatArray]:
+        if not self.link.with_room:
+            return {}
+        if reading not in self._refinements:
+            coarse, fine = (self.link.predict(self.record, self.belief, reading, is_fine=way) for way in (False, True))
+            changes = {channel: fine[channel] - coarse[channel] for channel in fine if channel in REFINED}
+            self._refinements[reading] = {channel: np.nan_to_num(change) for channel, change in changes.items()}
+        return self._refinements[reading]
 
     def drive_noise(self, fitted: Fitted) -> Mapping[int, float]:
         """Return what noise of the link's drive adds to a model's loss, by part: a low-pass lets less of it through."""
@@ -106,8 +129,8 @@ class Fitter:
             return {}
         belief = self.edited(fitted.effects, fitted.departures)
         drift = Drift(np.random.default_rng(11), is_twice=False)
-        still = self.link.predict(self.record, belief, fitted.reading)
-        shaken = self.link.predict(self.record, belief, fitted.reading, drift)
+        still = self.predicted(belief, fitted.reading)
+        shaken = self.predicted(belief, fitted.reading, drift)
         found: dict[int, float] = {}
         for now, moved in zip(self.judge.errors(still), self.judge.errors(shaken), strict=True):
             if now.channel not in self.record.binary:
@@ -133,6 +156,12 @@ class Fitter:
         for _ in range(AGAIN if self.unknowns else 0):
             fitted = self._room_fit(fitted.effects, fitted.departures, fitted.reading, (FIT,), most=STEPS) or fitted
         return fitted
+
+    def reread(self, fitted: Fitted) -> Fitted:
+        """Return a fit read in the way that suits it best: what had to be undone before may be needless now."""
+        others = [each for each in self.readings if each != fitted.reading]
+        again = [self.refined(fitted.effects, fitted.departures, reading) for reading in others]
+        return self._best([fitted, *again])
 
     @cached_property
     def readings(self) -> Sequence[Reading]:
@@ -168,13 +197,17 @@ class Fitter:
         """Return the square of what a room leaves by its form, in units of what it may leave; 1 where none takes part.
 
         A room as believed that leaves far less, and did not have to depart for it, shows that its form is better than
-        that. Each channel counts once a day, as what a form leaves comes again every day.
+        that.
         """
-        if not self.unknowns:
-            return 1.0
+        return min(1.0, self.form(fitted)) if self.unknowns else 1.0
+
+    def form(self, fitted: Fitted) -> float:
+        """Return the same without the limit at what a form may leave.
+
+        Each channel counts once a day, as what a form leaves comes again every day.
+        """
         days = [len(np.unique(each.block[each.judged & (each.part != SHRINK)])) for each in fitted.errors]
-        left = fitted.loss(FIT) + fitted.loss(SELECT) + self.strain(fitted)
-        return float(min(1.0, left / max(1, sum(days))))
+        return (fitted.loss(FIT) + fitted.loss(SELECT) + self.strain(fitted)) / max(1, sum(days))
 
     def fit(self, effect: EffectType, given: Fitted, parts: Sequence[int] = (FIT,)) -> Fitted | None:
         """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""

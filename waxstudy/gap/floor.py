@@ -27,13 +27,13 @@ class Floor:
         """Return the floor of a fitted model: its own predictions, shaken and seen by the instruments, judged by it."""
         link, record = fitter.link, fitter.record
         belief = fitter.edited(fitted.effects, fitted.departures)
-        still = link.predict(record, belief, fitted.reading)
+        still = fitter.predicted(belief, fitted.reading)
         plain: dict[str, list[float]] = {channel: [] for channel in link.judged}
         white: dict[str, list[float]] = {channel: [] for channel in link.judged}
         for seed in range(SHAKES):
             drift = Drift(np.random.default_rng([7, seed]))
             try:
-                shaken = link.predict(record, belief, fitted.reading, drift)
+                shaken = fitter.predicted(belief, fitted.reading, drift)
             except (SimulationError, ValueError):
                 continue
             for each in fitter.judge.errors(_seen(fitter, still, shaken, drift)):

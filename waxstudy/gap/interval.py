@@ -33,7 +33,9 @@ def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, M
     for other in _as_good(fitter, fitted):
         values = dict(other.effects)
         found = {
-            effect: {name: _reaching(interval, values[effect][name]) for name, interval in each.items()}
+            effect: {
+                name: _reaching(interval, values[effect][name], effect.priors[name]) for name, interval in each.items()
+            }
             for effect, each in found.items()
         }
     return found
@@ -41,15 +43,19 @@ def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, M
 
 def _as_good(fitter: Fitter, fitted: Fitted) -> Iterator[Fitted]:
     """Yield the fits under other readings that cannot be told from this one."""
+    most = fitter.score(fitted, (FIT, SELECT)) + OTHER * fitter.spread(fitted)
     for reading in fitter.readings:
         if reading != fitted.reading:
             other = fitter.refined(fitted.effects, fitted.departures, reading, (FIT, SELECT))
-            if other and fitter.score(other, (FIT, SELECT)) <= fitter.score(fitted, (FIT, SELECT)) + OTHER:
+            if other and fitter.score(other, (FIT, SELECT)) <= most:
                 yield other
 
 
-def _reaching(interval: Interval, value: float) -> Interval:
-    return Interval(interval.value, min(interval.low, value), max(interval.high, value))
+def _reaching(interval: Interval, value: float, prior: Prior) -> Interval:
+    """Return an interval that holds another value too, with as much around it."""
+    ends = (interval.low, interval.high)
+    low, high = (end * value / interval.value if prior.is_log else end + value - interval.value for end in ends)
+    return Interval(interval.value, max(prior.low, min(interval.low, low)), min(prior.high, max(interval.high, high)))
 
 
 def _of_reading(fitter: Fitter, fitted: Fitted) -> dict[EffectType, dict[str, Interval]]:
@@ -77,7 +83,7 @@ def _smoothed(fitter: Fitter, fitted: Fitted) -> FloatArray:
     if fitter.link.driven_by not in CONTINUOUS:
         return np.zeros(len(now))
     belief, drift = fitter.edited(fitted.effects, fitted.departures), Drift(np.random.default_rng(13))
-    shaken = fitter.judge.errors(fitter.link.predict(fitter.record, belief, fitted.reading, drift))
+    shaken = fitter.judge.errors(fitter.predicted(belief, fitted.reading, drift))
     return np.concatenate([each.whitened for each in shaken]) - now
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.gap.links import Link
 from waxstudy.gap.reading import LONG_S, STILL, Drift
 from waxstudy.gap.record import DAY_S, Record
-from waxstudy.gap.room import JUDGED_S, ROOM_STEP_S, Predicted, weighted
+from waxstudy.gap.room import Predicted, merging, weighted
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 
 FIT, SELECT, SHRINK, LEFT_OUT = 0, 1, 2, -1
@@ -105,7 +105,7 @@ class Judge:
         record = self.record
         noise = record.noise[channel]
         if channel in self._measured:
-            parts, merged = self._merging()
+            parts, merged = merging(self.record.interval_s)
             return np.full(len(self._measured[channel]), noise / np.sqrt(parts * merged))
         values = record.filled(channel)
         if channel in SMOOTHED:
@@ -232,7 +232,7 @@ class Judge:
     def _quarters(self, channel: str) -> FloatArray:
         """Return a measured channel as means over quarters of an hour, the return only where water flows."""
         record = self.record
-        parts, merged = self._merging()
+        parts, merged = merging(self.record.interval_s)
         values = record.values[channel]
         weight = np.isfinite(values).astype(float)
         if channel == "return_temperature_C" and record.has("flow_L_h"):
@@ -240,13 +240,9 @@ class Judge:
             weight *= np.where(flow > 0.2 * np.nanmax(flow), flow, 0.0)
         return weighted(np.nan_to_num(values), weight, parts * merged)
 
-    def _merging(self) -> tuple[int, int]:
-        parts = max(1, round(ROOM_STEP_S / self.record.interval_s))
-        return parts, max(1, round(JUDGED_S / (parts * self.record.interval_s)))
-
     def _room(self, channel: str, predicted: FloatArray) -> Errors:
         measured = self._measured[channel]
-        parts, merged = self._merging()
+        parts, merged = merging(self.record.interval_s)
         sample = np.minimum(np.arange(len(measured)) * parts * merged, len(self.record) - 1)
         count = min(len(measured), len(predicted))
         error = np.full(len(measured), np.nan)

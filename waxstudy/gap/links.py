@@ -55,7 +55,14 @@ class Link:
     def with_room(self) -> bool:
         return "room" in self.stages
 
-    def predict(self, record: Record, belief: Belief, reading: Reading = PLAIN, drift: Drift = STILL) -> Predicted:
+    def predict(
+        self,
+        record: Record,
+        belief: Belief,
+        reading: Reading = PLAIN,
+        drift: Drift = STILL,
+        is_fine: bool = False,  # of a room: in steps of the record's intervals
+    ) -> Predicted:
         """Return what the belief makes of the measured drive, each judged channel (n,) or (quarters,) for a room's.
 
         Raises `SimulationError`, and `ValueError` from an impossible room.
@@ -69,7 +76,7 @@ class Link:
             shown = self._chain(record, belief, reading, drift, chain)
             flow = shown.get("flow_L_h", flow)
         if self.with_room:
-            shown.update(room_response(record, belief, flow, reading))
+            shown.update(room_response(record, belief, flow, reading, is_fine))
         shifted = {channel: shown.shifted[channel] for channel in self.judged if channel in shown.shifted}
         return Predicted({channel: shown[channel] for channel in self.judged}, shifted)
 

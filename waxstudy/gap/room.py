@@ -62,16 +62,26 @@ def built(room: Choice) -> LinearRoom:
     return room.component.build(room.parameters)
 
 
-def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, reading: Reading = PLAIN) -> Predicted:
-    """Return what the room makes of a flow: its channels, means over quarters of an hour."""
+def room_response(
+    record: Record, belief: Belief, flow_L_h: FloatArray, reading: Reading = PLAIN, is_fine: bool = False
+) -> Predicted:
+    """Return what the room makes of a flow: its channels, means over quarters of an hour.
+
+    It takes a step for each interval where it is to be fine, else as few as its water allows.
+    """
     assert belief.room
     assert belief.inputs
-    coarse, parts = coarsened(belief.inputs, record.interval_s)
-    coarse = replace(coarse, solar_W=reading.solar_factor * coarse.solar_W)
+    parts, merged = merging(record.interval_s)
+    if is_fine:
+        parts, merged = 1, parts * merged
+    coarse = coarsened(belief.inputs, record.interval_s, parts)
+    if belief.inputs.added_flow_L_h is not None:
+        flow_L_h = np.maximum(0.0, flow_L_h + belief.inputs.added_flow_L_h)
+    flow, supply_C = means(flow_L_h, parts), weighted(belief.inputs.supply_C, flow_L_h, parts)
+    supply_C = np.where(flow > 0.0, supply_C, coarse.supply_C)
+    coarse = replace(coarse, solar_W=reading.solar_factor * coarse.solar_W, supply_C=supply_C)
     driven = driven_by(built(belief.room), coarse)
-    flow = means(flow_L_h, parts)
     found = respond(driven, coarse, flow)
-    merged = max(1, round(JUDGED_S / coarse.interval_s))
     # what is logged is at the end of each interval, or its mean; the room is known at the end of several
     early = 0.5 if reading.is_mean else 0.5 * (1.0 - 1.0 / parts)
     shown = Predicted()
@@ -85,13 +95,18 @@ def room_response(record: Record, belief: Belief, flow_L_h: FloatArray, reading:
     return shown
 
 
-def coarsened(inputs: Inputs, interval_s: float) -> tuple[Inputs, int]:
-    """Return the inputs as means over steps of at most five minutes, and how many intervals make one."""
-    parts = max(1, round(min(ROOM_STEP_S, JUDGED_S) / interval_s))
+def merging(interval_s: float) -> tuple[int, int]:
+    """Return how many intervals make a step of a room, and how many steps a quarter of an hour."""
+    parts = max(1, round(ROOM_STEP_S / interval_s))
+    return parts, max(1, round(JUDGED_S / (parts * interval_s)))
+
+
+def coarsened(inputs: Inputs, interval_s: float, parts: int) -> Inputs:
+    """Return the inputs as means over steps of some intervals."""
     arrays = {name: value for name, value in vars(inputs).items() if isinstance(value, np.ndarray)}
     coarse = {name: means(value, parts) for name, value in arrays.items()}
     changes: dict[str, Any] = {"interval_s": interval_s * parts, **coarse}
-    return replace(inputs, **changes), parts
+    return replace(inputs, **changes)
 
 
 def means(values: FloatArray, parts: int) -> FloatArray:

@@ -107,7 +107,7 @@ class _Search:
                 break
             if self.is_quick and is_enough(self.fitter, best):
                 break
-            current = self.fitter.settled(best.fitted)
+            current = self.fitter.settled(self.fitter.reread(best.fitted))
         models, without = self.models(found)
         withdrawn: list[Found] = []
         while doubtful := unconfirmed(found, models[-1], without):
@@ -128,14 +128,14 @@ class _Search:
         All are fitted to both first parts.
         """
         base = self.fitter.base
-        reading = found[0].candidate.fitted.reading if found else base.reading
+        reading = found[-1].candidate.fitted.reading if found else base.reading
         whole = [self.fitter.refined((), base.departures, reading, (FIT, SELECT)) or base]
         for each in found:
             fitted = each.candidate.fitted
             earlier = dict(whole[-1].effects)
             values = dict(fitted.effects) | earlier
             effects = [(effect, values[effect]) for effect in (*earlier, each.effect)]
-            again = self.fitter.refined(effects, fitted.departures, fitted.reading, (FIT, SELECT))
+            again = self.fitter.refined(effects, fitted.departures, reading, (FIT, SELECT))
             whole.append(again or fitted)
         if len(found) < 2:
             return tuple(whole), tuple(whole[:-1])

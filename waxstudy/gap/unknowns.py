@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from math import exp
 
+import numpy as np
+
 from waxstudy.gap.record import Record
-from waxstudy.plugin import Belief, Inputs, Room, Uncertainty
+from waxstudy.gap.room import full_flow_L_h
+from waxstudy.plugin import Belief, FloatArray, Inputs, Room, Uncertainty
 
 # chosen: how well gains are known that nobody measured, as logarithms of a factor
 ASSUMED_GAINS, ASSUMED_SUN = 0.15, 0.12
 MEASURED_GAINS, MEASURED_SUN = 0.05, 0.07
 GAINS, SUN, START, FLOOR = "internal gains", "solar gain", "start", "start of the floor"
 START_K = 2.0  # nobody knows the weather before the record
+LOST_S, MOST_LOST = 600.0, 6  # gaps of the flow: those that matter, and how many, the longest first
+LOST_FLOW = 1.0  # of full flow
 
 
 @dataclass(frozen=True)
@@ -25,8 +31,11 @@ class Unknown:
     apply: Callable[[Belief, float], Belief]
 
 
-def unknowns(belief: Belief, record: Record, tolerance: float = 1.0) -> list[Unknown]:
-    """Return what the room says of itself, and how well its gains are known."""
+def unknowns(belief: Belief, record: Record, driven_by: str, tolerance: float = 1.0) -> list[Unknown]:
+    """Return what the room says of itself, how well its gains are known, how warm it was at first, and lost flows.
+
+    `tolerance` multiplies the spreads of the first two; 0 takes the room as it is believed, to the letter.
+    """
     found = []
     room = belief.room
     if room is not None:
@@ -40,8 +49,31 @@ def unknowns(belief: Belief, record: Record, tolerance: float = 1.0) -> list[Unk
     if record.has("solar_gain_W"):
         sd = ASSUMED_SUN if "solar_gain_W" in record.assumed else MEASURED_SUN
         found.append(Unknown(SUN, sd, _scaled(lambda inputs, factor: replace(inputs, solar_W=factor * inputs.solar_W))))
-    found += [Unknown(START, START_K, _started), Unknown(FLOOR, START_K, _floor_started)]
-    return [replace(unknown, sd=tolerance * unknown.sd) for unknown in found]
+    spread = [replace(unknown, sd=tolerance * unknown.sd) for unknown in found if tolerance > 0.0]
+    return [
+        *spread,
+        Unknown(START, START_K, _started),
+        Unknown(FLOOR, START_K, _floor_started),
+        *_lost(belief, record, driven_by),
+    ]
+
+
+def _lost(belief: Belief, record: Record, driven_by: str) -> Iterator[Unknown]:
+    """Yield what flowed in long gaps of what drives a room: a day or two later it is still as warm as that made it."""
+    missing = np.concatenate(([False], ~np.isfinite(record.values[driven_by]), [False]))
+    first, end = np.flatnonzero(np.diff(missing)).reshape(-1, 2).T
+    longest = np.argsort(first - end, kind="stable")[:MOST_LOST]
+    for place in np.sort(longest[(end - first)[longest] * record.interval_s >= LOST_S]):
+        within = np.zeros(len(record))
+        within[first[place] : end[place]] = 1.0
+        name = f"flow lost after {first[place] * record.interval_s / 3600.0:.0f} h"
+        yield Unknown(name, LOST_FLOW * full_flow_L_h(record, belief), partial(_flowed, within))
+
+
+def _flowed(within: FloatArray, belief: Belief, departure: float) -> Belief:
+    assert belief.inputs
+    before = 0.0 if belief.inputs.added_flow_L_h is None else belief.inputs.added_flow_L_h
+    return replace(belief, inputs=replace(belief.inputs, added_flow_L_h=before + departure * within))
 
 
 def _of_room(uncertainty: Uncertainty) -> Unknown:

@@ -31,6 +31,7 @@ class Inputs:
     signal: FloatArray | None = None  # heating signal, where it was recorded
     neighbour_C: FloatArray | None = None
     extra_W: FloatArray | None = None  # heat that an effect gives to the air
+    added_flow_L_h: FloatArray | None = None  # beyond the recorded or modelled flow, as while nothing was recorded
     start_K: float = 0.0  # how much warmer all of the room is at the start than the first day, repeated, would make it
     start_floor_K: float = 0.0  # and its heated floor besides
 

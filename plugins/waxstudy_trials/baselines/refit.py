@@ -11,7 +11,7 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.gap.closed_loop import STEP_S
 from waxstudy.gap.diagnose import installed_effects
 from waxstudy.gap.record import DAY_S, Record
-from waxstudy.gap.room import built, coarsened
+from waxstudy.gap.room import built, coarsened, merging
 from waxstudy.gap.space import EffectType, Space
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 from waxstudy.simulation.chain import Chain
@@ -31,7 +31,7 @@ def diagnose(dataset: Dataset) -> Json:
     record, belief = taken(dataset)
     if belief.inputs is None or belief.room is None or "controller" not in belief.blocks:
         return answer(dataset, [], "the loop cannot run free")
-    belief = replace(belief, inputs=coarsened(belief.inputs, record.interval_s)[0])
+    belief = replace(belief, inputs=coarsened(belief.inputs, record.interval_s, merging(record.interval_s)[0]))
     free = _FreeLoop(record, belief)
     count = len(record) * record.interval_s / DAY_S * A_DAY
     found: list[tuple[float, EffectType, Mapping[str, float]]] = []

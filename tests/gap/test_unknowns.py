@@ -1,0 +1,120 @@
+"""Claims about what nobody knows of a room: what it may take, and when an effect makes it needless."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.gap.realities import belief, dataset, effects, planted, record
+from waxstudy.dataset.read import Dataset
+from waxstudy.gap.diagnose import diagnose
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.links import Link, links
+from waxstudy.gap.record import Record
+from waxstudy.gap.unknowns import MOST_LOST, unknowns
+from waxstudy.plugin import Belief
+
+DAYS = 6
+LOST = "flow lost after"
+FROM_FLOW = (
+    "flow_L_h",
+    "supply_temperature_C",
+    "outdoor_temperature_C",
+    "solar_gain_W",
+    "internal_gain_W",
+    "air_temperature_C",
+    "operative_temperature_C",
+    "floor_surface_temperature_C",
+)
+
+
+@cache
+def ready() -> tuple[Record, Belief, Link]:
+    seen = record("REAL", days=DAYS)
+    believed = belief("REAL", seen)
+    return seen, believed, next(link for link in links(seen, believed) if link.with_room)
+
+
+def without_flow(*hours: tuple[float, float]) -> tuple[Record, Belief]:
+    """A record whose logger was out between some hours, of a room that is as believed."""
+    seen, believed, link = ready()
+    made = planted(link, seen, believed)
+    values = {name: each.copy() for name, each in made.values.items()}
+    for first, last in hours:
+        lost = slice(round(first * 3600 / made.interval_s), round(last * 3600 / made.interval_s))
+        for channel in (*link.judged, "flow_L_h"):
+            values[channel][lost] = np.nan
+    gapped = replace(made, values=values)
+    return gapped, belief("REAL", gapped)
+
+
+def lost_flows(record: Record, believed: Belief) -> list[str]:
+    return [each.name for each in unknowns(believed, record, "flow_L_h") if each.name.startswith(LOST)]
+
+
+def test_what_flowed_in_a_gap_of_ten_minutes_or_more_is_not_known() -> None:
+    assert lost_flows(*without_flow()) == []
+    assert lost_flows(*without_flow((30.0, 30.1))) == []
+    assert lost_flows(*without_flow((30.0, 30.5), (50.0, 52.0))) == [f"{LOST} 30 h", f"{LOST} 50 h"]
+
+
+def test_of_many_gaps_the_longest_are_fitted() -> None:
+    many = [(20.0 + 5.0 * place, 20.3 + 5.0 * place + 0.1 * place) for place in range(MOST_LOST + 3)]
+    found = lost_flows(*without_flow(*many))
+    assert found == [f"{LOST} {first:.0f} h" for first, _ in many[3:]]
+
+
+def test_heat_that_came_while_nothing_was_recorded_is_no_error_of_the_room() -> None:
+    seen, believed, link = ready()
+    flow = seen.filled("flow_L_h")
+    is_on = np.convolve(flow > 0.5 * flow.max(), np.ones(90), mode="valid") == 90
+    first_h = float(np.flatnonzero(is_on[2880:])[0] + 2880) * seen.interval_s / 3600.0
+    lost = slice(round(first_h * 60), round(first_h * 60) + 90)
+    gapped, believed = without_flow((first_h, first_h + 1.5))
+    fitter = Fitter(link, gapped, believed, room_tolerance=0.0)
+    (name,) = lost_flows(gapped, believed)
+    found = dict(zip([each.name for each in fitter.unknowns], fitter.base.departures, strict=True))
+    assert found[name] == pytest.approx(float(np.mean((flow - gapped.filled("flow_L_h"))[lost])), rel=0.1)
+    assert found[name] > 30.0
+    blind = fitter.at(
+        (), np.where([each.name == name for each in fitter.unknowns], 0.0, fitter.base.departures), link.readings[0]
+    )
+    assert blind
+    for after, before in zip(fitter.base.errors, blind.errors, strict=True):
+        assert after.gap() < 0.5 * before.gap() or after.channel == "return_temperature_C"
+
+
+def of_the_room(**true: Mapping[str, float]) -> Dataset:
+    """A dataset of a room alone, driven by its flow, in which some effects are put."""
+    seen, believed, link = ready()
+    made = planted(link, seen, believed, effects(**true))
+    time = pd.date_range("2020-01-06T00:01", periods=len(made), freq="min")
+    data = pd.DataFrame({"time": time, **{channel: made.values[channel] for channel in FROM_FLOW}})
+    return replace(dataset(data, "REAL"), nominal={})
+
+
+@pytest.mark.slow
+def test_what_a_room_s_unknowns_could_take_is_named_where_it_makes_all_of_them_needless() -> None:
+    found = diagnose(of_the_room(infiltration={"factor": 2.5}), quick=True)
+    (effect,) = found.effects
+    assert effect.name == "infiltration"
+    assert set(effect.group) <= {"infiltration", "window-opening"}  # open all day it is the same air
+    interval = effect.parameters["factor"]
+    assert interval.value == pytest.approx(2.5, rel=0.15)
+    assert interval.low <= 2.5 <= interval.high
+    assert "heat-loss" not in found.departures
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("unknown", ["heat-loss", "floor-capacity"])
+def test_one_unknown_of_a_room_that_is_off_is_not_taken_for_an_effect(unknown: str) -> None:
+    seen, believed, _ = ready()
+    departed = next(each for each in unknowns(believed, seen, "flow_L_h") if each.name == unknown)
+    found = diagnose(replace(of_the_room(), room=departed.apply(believed, departed.sd).room), quick=True)
+    assert (found.verdict, list(found.effects)) == ("none", [])
+    assert abs(found.departures[unknown]) > 0.3
