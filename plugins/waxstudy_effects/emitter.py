@@ -13,7 +13,6 @@ from waxstudy_effects.description import changed_room, description, room_hindran
 from waxstudy_paper.room.construction import Layer
 
 NO_RECORD = "nothing that drives the room is recorded"
-PIECE_S = 10.0
 PIECE_S = 10.0  # of an interval, in which water leaves a pipe
 STANDING_S = 3600.0  # see PipeDelay
 COVER_W_MK = 0.1  # of a cover's material; only its resistance counts

@@ -191,15 +191,16 @@ def test_solving_that_was_ended_goes_on_from_there(place: Place, waxstudy: Waxst
     assert {name: after[name] for name in before} == before
 
 
+@pytest.mark.parametrize("end", ["os.kill(os.getpid(), signal.SIGINT)", "sys.exit(130)"])
 @pytest.mark.skipif(sys.platform == "win32", reason="no signal of this kind")
-def test_a_diagnoser_that_the_interrupt_reached_first_has_not_answered(place: Place, tmp_path: Path) -> None:
+def test_a_diagnoser_that_the_interrupt_reached_first_has_not_answered(place: Place, tmp_path: Path, end: str) -> None:
     script = tmp_path / "interrupted.py"
     script.write_text(
-        "import os, signal, subprocess\n"
+        "import os, signal, subprocess, sys\n"
         "signal.signal(signal.SIGINT, signal.SIG_DFL)\n"
         "late = ['sh', '-c', f'sleep 0.3; kill -INT {os.getppid()}']\n"
         "subprocess.Popen(late, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)\n"
-        "os.kill(os.getpid(), signal.SIGINT)\n"
+        f"{end}\n"
     )
     arguments = ("blind-test", "solve", "test", "--workers", 1, "--", sys.executable, "interrupted.py")
     with started(tmp_path, *arguments, stderr=subprocess.PIPE) as process:

@@ -47,9 +47,12 @@ def test_a_positive_supply_offset_heats_the_room_more() -> None:
 
 def test_a_front_of_warm_water_arrives_when_the_pipe_has_been_filled_anew() -> None:
     front = day(supply_C=np.where(HOUR < 12.0, 25.0, 35.0), air_C=25.0, flow_L_h=60.0)
-    arrived_C = after_pipe_C(front, volume_L=10.0)  # ten minutes at 60 L/h
-    assert arrived_C[720:729] == pytest.approx(25.0)
-    assert arrived_C[731:] == pytest.approx(25.0 + 10.0 * np.exp(-600.0 / 3600.0))
+    arrived_C = after_pipe_C(front, volume_L=10.5)  # ten and a half minutes at 60 L/h
+    warm_K = 10.0 * np.exp(-630.0 / 3600.0)
+    assert arrived_C[720:730] == pytest.approx(25.0)
+    # it was recorded at the ends of two intervals, so that it lasts a minute, half of which falls into each of two
+    assert arrived_C[730:732] == pytest.approx([25.0 + warm_K / 8.0, 25.0 + warm_K * 7.0 / 8.0], abs=0.05)
+    assert arrived_C[732:] == pytest.approx(25.0 + warm_K)
 
 
 def test_standing_water_cools_towards_the_room() -> None:

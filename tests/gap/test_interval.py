@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 from tests.gap.realities import EFFECTS, belief, effects, planted, record
 from waxstudy.gap.fit import Fitter
-from waxstudy.gap.interval import parameter_intervals, shrink
+from waxstudy.gap.interval import _reaching, parameter_intervals, shrink
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
 from waxstudy.gap.links import links
-from waxstudy.plugin import FloatArray
+from waxstudy.gap.result import Interval
+from waxstudy.plugin import FloatArray, Prior
 
 SAMPLES = 2000
 
@@ -136,3 +137,16 @@ def test_an_effect_of_a_model_without_parameters_has_no_intervals() -> None:
     link = next(each for each in links(seen, believed) if each.stages == ("valve",))
     fitter = Fitter(link, seen, believed)
     assert parameter_intervals(fitter, fitter.base) == {}
+
+
+@pytest.mark.parametrize(("is_log", "low", "high"), [(True, 0.95, 8.4), (False, 0.9, 8.1)])
+def test_an_interval_reaches_around_what_other_readings_give_and_no_farther(
+    is_log: bool, low: float, high: float
+) -> None:
+    prior = Prior(0.1, 10.0, is_log=is_log, noticeable=1.1)
+    own = Interval(2.0, 1.9, 2.1)
+    assert _reaching(own, [], prior) == own
+    reached = _reaching(own, [1.0, 3.0, 8.0, 3.0], prior)
+    assert reached == _reaching(own, [8.0, 1.0], prior)
+    assert (reached.value, reached.low, reached.high) == pytest.approx((2.0, low, high))
+    assert _reaching(own, [9.9], prior).high == 10.0

@@ -33,6 +33,7 @@ LEAVE_ONE_OUT = "ours-leave-one-out"
 PROGRAM = (sys.executable, "-c", "from waxstudy.cli import main; main()")
 HERE = "{}"  # where a command wants the dataset's folder, if not at its end
 TAIL = 2000  # letters of stderr that are kept of a failure
+INTERRUPTED = (-signal.SIGINT, 128 + signal.SIGINT)  # by a signal that may be on its way to us as well
 A_MOMENT_S = 2.0  # in which an interrupt that ended a diagnoser has reached us as well
 
 
@@ -172,7 +173,7 @@ def _solve_one(place: Place, who: Diagnoser, record: str, timeout_s: float) -> N
         for name in FILES:
             shutil.copyfile(place.record(record) / name, folder / name)
         told = _called(who.called(record, folder), Path(temporary), timeout_s)
-    if _stopped.wait(A_MOMENT_S if told["exit_code"] == -signal.SIGINT else 0):
+    if _stopped.wait(A_MOMENT_S if told["exit_code"] in INTERRUPTED else 0):
         return
     with whole_file(answer_path(place, who.name, record)) as path:
         path.write_text(json.dumps({"record": record, **told}, indent=1) + "\n", encoding="utf-8")

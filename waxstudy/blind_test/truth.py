@@ -128,12 +128,13 @@ def gap_and_floor(stand: Stand, link: Link, choices: Sequence[Choice], own: Choi
     """
     truth, noisy_truth = applied(choices, stand.belief), applied(choices, stand.noisy_belief)
     belief = applied([choice for choice in choices if choice is not own], stand.belief)
-    reading = min(link.readings, key=lambda each: sum(e.loss() for e in missed(link, stand.free, truth, each)))
+    free, seen = stand.fitter(link, stand.free, stand.belief), stand.fitter(link, stand.noisy, stand.noisy_belief)
+    reading = min(link.readings, key=lambda each: sum(e.loss() for e in missed(free, truth, each)))
     noise = Judge(link, stand.noisy, noisy_truth)
-    floors = gaps(noise.errors(link.predict(stand.noisy, noisy_truth, reading)))
+    floors = gaps(noise.errors(seen.predicted(noisy_truth, reading)))
     # no switch is known better than to the interval
     floors |= {c: max(floors[c], noise.timing_s(c)) for c in link.judged if c in stand.noisy.binary}
-    return floors, gaps(missed(link, stand.free, belief, reading))
+    return floors, gaps(missed(free, belief, reading))
 
 
 # --- a cause in an engine's own terms, or of the logger ---
@@ -214,8 +215,8 @@ def is_alike(fitted: Fitted, floors: Mapping[str, float], form: Mapping[str, flo
     return all(left[c] ** 2 <= floors[c] ** 2 + form.get(c, 0.0) ** 2 for c in left)
 
 
-def missed(link: Link, record: Record, belief: Belief, reading: Reading) -> list[Errors]:
-    return Judge(link, record, belief).errors(link.predict(record, belief, reading))
+def missed(fitter: Fitter, belief: Belief, reading: Reading) -> list[Errors]:
+    return Judge(fitter.link, fitter.record, belief).errors(fitter.predicted(belief, reading))
 
 
 def gaps(errors: Iterable[Errors]) -> Gaps:

@@ -72,8 +72,8 @@ def assembled(
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
         next_measurements=list(next_measurements(cut, found, untestable, stages, work.record.interval_s)),
-        warnings=[*work.dataset.warnings, *_withdrawn(selections)],
-        assumptions=[*work.dataset.assumptions, *_readings(selections)],
+        warnings=[*work.dataset.warnings, *_warned(selections)],
+        assumptions=[*work.dataset.assumptions, *_readings(selections), *_needless(selections)],
         departures=_departures(selections),
         parts=_parts(work),
         seed=work.seed,
@@ -225,7 +225,14 @@ def _readings(selections: Sequence[Selection]) -> list[str]:
     return [s.before.reading.words for s in selections if s.before.reading.words and len(s.fitter.link.readings) > 1]
 
 
-def _withdrawn(selections: Sequence[Selection]) -> list[str]:
+def _needless(selections: Sequence[Selection]) -> Iterator[str]:
+    for selection in selections:
+        if selection.fitter.is_to_the_letter:
+            names = " and ".join(found.effect.name for found in selection.found)
+            yield f"The room is as believed to the letter: with {names} nothing has to depart but how it began."
+
+
+def _warned(selections: Sequence[Selection]) -> list[str]:
     names = [found.effect.name for selection in selections for found in selection.withdrawn]
     told = [f"{name} fitted the first days, but the last days do not confirm it: it is not claimed" for name in names]
     late = [found.effect.name for s in selections if not s.fitter.holds_out for found in s.found]

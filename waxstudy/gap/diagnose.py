@@ -9,7 +9,7 @@ import numpy as np
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.assembly import Work, assembled, of_link
 from waxstudy.gap.candidate import ALIKE
-from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.fit import Fitter
 from waxstudy.gap.judge import FIT, SELECT
 from waxstudy.gap.ladder import ladder_effects
 from waxstudy.gap.links import Link, links
@@ -23,6 +23,7 @@ from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
+BOTH = (FIT, SELECT)
 QUICK = 0.35  # of the fits' effort
 # of what a room's form may leave: what shows that it is as believed, and what shows that it is not
 GOOD_FORM, POOR_FORM = 0.5, 4.0
@@ -114,19 +115,17 @@ def _to_the_letter(work: Work, wide: Selection, effects: Sequence[EffectType], s
     That they fit as well as a dozen unknowns together is no chance, although these could take each of them.
     """
     loose = wide.fitter
-    if not loose.link.with_room or loose.form(wide.after) > POOR_FORM:
+    is_rough_guess = work.dataset.room_tolerance > 1.0
+    if not loose.link.with_room or is_rough_guess or loose.form(wide.after) > POOR_FORM:
         return wide
-    least = loose.score(wide.after, (FIT, SELECT))
+    most = loose.score(wide.after, BOTH) + ALIKE * loose.spread(wide.after)
     exact = Fitter(loose.link, work.record, work.belief, work.thorough, 0.0, loose.holds_out)
-    if _is_as_good(exact, exact.base, least):
+    base = exact.base
+    if exact.score(exact.refined((), base.departures, base.reading, BOTH), BOTH) <= most:
         return wide
     found = select(exact, effects, seed, tick)
-    is_good = exact.form(found.after) <= GOOD_FORM and _is_as_good(exact, found.after, least)
-    return found if found.found and is_good else wide
-
-
-def _is_as_good(fitter: Fitter, model: Fitted, least: float) -> bool:
-    return fitter.score(model, (FIT, SELECT)) <= least + ALIKE * fitter.spread(model)
+    is_as_good = exact.score(found.after, BOTH) <= most and exact.form(found.after) <= GOOD_FORM
+    return found if found.found and is_as_good else wide
 
 
 def _impossible(dataset: Dataset, link: Link, reason: str) -> Problem:

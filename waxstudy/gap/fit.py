@@ -65,7 +65,7 @@ class Fitter:
         holds_out: bool = True,
     ) -> None:
         self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
-        self.holds_out = holds_out
+        self.holds_out, self.is_to_the_letter = holds_out, link.with_room and room_tolerance == 0.0
         self.judge = Judge(link, record, belief, holds_out)
         self.unknowns = unknowns(belief, record, link.driven_by, room_tolerance) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
@@ -106,8 +106,8 @@ class Fitter:
     def predicted(self, belief: Belief, reading: Reading, drift: Drift = STILL) -> Predicted:
         """Return what the link makes of a belief, a room's as if its steps were those of the record.
 
-        What shorter steps change of the room as believed is added: they change as much of any other. Not of the return,
-        whose first minutes of each pulse are a matter of the model's form.
+        What shorter steps change of the room as believed is added: with the same flow they change as much of any other.
+        Not of the return, whose first minutes of each pulse are a matter of the model's form.
         """
         found = self.link.predict(self.record, belief, reading, drift)
         for channel, change in self._refinement(reading).items():
@@ -115,7 +115,7 @@ class Fitter:
         return found
 
     def _refinement(self, reading: Reading) -> Mapping[str, FloatArray]:
-        if not self.link.with_room:
+        if not self.link.with_room or self.link.driven_by != "flow_L_h":
             return {}
         if reading not in self._refinements:
             coarse, fine = (self.link.predict(self.record, self.belief, reading, is_fine=way) for way in (False, True))
@@ -159,9 +159,10 @@ class Fitter:
 
     def reread(self, fitted: Fitted) -> Fitted:
         """Return a fit read in the way that suits it best: what had to be undone before may be needless now."""
+        most = self.fair_score(fitted, (FIT, SELECT)) - OTHER * self.spread(fitted)
         others = [each for each in self.readings if each != fitted.reading]
         again = [self.refined(fitted.effects, fitted.departures, reading) for reading in others]
-        return self._best([fitted, *again])
+        return self._best([fitted, *(each for each in again if each and self.fair_score(each, (FIT, SELECT)) < most)])
 
     @cached_property
     def readings(self) -> Sequence[Reading]:

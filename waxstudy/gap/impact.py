@@ -8,7 +8,7 @@ import numpy as np
 
 from waxstudy.gap.links import SHOWN, Link, chain_of
 from waxstudy.gap.record import Record
-from waxstudy.gap.room import built, coarsened, full_flow_L_h, means, merging
+from waxstudy.gap.room import built, coarsened, full_flow_L_h, merging
 from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
 from waxstudy.simulation.recorded import driven_by, respond
 from waxstudy.simulation.replay import replay
@@ -38,11 +38,10 @@ def impact(record: Record, belief: Belief, link: Link, modelled: FloatArray) -> 
 def _response(record: Record, belief: Belief, channel: str, signal: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return heat of the water and air temperature that a channel's signal leads to."""
     assert belief.room
-    assert belief.inputs
     parts, _ = merging(record.interval_s)
-    inputs = coarsened(belief.inputs, record.interval_s, parts)
     flow = signal if channel == "flow_L_h" else _flow(record, belief, channel, signal)
-    found = respond(driven_by(built(belief.room), inputs), inputs, means(flow, parts))
+    inputs, coarse = coarsened(belief, flow, parts)
+    found = respond(driven_by(built(belief.room), inputs), inputs, coarse)
     return found["water_heat_W"], found["air_C"]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -29,16 +29,14 @@ def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, M
     Where an effect takes the place of an uncertainty of the room, that uncertainty's spread is added to its factor.
     Where another reading of the record fits as well, the intervals reach to what it gives.
     """
-    found = _of_reading(fitter, fitted)
-    for other in _as_good(fitter, fitted):
-        values = dict(other.effects)
-        found = {
-            effect: {
-                name: _reaching(interval, values[effect][name], effect.priors[name]) for name, interval in each.items()
-            }
-            for effect, each in found.items()
+    others = [dict(other.effects) for other in _as_good(fitter, fitted)]
+    return {
+        effect: {
+            name: _reaching(interval, [other[effect][name] for other in others], effect.priors[name])
+            for name, interval in each.items()
         }
-    return found
+        for effect, each in _of_reading(fitter, fitted).items()
+    }
 
 
 def _as_good(fitter: Fitter, fitted: Fitted) -> Iterator[Fitted]:
@@ -51,11 +49,13 @@ def _as_good(fitter: Fitter, fitted: Fitted) -> Iterator[Fitted]:
                 yield other
 
 
-def _reaching(interval: Interval, value: float, prior: Prior) -> Interval:
-    """Return an interval that holds another value too, with as much around it."""
-    ends = (interval.low, interval.high)
-    low, high = (end * value / interval.value if prior.is_log else end + value - interval.value for end in ends)
-    return Interval(interval.value, max(prior.low, min(interval.low, low)), min(prior.high, max(interval.high, high)))
+def _reaching(interval: Interval, values: Sequence[float], prior: Prior) -> Interval:
+    """Return an interval that holds other values too, with as much around each of them."""
+    low, high = [interval.low], [interval.high]
+    for value in values:
+        low.append(interval.low * value / interval.value if prior.is_log else interval.low + value - interval.value)
+        high.append(interval.high * value / interval.value if prior.is_log else interval.high + value - interval.value)
+    return Interval(interval.value, max(prior.low, min(low)), min(prior.high, max(high)))
 
 
 def _of_reading(fitter: Fitter, fitted: Fitted) -> dict[EffectType, dict[str, Interval]]:

@@ -67,19 +67,14 @@ def room_response(
 ) -> Predicted:
     """Return what the room makes of a flow: its channels, means over quarters of an hour.
 
-    It takes a step for each interval where it is to be fine, else as few as its water allows.
+    Its steps are the record's intervals where it is to be fine, else five minutes.
     """
     assert belief.room
-    assert belief.inputs
     parts, merged = merging(record.interval_s)
     if is_fine:
         parts, merged = 1, parts * merged
-    coarse = coarsened(belief.inputs, record.interval_s, parts)
-    if belief.inputs.added_flow_L_h is not None:
-        flow_L_h = np.maximum(0.0, flow_L_h + belief.inputs.added_flow_L_h)
-    flow, supply_C = means(flow_L_h, parts), weighted(belief.inputs.supply_C, flow_L_h, parts)
-    supply_C = np.where(flow > 0.0, supply_C, coarse.supply_C)
-    coarse = replace(coarse, solar_W=reading.solar_factor * coarse.solar_W, supply_C=supply_C)
+    coarse, flow = coarsened(belief, flow_L_h, parts)
+    coarse = replace(coarse, solar_W=reading.solar_factor * coarse.solar_W)
     driven = driven_by(built(belief.room), coarse)
     found = respond(driven, coarse, flow)
     # what is logged is at the end of each interval, or its mean; the room is known at the end of several
@@ -101,12 +96,19 @@ def merging(interval_s: float) -> tuple[int, int]:
     return parts, max(1, round(JUDGED_S / (parts * interval_s)))
 
 
-def coarsened(inputs: Inputs, interval_s: float, parts: int) -> Inputs:
-    """Return the inputs as means over steps of some intervals."""
+def coarsened(belief: Belief, flow_L_h: FloatArray, parts: int) -> tuple[Inputs, FloatArray]:
+    """Return what drives a room, and its flow, as means over some intervals; the supply as what flowed had it."""
+    inputs, room = belief.inputs, belief.room
+    assert inputs
+    assert room
+    if inputs.added_flow_L_h is not None:
+        most = np.maximum(flow_L_h, built(room).full_flow_L_h)
+        flow_L_h = np.where(inputs.added_flow_L_h, np.clip(flow_L_h + inputs.added_flow_L_h, 0.0, most), flow_L_h)
     arrays = {name: value for name, value in vars(inputs).items() if isinstance(value, np.ndarray)}
-    coarse = {name: means(value, parts) for name, value in arrays.items()}
-    changes: dict[str, Any] = {"interval_s": interval_s * parts, **coarse}
-    return replace(inputs, **changes)
+    changes: dict[str, Any] = {name: means(value, parts) for name, value in arrays.items()}
+    flow, supply_C = means(flow_L_h, parts), weighted(inputs.supply_C, flow_L_h, parts)
+    changes["supply_C"] = np.where(flow > 0.0, supply_C, changes["supply_C"])
+    return replace(inputs, interval_s=inputs.interval_s * parts, **changes), flow
 
 
 def means(values: FloatArray, parts: int) -> FloatArray:

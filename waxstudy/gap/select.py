@@ -106,29 +106,29 @@ class _Search:
             else:
                 break
             if self.is_quick and is_enough(self.fitter, best):
+                current = best.fitted
                 break
-            current = self.fitter.settled(self.fitter.reread(best.fitted))
-        models, without = self.models(found)
+            current = self.fitter.reread(self.fitter.settled(best.fitted))
+        models, without = self.models(found, current.reading)
         withdrawn: list[Found] = []
         while doubtful := unconfirmed(found, models[-1], without):
             withdrawn.append(doubtful)
             found.remove(doubtful)
-            models, without = self.models(found)
+            models, without = self.models(found, current.reading if found else self.fitter.base.reading)
         distrusted = [each for each in found if each.effect.stage in ROOM_STAGES and is_poor(self.fitter, models[-1])]
         if distrusted:
             found = [each for each in found if each not in distrusted]
-            models, without = self.models(found)
+            models, without = self.models(found, current.reading if found else self.fitter.base.reading)
         floor = Floor.of(self.fitter, models[-1])
         parts = tuple(found), tuple(first), floor, tuple(withdrawn), tuple(distrusted)
         return Selection(self.fitter, models, without, *parts)
 
-    def models(self, found: Sequence[Found]) -> tuple[tuple[Fitted, ...], tuple[Fitted, ...]]:
+    def models(self, found: Sequence[Found], reading: Reading) -> tuple[tuple[Fitted, ...], tuple[Fitted, ...]]:
         """Return the believed model and those with one more effect each, and the last without each one of them.
 
-        All are fitted to both first parts.
+        All are fitted to both first parts, under one reading.
         """
         base = self.fitter.base
-        reading = found[-1].candidate.fitted.reading if found else base.reading
         whole = [self.fitter.refined((), base.departures, reading, (FIT, SELECT)) or base]
         for each in found:
             fitted = each.candidate.fitted

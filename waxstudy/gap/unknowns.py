@@ -18,8 +18,7 @@ ASSUMED_GAINS, ASSUMED_SUN = 0.15, 0.12
 MEASURED_GAINS, MEASURED_SUN = 0.05, 0.07
 GAINS, SUN, START, FLOOR = "internal gains", "solar gain", "start", "start of the floor"
 START_K = 2.0  # nobody knows the weather before the record
-LOST_S, MOST_LOST = 600.0, 6  # gaps of the flow: those that matter, and how many, the longest first
-LOST_FLOW = 1.0  # of full flow
+LOST_S, MOST_LOST = 600.0, 6  # gaps that matter, and how many of them are fitted, the longest first
 
 
 @dataclass(frozen=True)
@@ -63,11 +62,12 @@ def _lost(belief: Belief, record: Record, driven_by: str) -> Iterator[Unknown]:
     missing = np.concatenate(([False], ~np.isfinite(record.values[driven_by]), [False]))
     first, end = np.flatnonzero(np.diff(missing)).reshape(-1, 2).T
     longest = np.argsort(first - end, kind="stable")[:MOST_LOST]
-    for place in np.sort(longest[(end - first)[longest] * record.interval_s >= LOST_S]):
+    least = max(2.0, LOST_S / record.interval_s)
+    for place in np.sort(longest[(end - first)[longest] >= least]):
         within = np.zeros(len(record))
         within[first[place] : end[place]] = 1.0
-        name = f"flow lost after {first[place] * record.interval_s / 3600.0:.0f} h"
-        yield Unknown(name, LOST_FLOW * full_flow_L_h(record, belief), partial(_flowed, within))
+        name = f"flow lost after {first[place] * record.interval_s / 3600.0:.1f} h"
+        yield Unknown(name, full_flow_L_h(record, belief), partial(_flowed, within))
 
 
 def _flowed(within: FloatArray, belief: Belief, departure: float) -> Belief:

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
 
 TITLE = "What was adjusted of the room"
 CAPTION = (
-    "Departures of the room, its sun and its gains from what is believed, in standard deviations of how well each is "
-    "known beforehand. Within the grey band they are nothing to speak of; far outside, the room is not as described."
+    "Departures of the room, of what drives it and of how it began from what is believed, in standard deviations of "
+    "how well each is known beforehand. Within the grey band they are nothing to speak of; far outside, the room is "
+    "not as described."
 )
 USUAL_SD = 2.0
 
