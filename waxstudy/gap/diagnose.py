@@ -9,7 +9,7 @@ import numpy as np
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.assembly import Work, assembled, of_link
 from waxstudy.gap.candidate import ALIKE
-from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fit import REFINED, Fitted, Fitter
 from waxstudy.gap.judge import FIT, SELECT
 from waxstudy.gap.ladder import ladder_effects
 from waxstudy.gap.links import Link, links
@@ -26,7 +26,7 @@ from waxstudy.study.problems import Problem, StudyError
 BOTH = (FIT, SELECT)
 QUICK = 0.35  # of the fits' effort
 # of what a room's form may leave: what shows that it is as believed, and what shows that it is not
-GOOD_FORM, POOR_FORM = 0.5, 4.0
+GOOD_FORM, POOR_FORM = 1.0, 4.0
 Tell = Callable[[str, float], None]
 
 
@@ -118,14 +118,20 @@ def _to_the_letter(work: Work, wide: Selection, effects: Sequence[EffectType], s
     is_rough_guess = work.dataset.room_tolerance > 1.0
     if not loose.link.with_room or is_rough_guess or loose.form(wide.after) > POOR_FORM:
         return wide
-    most = loose.score(wide.after, BOTH) + ALIKE * loose.spread(wide.after)
+    most = _left(loose, wide.after) + ALIKE * loose.spread(wide.after)
     exact = Fitter(loose.link, work.record, work.belief, work.thorough, 0.0, loose.holds_out)
-    base = exact.base
-    if exact.score(exact.refined((), base.departures, base.reading, BOTH), BOTH) <= most:
+    believed = exact.refined((), exact.base.departures, exact.base.reading, BOTH)
+    if believed is None or _left(exact, believed) <= most:
         return wide
     found = select(exact, effects, seed, tick)
-    is_as_good = exact.score(found.after, BOTH) <= most and exact.form(found.after) <= GOOD_FORM
+    is_as_good = _left(exact, found.after) <= most and exact.form(found.after) <= GOOD_FORM
     return found if found.found and is_as_good else wide
+
+
+def _left(fitter: Fitter, model: Fitted) -> float:
+    """Return what a model leaves of a room, with how far it departs; not of the return, which long steps blur."""
+    shown = [errors for errors in model.errors if errors.channel in REFINED]
+    return sum(errors.loss(part) for errors in shown for part in BOTH) + fitter.strain(model)
 
 
 def _impossible(dataset: Dataset, link: Link, reason: str) -> Problem:

@@ -69,6 +69,7 @@ class Fitter:
         self.judge = Judge(link, record, belief, holds_out)
         self.unknowns = unknowns(belief, record, link.driven_by, room_tolerance) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
+        self._events = [place for place, unknown in enumerate(self.unknowns) if unknown.is_event]
         self._refinements: dict[Reading, Mapping[str, FloatArray]] = {}
         self._solutions: dict[tuple[int, ...], tuple[FloatArray, np.ndarray]] = {}
         self._last: tuple[tuple[bytes, frozenset[str]], Belief] | None = None  # what was departed to last
@@ -107,7 +108,7 @@ class Fitter:
         """Return what the link makes of a belief, a room's as if its steps were those of the record.
 
         What shorter steps change of the room as believed is added: with the same flow they change as much of any other.
-        Not of the return, whose first minutes of each pulse are a matter of the model's form.
+        Not of the return, whose first minutes of each pulse are a matter of form, unless that is as believed.
         """
         found = self.link.predict(self.record, belief, reading, drift)
         for channel, change in self._refinement(reading).items():
@@ -119,7 +120,8 @@ class Fitter:
             return {}
         if reading not in self._refinements:
             coarse, fine = (self.link.predict(self.record, self.belief, reading, is_fine=way) for way in (False, True))
-            changes = {channel: fine[channel] - coarse[channel] for channel in fine if channel in REFINED}
+            refined = [channel for channel in fine if channel in REFINED or self.is_to_the_letter]
+            changes = {channel: fine[channel] - coarse[channel] for channel in refined}
             self._refinements[reading] = {channel: np.nan_to_num(change) for channel, change in changes.items()}
         return self._refinements[reading]
 
@@ -302,11 +304,12 @@ class Fitter:
     def _slopes(self) -> FloatArray:
         return self._slopes_at(self.base)
 
-    def _slopes_at(self, fitted: Fitted) -> FloatArray:
-        """Change of the whitened errors with each departure of the room (m, unknowns)."""
+    def _slopes_at(self, fitted: Fitted, places: Sequence[int] | None = None) -> FloatArray:
+        """Change of the whitened errors with each departure of the room (m, unknowns), or with some of them."""
         whole = np.concatenate([each.whitened for each in fitted.errors])
         columns = [np.zeros((len(whole), 0))]
-        for place, sd in enumerate(self.sd):
+        for place in range(len(self.sd)) if places is None else places:
+            sd = self.sd[place]
             step = 0.1 * sd * (1.0 if fitted.departures[place] <= 0.0 else -1.0)
             moved = fitted.departures.copy()
             moved[place] += step
@@ -374,7 +377,25 @@ class Fitter:
         problem = LeastSquares(self, effects, reading, parts)
         if most is None:
             most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
-        return problem.solved(problem.vector(departures), most, known)
+        return self._with_events(problem.solved(problem.vector(departures), most, known))
+
+    def _with_events(self, fitted: Fitted | None) -> Fitted | None:
+        """Return a fit with its events fitted to all days, not only to those that a property is learned from."""
+        if fitted is None or not len(self._events):
+            return fitted
+        sd = self.sd[self._events]
+        missed = np.concatenate((*(each.whitened for each in fitted.errors), fitted.departures[self._events] / sd))
+        steps = -sd * np.linalg.lstsq(np.vstack((self._event_slopes * sd, np.eye(len(sd)))), missed, rcond=None)[0]
+        departures = fitted.departures.copy()
+        departures[self._events] = np.clip(departures[self._events] + steps, -MOST_SD * sd, MOST_SD * sd)
+        return self.at(fitted.effects, departures, fitted.reading) or fitted
+
+    @cached_property
+    def _event_slopes(self) -> FloatArray:
+        """Change of the whitened errors with each event (m, events), of the room as believed."""
+        believed = self.at((), np.zeros(len(self.sd)), self.link.readings[0])
+        assert believed
+        return self._slopes_at(believed, self._events)
 
 
 def _missed(fitted: Fitted, parts: Sequence[int]) -> FloatArray:

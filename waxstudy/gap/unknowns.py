@@ -28,6 +28,7 @@ class Unknown:
     name: str
     sd: float
     apply: Callable[[Belief, float], Belief]
+    is_event: bool = False  # something that happened once, no property of the room: it shows from then on only
 
 
 def unknowns(belief: Belief, record: Record, driven_by: str, tolerance: float = 1.0) -> list[Unknown]:
@@ -67,7 +68,7 @@ def _lost(belief: Belief, record: Record, driven_by: str) -> Iterator[Unknown]:
         within = np.zeros(len(record))
         within[first[place] : end[place]] = 1.0
         name = f"flow lost after {first[place] * record.interval_s / 3600.0:.1f} h"
-        yield Unknown(name, full_flow_L_h(record, belief), partial(_flowed, within))
+        yield Unknown(name, full_flow_L_h(record, belief), partial(_flowed, within), is_event=True)
 
 
 def _flowed(within: FloatArray, belief: Belief, departure: float) -> Belief:
