@@ -148,7 +148,7 @@ def test_a_room_in_long_steps_is_refined_to_what_short_ones_give(true: Mapping[s
     refined = Fitter(link, seen, believed).predicted(edited, reading)
     for channel in REFINED:
         off_K = [np.nanstd((each[channel] - fine[channel])[24:]) for each in (refined, coarse)]
-        assert off_K[0] <= 0.1 * off_K[1], channel
+        assert off_K[0] <= 0.25 * off_K[1], channel
 
 
 def test_a_chain_s_noise_is_its_instruments_and_never_narrowed() -> None:
