@@ -17,7 +17,7 @@ from tests.cli.folders import contents, finished_cases
 from tests.conftest import SMALL, WAXSTUDY, Waxstudy
 
 FAILED, INTERRUPTED = 6, 130
-KILLS = 5
+KILLS = 3
 
 # seven cases at a fine step: some seconds
 DEAD_BANDS_K = (1.8, 1.6, 1.4, 1.2, 1.0, 0.5)

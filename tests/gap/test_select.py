@@ -130,9 +130,17 @@ def test_what_is_less_than_noticeable_gets_no_name() -> None:
 @pytest.mark.slow
 def test_a_room_departs_only_so_far_and_what_needs_more_is_claimed() -> None:
     """Half of the sun is no doubt about the sun any more; a fifth less is."""
-    half = of_planted(effects(solar_factor={"factor": 0.5}), "room")
+    seen, believed, cut = ready("REAL")
+    link = link_at("room", cut)
+    tried = [EFFECTS[name] for name in ("solar-factor", "gain-shift", "infiltration", "neighbour-heat")]
+
+    def of_sun(factor: float) -> Selection:
+        made = planted(link, seen, believed, effects(solar_factor={"factor": factor}))
+        return select(Fitter(link, made, believed), tried, 1, lambda name: None)
+
+    half = of_sun(0.5)
     assert ["solar-factor" in found.group for found in half.found] == [True]
-    less = of_planted(effects(solar_factor={"factor": 0.8}), "room")
+    less = of_sun(0.8)
     names = [unknown.name for unknown in less.fitter.unknowns]
     departure = (less.after.departures / less.fitter.sd)[names.index("solar gain")]
     assert (less.found, departure < -1.0) == ((), True)
