@@ -63,6 +63,24 @@ def test_a_gap_that_no_draw_makes_large_enough_leaves_the_last_that_could_be_had
     assert (case, sizes) == (make.ATTEMPTS - 2, [None])
 
 
+def test_a_record_that_a_reader_would_refuse_is_drawn_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written, first = make.write_record, ["supply_temperature_C", "return_temperature_C"]
+
+    def swapped_at_first(folder: Path, *of: Any) -> None:
+        written(folder, *of)
+        text = (folder / "data.csv").read_text()
+        if first:
+            one, other = (first.pop() for _ in range(2))
+            (folder / "data.csv").write_text(text.replace(one, "@", 1).replace(other, one, 1).replace("@", other, 1))
+
+    monkeypatch.setattr(make, "write_record", swapped_at_first)
+    monkeypatch.setattr(truth, "sizes", lambda *said, **how: [None])
+    place, slot = Place(tmp_path), Slot("null", "fast-room", "null")
+    place.records.mkdir()
+    case, *_ = make.settled(place, Key(1, "a" * 32), slot, 0, is_judged=True)
+    assert (first, case.attempt) == ([], 1)
+
+
 def test_a_file_is_as_long_as_its_rows_and_columns_make_it(place: Place) -> None:
     for name in place.names():
         folder = place.record(name)

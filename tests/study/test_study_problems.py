@@ -1,5 +1,6 @@
 """Every problem of a study file: one exact line each, all at once."""
 
+import pickle
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -434,3 +435,12 @@ def test_the_papers_study_reads_with_the_installed_plugins() -> None:
     study = read_study(Path(__file__).parents[2] / "studies" / "table5.toml", installed())
     assert len(study.cases) == 11
     assert list(study.weeks) == ["january", "february"]
+
+
+def test_problems_come_whole_out_of_another_process(tmp_path: Path, registry: Registry) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(GOOD.replace("on-off", "onoff"))
+    with pytest.raises(StudyError) as refused:
+        read_study(path, registry)
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert (str(again), again.problems) == (str(refused.value), refused.value.problems)

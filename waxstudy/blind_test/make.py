@@ -168,13 +168,17 @@ def settled(place: Place, key: Key, slot: Slot, index: int, is_judged: bool) -> 
 def _tried(
     place: Place, key: Key, slot: Slot, index: int, attempt: int, is_judged: bool
 ) -> tuple[Case, Staged, Dataset]:
-    """Draw, make and write a record; raise `Unmakeable`."""
+    """Draw, make and write a record; raise `Unmakeable`, also of one that is refused as a reader would refuse it."""
     from waxstudy.dataset.read import read_dataset
+    from waxstudy.study.problems import StudyError
 
     case = drawn(key, slot, index, attempt, is_judged)
     staged = engine_of(case.engine).make(case.scene)
     write_record(place.record(case.name), staged, case.measured)
-    return case, staged, read_dataset(place.record(case.name))
+    try:
+        return case, staged, read_dataset(place.record(case.name))
+    except StudyError as error:
+        raise Unmakeable(str(error)) from error
 
 
 def seal(place: Place, key: Key, names: Sequence[str]) -> None:

@@ -90,7 +90,12 @@ def _supply_and_return(values: pd.DataFrame, notes: Notes) -> None:
     supply, back = flowing["supply_temperature_C"], flowing["return_temperature_C"]
     room = next((float(values[name].median()) for name in ROOM if name in values), 22.0)
     if (back - supply > 0.5).mean() > 0.8 and back.median() > room + 2.0:
-        _swap("supply_temperature_C", "return_temperature_C", "the return is warmer while water flows", notes)
+        _swap(
+            "supply_temperature_C",
+            "return_temperature_C",
+            "the return is warmer while water flows (or one is several K off)",
+            notes,
+        )
 
 
 def _output_and_signal(values: pd.DataFrame, has_modulator: bool, notes: Notes) -> None:

@@ -40,6 +40,10 @@ class StudyError(Exception):
         self.problems = sorted(problems, key=lambda problem: problem.line)
         super().__init__("\n".join(map(str, self.problems)))
 
+    def __reduce__(self) -> tuple[type[StudyError], tuple[list[Problem]]]:
+        """Let another process tell of it: an exception is made again from what it was given."""
+        return StudyError, (self.problems,)
+
     @property
     def is_plugin_fault(self) -> bool:
         """Whether nothing but plugins is at fault: the file itself may be right."""
