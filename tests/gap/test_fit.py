@@ -12,16 +12,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.gap.realities import EFFECTS, belief, effects, planted, record, with_effects
-from waxstudy.gap.fit import REFINED, Fitted, Fitter
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.interval import parameter_intervals
-from waxstudy.gap.judge import FIT, SELECT
+from waxstudy.gap.judge import BOTH
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
+from waxstudy.gap.room import OF_AIR_AND_FLOOR
 from waxstudy.gap.space import Space, descend
 from waxstudy.gap.unknowns import FLOOR, START
 from waxstudy.plugin import Belief, Prior
 
-BOTH = (FIT, SELECT)
 OF_START = (START, FLOOR)
 # what is believed and what is put in: of a chain's first stages into its closed loop, else into its link
 IN_LOOP: Mapping[str, tuple[str, Mapping[str, float]]] = {
@@ -146,7 +147,7 @@ def test_a_room_in_long_steps_is_refined_to_what_short_ones_give(true: Mapping[s
     reading, edited = link.readings[0], with_effects(believed, effects(**true))
     fine, coarse = (link.predict(seen, edited, reading, is_fine=way) for way in (True, False))
     refined = Fitter(link, seen, believed).predicted(edited, reading)
-    for channel in REFINED:
+    for channel in OF_AIR_AND_FLOOR:
         off_K = [np.nanstd((each[channel] - fine[channel])[24:]) for each in (refined, coarse)]
         assert off_K[0] <= 0.25 * off_K[1], channel
 

@@ -68,7 +68,7 @@ def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: 
     from waxstudy.blind_test.record import without_noise
     from waxstudy.blind_test.truth import Stand
     from waxstudy.gap.diagnose import installed_effects
-    from waxstudy.gap.judge import FIT, SELECT, SHRINK
+    from waxstudy.gap.judge import BOTH, SELECT, SHRINK
 
     case = _case(box)
     free = without_noise(engine_of(case.engine).make(case.scene), case.measured)
@@ -79,7 +79,7 @@ def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: 
         return None
     fitter = stand.fitter(link, stand.free, stand.belief)
     base = fitter.base
-    after = fitter.refined([(fixed(effect, values), {})], base.departures, base.reading, (FIT, SELECT))
+    after = fitter.refined([(fixed(effect, values), {})], base.departures, base.reading, BOTH)
     channel = box["causes"][0]["size"]["channel"]
     if after is None:
         return None

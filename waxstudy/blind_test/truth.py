@@ -17,7 +17,8 @@ from waxstudy.blind_test.record import shown, without_noise
 from waxstudy.dataset.effects import EffectError, applied
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import installed_effects, record_of
-from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.judge import Errors, Judge
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.reading import Reading

@@ -10,7 +10,7 @@ import pandas as pd
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.closed_loop import closed_loop
-from waxstudy.gap.fit import Fitted
+from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.impact import impact
 from waxstudy.gap.interval import parameter_intervals, shrink
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, parts_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.fit import Fitted
+from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import SELECT
 from waxstudy.gap.links import SUPPLY

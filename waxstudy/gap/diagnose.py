@@ -9,12 +9,14 @@ import numpy as np
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.assembly import Work, assembled, of_link
 from waxstudy.gap.candidate import ALIKE
-from waxstudy.gap.fit import REFINED, Fitted, Fitter
-from waxstudy.gap.judge import FIT, SELECT
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fitted import Fitted
+from waxstudy.gap.judge import BOTH
 from waxstudy.gap.ladder import ladder_effects
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.result import Diagnosis
+from waxstudy.gap.room import OF_AIR_AND_FLOOR
 from waxstudy.gap.select import Selection, Tick, select
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.testable import too_short
@@ -23,7 +25,6 @@ from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
-BOTH = (FIT, SELECT)
 QUICK = 0.35  # of the fits' effort
 # of what a room's form may leave: what shows that it is as believed, and what shows that it is not
 GOOD_FORM, POOR_FORM = 1.0, 4.0
@@ -130,7 +131,7 @@ def _to_the_letter(work: Work, wide: Selection, effects: Sequence[EffectType], s
 
 def _left(fitter: Fitter, model: Fitted) -> float:
     """Return what a model leaves of a room, with how far it departs; not of the return, which long steps blur."""
-    shown = [errors for errors in model.errors if errors.channel in REFINED]
+    shown = [errors for errors in model.errors if errors.channel in OF_AIR_AND_FLOOR]
     return sum(errors.loss(part) for errors in shown for part in BOTH) + fitter.strain(model)
 
 

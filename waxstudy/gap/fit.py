@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 from operator import itemgetter
 
 import numpy as np
 
-from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, Judge
+from waxstudy.gap.first_look import FirstLook
+from waxstudy.gap.fitted import Fitted
+from waxstudy.gap.judge import BOTH, FIT, SELECT, SHRINK, Judge
 from waxstudy.gap.links import Link
 from waxstudy.gap.newton import MOST_SD, LeastSquares
-from waxstudy.gap.reading import STILL, Drift, Reading
+from waxstudy.gap.prediction import Prediction
+from waxstudy.gap.reading import Drift, Reading
 from waxstudy.gap.record import Record
-from waxstudy.gap.room import Predicted
 from waxstudy.gap.space import EffectType, Space, Values, descend, valued
 from waxstudy.gap.unknowns import unknowns
 from waxstudy.plugin import Belief, FloatArray, SimulationError
@@ -25,31 +26,7 @@ REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
 OTHER = 9.0  # loss by which another reading must be better
 AGAIN = 2  # fits of a room from where the last one ended
-STRONGEST = 4.0  # times a point of a first look
-SCALED = 4  # such points that are tried at the strength that suits the record
-REFINED = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C")
-TINY = 1e-12
 PROMISING = 5.0  # loss that an effect must take away from a room for a closer look; a quick diagnosis asks for more
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """A belief with effects and departures fitted to a link: what it says, and what it misses."""
-
-    effects: tuple[tuple[EffectType, Values], ...]
-    reading: Reading
-    departures: FloatArray
-    errors: Sequence[Errors] = field(repr=False)
-
-    def loss(self, part: int) -> float:
-        return sum(each.loss(part) for each in self.errors)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return tuple(effect.name for effect, _ in self.effects)
-
-    def unit(self, channel: str) -> str:
-        return next(each.unit for each in self.errors if each.channel == channel)
 
 
 class Fitter:
@@ -66,12 +43,12 @@ class Fitter:
     ) -> None:
         self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
         self.holds_out, self.is_to_the_letter = holds_out, link.with_room and room_tolerance == 0.0
+        self.predicted = Prediction(link, record, belief, self.is_to_the_letter)
         self.judge = Judge(link, record, belief, holds_out)
         self.unknowns = unknowns(belief, record, link.driven_by, room_tolerance) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
         self._events = [place for place, unknown in enumerate(self.unknowns) if unknown.is_event]
-        self._refinements: dict[Reading, Mapping[str, FloatArray]] = {}
-        self._solutions: dict[tuple[int, ...], tuple[FloatArray, np.ndarray]] = {}
+        self._straight: dict[tuple[int, ...], tuple[FloatArray, FloatArray, np.ndarray]] = {}
         self._last: tuple[tuple[bytes, frozenset[str]], Belief] | None = None  # what was departed to last
 
     # --- one hypothesis at given values ---
@@ -104,27 +81,6 @@ class Fitter:
             return None
         return Fitted(tuple(effects), reading, departures, self.judge.errors(predicted))
 
-    def predicted(self, belief: Belief, reading: Reading, drift: Drift = STILL) -> Predicted:
-        """Return what the link makes of a belief, a room's as if its steps were those of the record.
-
-        What shorter steps change of the room as believed is added: with the same flow they change as much of any other.
-        Not of the return, whose first minutes of each pulse are a matter of form, unless that is as believed.
-        """
-        found = self.link.predict(self.record, belief, reading, drift)
-        for channel, change in self._refinement(reading).items():
-            found[channel] = found[channel] + change
-        return found
-
-    def _refinement(self, reading: Reading) -> Mapping[str, FloatArray]:
-        if not self.link.with_room or self.link.driven_by != "flow_L_h":
-            return {}
-        if reading not in self._refinements:
-            coarse, fine = (self.link.predict(self.record, self.belief, reading, is_fine=way) for way in (False, True))
-            refined = [channel for channel in fine if channel in REFINED or self.is_to_the_letter]
-            changes = {channel: fine[channel] - coarse[channel] for channel in refined}
-            self._refinements[reading] = {channel: np.nan_to_num(change) for channel, change in changes.items()}
-        return self._refinements[reading]
-
     def drive_noise(self, fitted: Fitted) -> Mapping[int, float]:
         """Return what noise of the link's drive adds to a model's loss, by part: a low-pass lets less of it through."""
         if self.link.with_room or self.link.driven_by in self.record.binary or fitted.reading.is_raw:
@@ -136,7 +92,7 @@ class Fitter:
         found: dict[int, float] = {}
         for now, moved in zip(self.judge.errors(still), self.judge.errors(shaken), strict=True):
             if now.channel not in self.record.binary:
-                for part in (FIT, SELECT):
+                for part in BOTH:
                     chosen = now.part == part
                     added = float(np.sum((moved.whitened[chosen] - now.whitened[chosen]) ** 2))
                     found[part] = found.get(part, 0.0) + added
@@ -161,10 +117,11 @@ class Fitter:
 
     def reread(self, fitted: Fitted) -> Fitted:
         """Return a fit read in the way that suits it best: what had to be undone before may be needless now."""
-        most = self.fair_score(fitted, (FIT, SELECT)) - OTHER * self.spread(fitted)
         others = [each for each in self.readings if each != fitted.reading]
         again = [self.refined(fitted.effects, fitted.departures, reading) for reading in others]
-        return self._best([fitted, *(each for each in again if each and self.fair_score(each, (FIT, SELECT)) < most)])
+        best = self._best([fitted, *again])
+        needed = OTHER * self.spread(fitted)
+        return best if self.fair_score(best, BOTH) < self.fair_score(fitted, BOTH) - needed else fitted
 
     @cached_property
     def readings(self) -> Sequence[Reading]:
@@ -175,7 +132,7 @@ class Fitter:
         done = [each for each in tried if each is not None]
         if not done:
             raise ValueError(f"what is believed of {self.link.name} cannot be simulated")
-        return min(done, key=lambda each: self.fair_score(each, (FIT, SELECT)))
+        return min(done, key=lambda each: self.fair_score(each, BOTH))
 
     def score(self, fitted: Fitted | None, parts: Sequence[int]) -> float:
         """Return what a fit misses on some parts, with how far its departures went; much where it cannot be."""
@@ -216,8 +173,9 @@ class Fitter:
         """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""
         if effect.hindrance(self.edited(given.effects, given.departures)):
             return None
-        space = Space(effect)
-        scanned = [self._scanned(effect, space, given, reading, parts) for reading in self.readings]
+        look = FirstLook(self, effect, given, parts)
+        found = [(*look.best(reading), reading) for reading in self.readings]
+        scanned = [(score + of_other(reading, given), values, reading) for score, values, reading in found]
         possible = [each for each in sorted(scanned, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         # a first look cannot choose between ways to read the record; for a room looking closer at each takes too long
         ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]
@@ -233,72 +191,16 @@ class Fitter:
     ) -> Fitted | None:
         return self.refined((*given.effects, (effect, values)), given.departures, reading, parts, is_rough=True)
 
-    def _scanned(
-        self, effect: EffectType, space: Space, given: Fitted, reading: Reading, parts: Sequence[int]
-    ) -> tuple[float, Values, Reading]:
-        tried = [*space.points(self.thorough), *effect.starts(self.belief)]
-        looks = [self._at((*given.effects, (effect, v)), given, reading, parts) for v in tried]
-        more = self._scaled(effect, space, tried, looks, given, reading, parts)
-        tried += more
-        looks += [self._at((*given.effects, (effect, v)), given, reading, parts) for v in more]
-        scores = [self.score(each, parts) for each in looks]
-        best = int(np.argmin(scores))
-        return scores[best] + of_other(reading, given), tried[best], reading
+    def straight(self, parts: tuple[int, ...]) -> tuple[FloatArray, FloatArray, np.ndarray]:
+        """Return how the room follows at the base: slopes, what solves for the departures, which errors are fitted.
 
-    def _scaled(
-        self,
-        effect: EffectType,
-        space: Space,
-        tried: Sequence[Values],
-        looks: Sequence[Fitted | None],
-        given: Fitted,
-        reading: Reading,
-        parts: Sequence[int],
-    ) -> list[Values]:
-        """Return points of a first look as strong as suits the record: a room answers nearly in proportion.
-
-        A window of the right hours, but of thrice the flow, would look worse than none.
+        Shapes (m, unknowns), (unknowns, m + unknowns), (m,) bool.
         """
-        neutral = effect.neutral(self.edited(given.effects, given.departures))
-        still = self._at(given.effects, given, reading, parts) if self.unknowns and neutral else None
-        if still is None or neutral is None:
-            return []
-        before = _missed(still, parts)
-        found = []
-        for values, look in zip(tried, looks, strict=True):
-            change = _missed(look, parts) - before if look else np.zeros(len(before))
-            along = float(before @ change) / max(float(change @ change), TINY)
-            strength = min(STRONGEST, max(0.0, -along))
-            left = before + strength * change
-            found.append((float(left @ left), space.scaled(values, neutral, strength)))
-        return [values for _, values in sorted(found, key=itemgetter(0))[:SCALED]]
-
-    def _at(
-        self, effects: Sequence[tuple[EffectType, Values]], given: Fitted, reading: Reading, parts: Sequence[int]
-    ) -> Fitted | None:
-        """Return a hypothesis with the room's departures where they would go, were everything straight from here."""
-        fitted = self.at(effects, given.departures, reading)
-        if fitted is None or not self.unknowns:
-            return fitted
-        return replace(fitted, errors=self._followed(fitted, parts))
-
-    def _followed(self, fitted: Fitted, parts: Sequence[int]) -> list[Errors]:
-        """Return the errors after the room's departures follow, by the slopes at the base."""
-        sizes = [len(each.whitened) for each in fitted.errors]
-        whole = np.concatenate([each.whitened for each in fitted.errors])
-        solution, fit = self._solution(tuple(parts))
-        step = -solution @ np.concatenate((whole[fit], fitted.departures / self.sd))
-        most = MOST_SD * self.sd
-        step = np.clip(fitted.departures + step, -most, most) - fitted.departures
-        moved = np.split(whole + self._slopes @ step, np.cumsum(sizes)[:-1])
-        return [replace(each, whitened=vector) for each, vector in zip(fitted.errors, moved, strict=True)]
-
-    def _solution(self, parts: tuple[int, ...]) -> tuple[FloatArray, np.ndarray]:
-        """Return what solves for the departures (unknowns, m + unknowns), and which errors are fitted (bool)."""
-        if parts not in self._solutions:
+        if parts not in self._straight:
             fit = np.concatenate([np.isin(each.part, parts) for each in self.base.errors])
-            self._solutions[parts] = np.linalg.pinv(np.vstack((self._slopes[fit], np.diag(1.0 / self.sd)))), fit
-        return self._solutions[parts]
+            solution = np.linalg.pinv(np.vstack((self._slopes[fit], np.diag(1.0 / self.sd))))
+            self._straight[parts] = self._slopes, solution, fit
+        return self._straight[parts]
 
     @cached_property
     def _slopes(self) -> FloatArray:
@@ -396,10 +298,6 @@ class Fitter:
         believed = self.at((), np.zeros(len(self.sd)), self.link.readings[0])
         assert believed
         return self._slopes_at(believed, self._events)
-
-
-def _missed(fitted: Fitted, parts: Sequence[int]) -> FloatArray:
-    return np.concatenate([each.whitened[np.isin(each.part, parts)] for each in fitted.errors])
 
 
 def of_other(reading: Reading, given: Fitted) -> float:

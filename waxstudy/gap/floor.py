@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.reading import Drift
 from waxstudy.gap.room import Predicted
 from waxstudy.plugin import SimulationError

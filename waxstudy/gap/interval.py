@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from waxstudy.gap.fit import OTHER, Fitted, Fitter
-from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
+from waxstudy.gap.fit import OTHER, Fitter
+from waxstudy.gap.fitted import Fitted
+from waxstudy.gap.judge import BOTH, FIT, SELECT, SHRINK, Errors
 from waxstudy.gap.reading import Drift
 from waxstudy.gap.record import CONTINUOUS
 from waxstudy.gap.resampling import by_block, whole
@@ -41,11 +42,11 @@ def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, M
 
 def _as_good(fitter: Fitter, fitted: Fitted) -> Iterator[Fitted]:
     """Yield the fits under other readings that cannot be told from this one."""
-    most = fitter.score(fitted, (FIT, SELECT)) + OTHER * fitter.spread(fitted)
+    most = fitter.score(fitted, BOTH) + OTHER * fitter.spread(fitted)
     for reading in fitter.readings:
         if reading != fitted.reading:
-            other = fitter.refined(fitted.effects, fitted.departures, reading, (FIT, SELECT))
-            if other and fitter.score(other, (FIT, SELECT)) <= most:
+            other = fitter.refined(fitted.effects, fitted.departures, reading, BOTH)
+            if other and fitter.score(other, BOTH) <= most:
                 yield other
 
 

@@ -14,6 +14,7 @@ from waxstudy.gap.room import Predicted, merging, weighted
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 
 FIT, SELECT, SHRINK, LEFT_OUT = 0, 1, 2, -1
+BOTH = (FIT, SELECT)  # the days on which a cause is looked for
 SOFT = 3.0  # standard deviations beyond which an error of a switch counts straight
 SHAKES = 4  # how often a drive is shaken to see what its noise does to the timing of switches
 SHORT_DAYS = 6

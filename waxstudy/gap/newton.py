@@ -12,7 +12,8 @@ from waxstudy.gap.space import EffectType, Space, Values, valued
 from waxstudy.plugin import FloatArray
 
 if TYPE_CHECKING:
-    from waxstudy.gap.fit import Fitted, Fitter
+    from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fitted import Fitted
 
 LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from waxstudy.gap.candidate import LEAST_GAIN, Candidate
-from waxstudy.gap.fit import Fitted
+from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT
 from waxstudy.plugin import FloatArray

@@ -22,6 +22,7 @@ OF_ROOM = {
     "floor_surface_temperature_C": "floor_surface_C",
     "return_temperature_C": "return_C",
 }
+OF_AIR_AND_FLOOR = [channel for channel in OF_ROOM if channel != "return_temperature_C"]
 ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
 JUDGED_S = 900.0
 

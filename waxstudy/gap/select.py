@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.gap.candidate import CLEAR_GAIN, EXPLAINED, Candidate, alike, best_of, is_worth_naming, over_floor, shared
-from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
-from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
+from waxstudy.gap.judge import BOTH, FIT, SELECT, SHRINK, Errors
 from waxstudy.gap.links import ROOM_STAGES
 from waxstudy.gap.reading import Reading
 from waxstudy.gap.resampling import inclusion, null
@@ -129,13 +130,13 @@ class _Search:
         All are fitted to both first parts, under one reading.
         """
         base = self.fitter.base
-        whole = [self.fitter.refined((), base.departures, reading, (FIT, SELECT)) or base]
+        whole = [self.fitter.refined((), base.departures, reading, BOTH) or base]
         for each in found:
             fitted = each.candidate.fitted
             earlier = dict(whole[-1].effects)
             values = dict(fitted.effects) | earlier
             effects = [(effect, values[effect]) for effect in (*earlier, each.effect)]
-            again = self.fitter.refined(effects, fitted.departures, reading, (FIT, SELECT))
+            again = self.fitter.refined(effects, fitted.departures, reading, BOTH)
             whole.append(again or fitted)
         if len(found) < 2:
             return tuple(whole), tuple(whole[:-1])
@@ -145,7 +146,7 @@ class _Search:
         """Return the last model without one of its effects, the rest fitted again."""
         last = models[-1]
         rest = [(other, values) for other, values in last.effects if other is not effect]
-        return self.fitter.refined(rest, last.departures, last.reading, (FIT, SELECT)) or models[0]
+        return self.fitter.refined(rest, last.departures, last.reading, BOTH) or models[0]
 
     def tried(self, current: Fitted) -> list[Candidate]:
         """Return every effect that applies, fitted on top of a model and judged."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.links import chain_of
 from waxstudy.gap.path import CELL_S
 from waxstudy.gap.record import Record

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import installed_effects
-from waxstudy.gap.fit import Fitted, Fitter
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.judge import FIT, SELECT, SHRINK
 from waxstudy.gap.links import links
 from waxstudy.gap.space import EffectType

@@ -1,0 +1,82 @@
+"""A first look at an effect: points all over its parameters, the room's departures following in a straight line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from operator import itemgetter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from waxstudy.gap.fitted import Fitted
+from waxstudy.gap.newton import MOST_SD
+from waxstudy.gap.reading import Reading
+from waxstudy.gap.space import EffectType, Space, Values
+from waxstudy.plugin import FloatArray
+
+if TYPE_CHECKING:
+    from waxstudy.gap.fit import Fitter
+
+STRONGEST = 4.0  # times a point of a first look
+SCALED = 4  # such points that are tried at the strength that suits the record
+TINY = 1e-12
+
+
+class FirstLook:
+    """Where an effect, added to a fit, may be worth a closer look."""
+
+    def __init__(self, fitter: Fitter, effect: EffectType, given: Fitted, parts: Sequence[int]) -> None:
+        self.fitter, self.effect, self.given, self.parts = fitter, effect, given, parts
+        self.space = Space(effect)
+
+    def best(self, reading: Reading) -> tuple[float, Values]:
+        """Return the least score, and the values that it is found at, with one way to read the record."""
+        tried = [*self.space.points(self.fitter.thorough), *self.effect.starts(self.fitter.belief)]
+        looks = [self._with(values, reading) for values in tried]
+        more = self._scaled(tried, looks, reading)
+        looks += [self._with(values, reading) for values in more]
+        scores = [self.fitter.score(each, self.parts) for each in looks]
+        best = int(np.argmin(scores))
+        return scores[best], [*tried, *more][best]
+
+    def _scaled(self, tried: Sequence[Values], looks: Sequence[Fitted | None], reading: Reading) -> list[Values]:
+        """Return points as strong as suits the record: a room answers nearly in proportion.
+
+        A window of the right hours, but of thrice the flow, would look worse than none.
+        """
+        given = self.given
+        neutral = self.effect.neutral(self.fitter.edited(given.effects, given.departures))
+        still = self._at(given.effects, reading) if self.fitter.unknowns and neutral else None
+        if still is None or neutral is None:
+            return []
+        before = still.missed(self.parts)
+        found = []
+        for values, look in zip(tried, looks, strict=True):
+            change = look.missed(self.parts) - before if look else np.zeros(len(before))
+            along = float(before @ change) / max(float(change @ change), TINY)
+            strength = min(STRONGEST, max(0.0, -along))
+            left = before + strength * change
+            found.append((float(left @ left), self.space.scaled(values, neutral, strength)))
+        return [values for _, values in sorted(found, key=itemgetter(0))[:SCALED]]
+
+    def _with(self, values: Values, reading: Reading) -> Fitted | None:
+        return self._at((*self.given.effects, (self.effect, values)), reading)
+
+    def _at(self, effects: Sequence[tuple[EffectType, Values]], reading: Reading) -> Fitted | None:
+        """Return a hypothesis with the room's departures where they would go, were everything straight from here."""
+        fitted = self.fitter.at(effects, self.given.departures, reading)
+        if fitted is None or not self.fitter.unknowns:
+            return fitted
+        slopes, solution, fit = self.fitter.straight(tuple(self.parts))
+        sd = self.fitter.sd
+        whole = np.concatenate([each.whitened for each in fitted.errors])
+        step = -solution @ np.concatenate((whole[fit], fitted.departures / sd))
+        step = np.clip(fitted.departures + step, -MOST_SD * sd, MOST_SD * sd) - fitted.departures
+        moved = _parted(whole + slopes @ step, fitted)
+        return replace(fitted, errors=[replace(e, whitened=v) for e, v in zip(fitted.errors, moved, strict=True)])
+
+
+def _parted(whole: FloatArray, fitted: Fitted) -> Sequence[FloatArray]:
+    """Return a vector of all channels as one of each."""
+    return np.split(whole, np.cumsum([len(each.whitened) for each in fitted.errors])[:-1])
