@@ -121,3 +121,13 @@ def test_one_unknown_of_a_room_that_is_off_is_not_taken_for_an_effect(unknown: s
     found = diagnose(replace(of_the_room(), room=departed.apply(believed, departed.sd).room), quick=True)
     assert (found.verdict, list(found.effects)) == ("none", [])
     assert abs(found.departures[unknown]) > 0.3
+
+
+@pytest.mark.slow
+def test_a_room_that_is_missed_by_more_than_noise_is_not_as_believed_to_the_letter() -> None:
+    leaky = of_the_room(infiltration={"factor": 0.5})
+    wave_K = 0.02 * np.sin(2.0 * np.pi * np.arange(len(leaky.values)) / (17.0 * 60.0))
+    of_room = ["air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C"]
+    values = leaky.values.assign(**{channel: leaky.values[channel] + wave_K for channel in of_room})
+    found = diagnose(replace(leaky, values=values), quick=True)
+    assert (found.verdict, list(found.effects)) == ("none", [])

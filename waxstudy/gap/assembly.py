@@ -58,7 +58,7 @@ def assembled(
     found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
     remains = [each for selection in selections for each in unexplained(selection, work.seed)]
     untestable = list(_untestable(work, cut, short, selections))
-    verdict = _verdict(found, remains, selections)
+    verdict = _verdict(found, remains, selections, untestable)
     stages = {effect.name: effect.stage for effect in work.effects}
     return Diagnosis(
         dataset=work.dataset.name,
@@ -168,14 +168,21 @@ def _untestable(
         yield from unshown(selection, of_link(selection.fitter.link, work.effects))
 
 
-def _verdict(found: Sequence[FoundEffect], remains: Sequence[Unexplained], selections: Sequence[Selection]) -> Verdict:
+def _verdict(
+    found: Sequence[FoundEffect],
+    remains: Sequence[Unexplained],
+    selections: Sequence[Selection],
+    untestable: Sequence[Untestable],
+) -> Verdict:
     if any(len(effect.group) == 1 for effect in found):
         return "effect"
     if found:
         return "group"
     if any(each.is_finding for each in remains):
         return "unknown"
-    return "none" if any(not each.fitter.link.is_supply for each in selections) else "untestable"
+    looked_at = [each for each in selections if not each.fitter.link.is_supply]
+    tested = {each.effect.name for selection in looked_at for each in selection.tried}
+    return "none" if tested - {each.name for each in untestable} else "untestable"
 
 
 def _summary(

@@ -8,7 +8,7 @@ import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.assembly import Work, assembled, of_link
-from waxstudy.gap.candidate import ALIKE
+from waxstudy.gap.candidate import ALIKE, EXPLAINED
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.judge import BOTH
@@ -26,8 +26,7 @@ from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
 QUICK = 0.35  # of the fits' effort
-# of what a room's form may leave: what shows that it is as believed, and what shows that it is not
-GOOD_FORM, POOR_FORM = 1.0, 4.0
+POOR_FORM = 4.0  # of what a room's form may leave: what shows that it is not as believed
 Tell = Callable[[str, float], None]
 
 
@@ -125,8 +124,14 @@ def _to_the_letter(work: Work, wide: Selection, effects: Sequence[EffectType], s
     if believed is None or _left(exact, believed) <= most:
         return wide
     found = select(exact, effects, seed, tick)
-    is_as_good = _left(exact, found.after) <= most and exact.form(found.after) <= GOOD_FORM
+    is_as_good = _left(exact, found.after) <= most and _is_noise_only(found)
     return found if found.found and is_as_good else wide
+
+
+def _is_noise_only(selection: Selection) -> bool:
+    """Whether nothing but noise is left of a room: the least departure from the letter would show."""
+    shown = [errors for errors in selection.after.errors if errors.channel in OF_AIR_AND_FLOOR]
+    return all(errors.gap() <= EXPLAINED * selection.floor.plain[errors.channel] for errors in shown)
 
 
 def _left(fitter: Fitter, model: Fitted) -> float:

@@ -13,9 +13,10 @@ from waxstudy.gap.record import AIR, Record
 from waxstudy.gap.resampling import whole
 from waxstudy.gap.result import FoundEffect, Measurement, Untestable
 from waxstudy.gap.select import OF_AIR, Selection, is_poor
-from waxstudy.gap.space import EffectType, Values
+from waxstudy.gap.space import EffectType, Space, Values
 from waxstudy.plugin import CHAIN, Belief, FloatArray
 
+FEW = 0.1  # of a first look's points
 CLEAR = 4  # noticeable steps from neutral that a record should show
 LEAST_BLOCKS = 3
 LEVELS = ("control_output", "displacement")
@@ -113,9 +114,13 @@ def _moves_by(
 
 
 def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]:
-    """Yield departures from neutral that are worth naming, one parameter each and both ways."""
+    """Yield departures from neutral that are worth naming, one parameter each and both ways.
+
+    Of what is neutral nowhere, as another kind of motor, points of its whole range.
+    """
     neutral = effect.neutral(believed)
     if neutral is None:
+        yield from Space(effect).points(FEW)
         return
     values = {**effect.Parameters(**neutral).model_dump(), **neutral}
     for name in [each for each in effect.priors if each in neutral]:

@@ -18,7 +18,8 @@ TITLE = "Every effect that was tried"
 CAPTION = (
     "Share of the gap above the noise floor that each effect explains, alone, on days that its fit has not seen; at "
     "the bar its p over all effects tried (family-wise). Black: found. Hatched: in the group of one that was found, "
-    "and not to be told from it with this record. White: nothing that could not be chance, or too little."
+    "and not to be told from it with this record. White: may be chance, explains too little, or is no more than real "
+    "motors are known to stray. An effect that two measured channels can show stands twice."
 )
 MOST = 24
 BEST, ALIKE, OTHER = "found", "cannot be told from one that was found", "not found"
