@@ -26,7 +26,8 @@ from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
 QUICK = 0.35  # of the fits' effort
-POOR_FORM = 4.0  # of what a room's form may leave: what shows that it is not as believed
+# of what a room's form may leave: what shows that it is as believed, and what shows that it is not
+GOOD_FORM, POOR_FORM = 1.0, 4.0
 Tell = Callable[[str, float], None]
 
 
@@ -124,14 +125,16 @@ def _to_the_letter(work: Work, wide: Selection, effects: Sequence[EffectType], s
     if believed is None or _left(exact, believed) <= most:
         return wide
     found = select(exact, effects, seed, tick)
-    is_as_good = _left(exact, found.after) <= most and _is_noise_only(found)
+    is_as_good = _left(exact, found.after) <= most and _is_as_believed(found)
     return found if found.found and is_as_good else wide
 
 
-def _is_noise_only(selection: Selection) -> bool:
-    """Whether nothing but noise is left of a room: the least departure from the letter would show."""
-    shown = [errors for errors in selection.after.errors if errors.channel in OF_AIR_AND_FLOOR]
-    return all(errors.gap() <= EXPLAINED * selection.floor.plain[errors.channel] for errors in shown)
+def _is_as_believed(selection: Selection) -> bool:
+    """Whether a room leaves less than a form may, and of air and floor nothing but noise."""
+    after, floor = selection.after, selection.floor.plain
+    shown = [errors for errors in after.errors if errors.channel in OF_AIR_AND_FLOOR]
+    is_noise = all(errors.gap() <= EXPLAINED * floor[errors.channel] for errors in shown)
+    return is_noise and selection.fitter.form(after) <= GOOD_FORM
 
 
 def _left(fitter: Fitter, model: Fitted) -> float:

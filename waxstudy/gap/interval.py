@@ -14,6 +14,7 @@ from waxstudy.gap.record import CONTINUOUS
 from waxstudy.gap.resampling import by_block, whole
 from waxstudy.gap.result import Interval
 from waxstudy.gap.space import EffectType, Space
+from waxstudy.gap.stray import moved_s, opening
 from waxstudy.plugin import FloatArray, Prior
 
 DRAWS = 1000
@@ -151,7 +152,7 @@ def _described(
         found[effect] = {}
         for place, name in enumerate(space.names):
             prior = space.priors[place]
-            half = float(np.hypot(wide * float(sd[at]), 2.0 * _timing(fitter, name, prior, values[name])))
+            half = float(np.hypot(wide * float(sd[at]), 2.0 * _timing(fitter, fitted, effect, place)))
             if prior.is_log and effect.absorbs:
                 spread = sum(absorbed.get(each, 0.0) ** 2 for each in effect.absorbs) ** 0.5
                 half = float(np.hypot(half, 1.96 * spread / np.log(prior.high / prior.low)))
@@ -179,20 +180,37 @@ def _still(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int, way: 
     return width
 
 
-def _timing(fitter: Fitter, name: str, prior: Prior, value: float) -> float:
-    """Return what the sampling of the switches that drive a link leaves open of a time, as a share of its range.
+def _timing(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int) -> float:
+    """Return what the sampling of the switches that drive a link leaves open of a parameter, as a share of its range.
 
     Nobody knows when within an interval each of them was thrown; the judge puts it where it fits best, so that a time
-    may be off by nearly as much as that lets it.
+    may be off by nearly as much as that lets it, and a motor's pace by what moves its opening as much.
     """
-    if not name.endswith("_s") or fitter.link.driven_by not in fitter.record.binary:
+    if fitter.link.driven_by not in fitter.record.binary:
         return 0.0
+    space, values = Space(effect), dict(fitted.effects)[effect]
+    name, prior = space.names[place], space.priors[place]
     open_s = TIMING * fitter.record.interval_s
+    if not name.endswith("_s"):
+        return open_s / moved if (moved := _moved_s(fitter, fitted, effect, place)) else 0.0
     return float(
-        open_s / max(value, open_s) / np.log(prior.high / prior.low)
+        open_s / max(values[name], open_s) / np.log(prior.high / prior.low)
         if prior.is_log
         else open_s / (prior.high - prior.low)
     )
+
+
+def _moved_s(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int) -> float:
+    """Return by how much of a switch [s] a parameter of an actuator moves its opening, over its whole range."""
+    if effect.stage != "actuator":
+        return 0.0
+    space, values = Space(effect), dict(fitted.effects)
+    x = space.inside(values[effect])
+    x[place] += WIDTH if x[place] < 0.5 else -WIDTH
+    moved = [(each, space.values(x) if each is effect else v) for each, v in fitted.effects]
+    beliefs = [fitter.edited(each, fitted.departures) for each in (fitted.effects, moved)]
+    before, after = (opening(fitter.record, belief) for belief in beliefs)
+    return moved_s(fitter.record, before - after) / WIDTH if before is not None and after is not None else 0.0
 
 
 def shrink(before: Errors, after: Errors, floor: float, random: np.random.Generator) -> Interval:

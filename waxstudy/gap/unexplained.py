@@ -42,6 +42,8 @@ def _described(selection: Selection, errors: Errors, floor: float, p: float) -> 
     is_room = selection.fitter.link.with_room
     form = is_room and errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0)
     covered = not is_room and is_covered(selection, errors)
+    if is_room and not form:
+        stage = selection.fitter.link.name  # what a model's form does not leave may as well lie in the emitter
     return Unexplained(stage, errors.gap(), floor, p, form, covered, errors.channel)
 
 
