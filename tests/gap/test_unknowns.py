@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.gap.realities import belief, dataset, effects, planted, record
+from tests.gap.realities import belief, dataset, effects, planted, record, study
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import diagnose
 from waxstudy.gap.fit import Fitter
@@ -131,3 +131,18 @@ def test_a_room_that_is_missed_by_more_than_noise_is_not_as_believed_to_the_lett
     values = leaky.values.assign(**{channel: leaky.values[channel] + wave_K for channel in of_room})
     found = diagnose(replace(leaky, values=values), quick=True)
     assert (found.verdict, list(found.effects)) == ("none", [])
+
+
+@pytest.mark.slow
+def test_nor_is_one_whose_flow_was_not_recorded() -> None:
+    seen, _, _ = ready()
+    lacking = replace(seen, values={name: each for name, each in seen.values.items() if name != "flow_L_h"})
+    believed = belief("REAL", lacking)
+    link = next(each for each in links(lacking, believed) if each.with_room)
+    made = planted(link, lacking, believed, effects(infiltration={"factor": 2.5}))
+    time = pd.date_range("2020-01-06T00:01", periods=len(made), freq="min")
+    shown = {name: each for name, each in made.values.items() if name in (*FROM_FLOW, "displacement")}
+    valve = {"valve": study().cases["REAL"].blocks["valve"]}
+    found = diagnose(replace(dataset(pd.DataFrame({"time": time, **shown}), "REAL"), nominal=valve), quick=True)
+    assert found.effects == []
+    assert not any("to the letter" in sentence for sentence in found.assumptions)
