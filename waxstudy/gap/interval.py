@@ -20,7 +20,7 @@ from waxstudy.plugin import FloatArray, Prior
 DRAWS = 1000
 WIDER = 1.4  # chosen: by so much intervals that are straight lines from one fit have to be wider to cover the truth
 WIDTH = 0.02  # of a parameter's range, over which slopes are taken
-LEAST_WIDTH = 0.001  # over which it is seen whether anything changes at all
+LEAST_WIDTH = 1e-5  # over which it is seen whether anything changes at all
 RANGE = (2.5, 97.5)
 TIMING = 1.0 / 6.0  # of an interval: standard deviation of a time that switches within it leave open
 
@@ -168,16 +168,16 @@ def _still(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int, way: 
     """Return how far one way a parameter may go before anything recorded would change, as a share of its range."""
     space, values, now = Space(effect), dict(fitted.effects), whole(fitted)[0]
     x = space.inside(values[effect])
-    width = 0.5 * LEAST_WIDTH
-    while width < 1.0:
-        width *= 2.0
+    still, width = 0.0, LEAST_WIDTH
+    while still < 1.0:
         at = x.copy()
         at[place] += way * width
         moved = [(each, space.values(at) if each is effect else dict(v)) for each, v in fitted.effects]
         other = fitter.at(moved, fitted.departures, fitted.reading)
         if other is None or not np.array_equal(whole(other)[0], now):
-            return width if width > LEAST_WIDTH else 0.0
-    return width
+            return width if still else 0.0
+        still, width = width, 2.0 * width
+    return still
 
 
 def _timing(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int) -> float:

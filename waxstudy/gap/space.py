@@ -11,7 +11,7 @@ from waxstudy.plugin import Effect, FloatArray, Prior
 SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
 SCAN_MORE = 64
 TIE = 1e-9  # of losses that are alike
-NARROW = 1e-3  # share of a range that is not looked into
+NARROW = 1e-5  # share of a range that is not looked into
 
 Values = Mapping[str, float]
 EffectType = type[Effect]
