@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 import pytest
 
-from tests.gap.realities import belief, dataset, record, rows
+from tests.gap.realities import belief, dataset, plain, record, rows
 from waxstudy.gap.clock import late_s
 from waxstudy.gap.diagnose import record_of
 from waxstudy.gap.judge import Judge
@@ -29,6 +30,17 @@ def test_a_clock_that_runs_beside_the_record_s_is_found_from_the_pulses(minutes:
     assert late_s(seen, modulator) == pytest.approx(60.0 * minutes, abs=31.0)  # half a sample
     if minutes == 0:
         assert late_s(seen, modulator) == 0.0
+
+
+@pytest.mark.parametrize("interval_s", [10.0, 30.0, 60.0, 300.0])
+@pytest.mark.parametrize("is_told_at_once", [True, False])
+def test_a_clock_that_is_right_stays_so_where_some_pulses_begin_later(interval_s: float, is_told_at_once: bool) -> None:
+    """A pulse after a pause that was heated through begins within its period."""
+    ends_s = interval_s * (1.0 + np.arange(round(4 * 86_400 / interval_s)))
+    into_s = (ends_s if is_told_at_once else ends_s - interval_s) % 3600.0
+    is_odd = ends_s // 3600.0 % 24 == 5
+    signal = np.where(is_odd, (into_s >= 600.0) & (into_s < 1500.0), into_s < 1200.0)
+    assert late_s(plain({"heating_signal": signal}, interval_s), Choice.of(Pwm, {"period_s": 3600.0})) == 0.0
 
 
 @pytest.mark.parametrize("minutes", [7, 25])
