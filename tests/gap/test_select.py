@@ -106,6 +106,23 @@ def test_what_was_put_in_is_claimed_and_nothing_beside_it(stage: str, true: Effe
     assert found.candidate.share > 0.8
 
 
+CURVE = effects(quick_opening={"h_min": 0.25, "h_mid": 0.6, "v_mid": 0.2, "authority": 0.8})
+
+
+@pytest.mark.parametrize(("true", "names"), [(CURVE, ["quick-opening"]), ((), [])])
+def test_another_curve_is_claimed_though_other_circuits_take_from_all_of_the_flow(
+    true: Effects, names: Sequence[str]
+) -> None:
+    seen, believed, cut = ready("WAX")
+    link = link_at("valve", cut)
+    made = planted(link, seen, believed, true)
+    pressure = 1.0 + 0.009 * np.sin(2.0 * np.pi * np.arange(len(made)) * made.interval_s / (5 * 3600.0))
+    shared = replace(made, values={**made.values, "flow_L_h": made.values["flow_L_h"] * pressure})
+    found = searched(link, shared, believed).found
+    assert [each.effect.name for each in found] == names
+    assert all(each.candidate.share < 0.5 < each.candidate.plain_share for each in found)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("true", [effects(sensor_delay={"delay_s": 900.0}), effects(sensor_bias={"bias_K": -0.4})])
 def test_what_is_wrong_in_the_closed_loop_is_claimed_at_its_link(true: Effects) -> None:

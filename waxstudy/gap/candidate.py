@@ -17,6 +17,8 @@ from waxstudy.plugin import Belief
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_OF_SENSOR = 0.9  # the same of a thermometer, of which little else is to be known
+# the same in whitened errors, of a valve's clear gap: other circuits are in all of its flow, its curve where it moves
+LEAST_OF_VALVE, CLEAR_GAP = 0.15, 3.0
 LEAST_GAP = 1.1  # over the floor
 LEAST_SMOOTHED_GAP = 1.75
 LEAST_PART = 0.15  # that one of them must explain alone
@@ -72,8 +74,10 @@ class Candidate:
 
     @property
     def is_accepted(self) -> bool:
-        least_share = LEAST_OF_SENSOR if self.effect.stage == "sensor" else LEAST_SHARE
-        is_gap = self.over >= self.least_gap and min(self.share, self.plain_share) >= least_share
+        least = LEAST_OF_SENSOR if self.effect.stage == "sensor" else LEAST_SHARE
+        is_clear_flow = self.effect.stage == "valve" and self.gain >= CLEAR_GAIN and self.over >= CLEAR_GAP
+        is_shared = self.plain_share >= least and self.share >= (LEAST_OF_VALVE if is_clear_flow else least)
+        is_gap = self.over >= self.least_gap and is_shared
         # a heating curve is claimed to be shifted only where nothing else is left of its gap
         is_whole = self.channel != SUPPLY or self.left <= EXPLAINED
         return self.is_seen and is_gap and is_whole and self.is_worth_naming and not self.is_covered
