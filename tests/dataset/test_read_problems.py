@@ -100,6 +100,14 @@ DATA: dict[str, tuple[Frame, str]] = {
     "flow for opening": (swapped("flow_L_h", "displacement"), "displacement: goes up to .* are columns swapped"),
     "room for setpoint": (swapped("sensor_temperature_C", "setpoint_C"), "the setpoint moves all the time"),
     "room for supply": (swapped("operative_temperature_C", "supply_temperature_C"), "warmer than the water"),
+    "ventilation for outdoors": (
+        swapped("ventilation_supply_temperature_C", "outdoor_temperature_C"),
+        "look swapped: outdoors it is warm and even",
+    ),
+    "room for ventilation": (
+        swapped("air_temperature_C", "ventilation_supply_temperature_C"),
+        "the sensor follows ventilation_supply_temperature_C and not the air",
+    ),
     "signal for temperature": (
         swapped("heating_signal", "air_temperature_C"),
         "lies between 0 and 1",

@@ -134,7 +134,7 @@ def test_a_room_that_is_missed_by_more_than_noise_is_not_as_believed_to_the_lett
 
 
 @pytest.mark.slow
-def test_nor_is_one_whose_flow_was_not_recorded() -> None:
+def test_nor_is_one_that_a_noisy_opening_drives() -> None:
     seen, _, _ = ready()
     lacking = replace(seen, values={name: each for name, each in seen.values.items() if name != "flow_L_h"})
     believed = belief("REAL", lacking)

@@ -12,7 +12,12 @@ if TYPE_CHECKING:
 ENOUGH = 10
 ROOM = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 COLD_C = 15.0  # outdoors: a floor heats, it does not cool
-NOT_SENSED = ("floor_surface_temperature_C", "supply_temperature_C", "return_temperature_C")
+NOT_SENSED = (
+    "floor_surface_temperature_C",
+    "supply_temperature_C",
+    "return_temperature_C",
+    "ventilation_supply_temperature_C",
+)
 NO_FLOW_L_H = 5.0  # the noise of a meter is taken for no flow
 NIGHT_H = (23, 0, 1, 2)
 
@@ -24,6 +29,7 @@ def look_at_pairs(values: pd.DataFrame, has_modulator: bool, notes: Notes) -> No
             _room_and_outdoors(name, values, notes)
             _room_and_setpoint(name, values, notes)
             _room_and_supply(name, values, notes)
+    _ventilation_and_outdoors(values, notes)
     _supply_and_return(values, notes)
     _output_and_signal(values, has_modulator, notes)
     _signal_and_opening(values, has_modulator, notes)
@@ -73,6 +79,16 @@ def _room_and_supply(name: str, values: pd.DataFrame, notes: Notes) -> None:
     room, supply = pairs[name], pairs["supply_temperature_C"]
     if room.median() > 24.0 and room.median() > supply.median() + 3.0:
         _swap(name, "supply_temperature_C", "the room is warmer than the water that heats it", notes)
+
+
+def _ventilation_and_outdoors(values: pd.DataFrame, notes: Notes) -> None:
+    pairs = _both(values, "ventilation_supply_temperature_C", "outdoor_temperature_C")
+    if pairs is None:
+        return
+    supplied, outside = pairs["ventilation_supply_temperature_C"], pairs["outdoor_temperature_C"]
+    if outside.median() > supplied.median() + 5.0 and outside.std() < 0.35 * supplied.std():
+        why = "outdoors it is warm and even, the supplied air cold and changing"
+        _swap("ventilation_supply_temperature_C", "outdoor_temperature_C", why, notes)
 
 
 def _is_cold(values: pd.DataFrame) -> bool:

@@ -117,8 +117,9 @@ def _to_the_letter(work: Work, wide: Selection, effects: Sequence[EffectType], s
     """
     loose = wide.fitter
     is_rough_guess = work.dataset.room_tolerance > 1.0
-    is_heat_known = loose.link.with_room and loose.link.driven_by == "flow_L_h"
-    if not is_heat_known or is_rough_guess or loose.form(wide.after) > POOR_FORM:
+    # what a noisy opening lets through is not known well enough
+    is_well_driven = loose.link.driven_by == "flow_L_h" or loose.link.driven_by in work.record.binary
+    if not loose.link.with_room or not is_well_driven or is_rough_guess or loose.form(wide.after) > POOR_FORM:
         return wide
     most = _left(loose, wide.after) + ALIKE * loose.spread(wide.after)
     exact = Fitter(loose.link, work.record, work.belief, work.thorough, 0.0, loose.holds_out)
