@@ -28,6 +28,7 @@ from waxstudy.study.problems import Problem, StudyError
 QUICK = 0.35  # of the fits' effort
 # of what a room's form may leave: what shows that it is as believed, and what shows that it is not
 GOOD_FORM, POOR_FORM = 1.0, 4.0
+MOST_ALIKE = 3  # names in a group to the letter: a little heat that half of the library explains is no evidence
 Tell = Callable[[str, float], None]
 
 
@@ -128,7 +129,8 @@ def _to_the_letter(work: Work, wide: Selection, effects: Sequence[EffectType], s
         return wide
     found = select(exact, effects, seed, tick)
     is_as_good = _left(exact, found.after) <= most and _is_as_believed(found)
-    return found if found.found and is_as_good else wide
+    is_told_apart = all(len(each.group) <= MOST_ALIKE for each in found.found)
+    return found if found.found and is_as_good and is_told_apart else wide
 
 
 def _is_as_believed(selection: Selection) -> bool:
