@@ -70,7 +70,7 @@ class FirstLook:
             return fitted
         slopes, solution, fit = self.fitter.straight(tuple(self.parts))
         sd = self.fitter.sd
-        whole = np.concatenate([each.whitened for each in fitted.errors])
+        whole = fitted.whitened
         step = -solution @ np.concatenate((whole[fit], fitted.departures / sd))
         step = np.clip(fitted.departures + step, -MOST_SD * sd, MOST_SD * sd) - fitted.departures
         moved = _parted(whole + slopes @ step, fitted)

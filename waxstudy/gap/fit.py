@@ -208,7 +208,7 @@ class Fitter:
 
     def _slopes_at(self, fitted: Fitted, places: Sequence[int] | None = None) -> FloatArray:
         """Change of the whitened errors with each departure of the room (m, unknowns), or with some of them."""
-        whole = np.concatenate([each.whitened for each in fitted.errors])
+        whole = fitted.whitened
         columns = [np.zeros((len(whole), 0))]
         for place in range(len(self.sd)) if places is None else places:
             sd = self.sd[place]
@@ -216,7 +216,7 @@ class Fitter:
             moved = fitted.departures.copy()
             moved[place] += step
             other = self.at(fitted.effects, moved, fitted.reading)
-            there = np.concatenate([each.whitened for each in other.errors]) if other else whole
+            there = other.whitened if other else whole
             columns.append((there - whole)[:, None] / step)
         return np.hstack(columns)
 

@@ -32,6 +32,11 @@ class Fitted:
     def unit(self, channel: str) -> str:
         return next(each.unit for each in self.errors if each.channel == channel)
 
+    @property
+    def whitened(self) -> FloatArray:
+        """Whitened errors of all channels, one after the other."""
+        return np.concatenate([each.whitened for each in self.errors])
+
     def missed(self, parts: Sequence[int]) -> FloatArray:
         """Whitened errors of all channels on some parts."""
         return np.concatenate([each.whitened[np.isin(each.part, parts)] for each in self.errors])
