@@ -85,14 +85,17 @@ def test_the_loop_in_python_gives_the_compiled_one_s_bits() -> None:
     random = np.random.default_rng(4)
     signal, setpoint_C = 21.0 + np.cumsum(random.normal(0.0, 0.05, 400)), np.full(400, 21.0)
     ends, means = replay(chain, "sensor", signal, setpoint_C, interval_s=60.0, start_s=0.0)
-    out: tuple[Any, ...] = (np.zeros((400, 5)), np.zeros((400, 5)), np.zeros(1, dtype=np.int64))
-    steps = [checked(block) if block else 0 for block in chain.blocks]
-    straight = np.full(400, -1.0)
-    rest = (chain.low, chain.high, signal, setpoint_C, straight, 0, STEP_S, 12, 0.0)
-    assert replaying.run(steps, chain.plain, chain.start(), *rest, *out) == replaying.DONE
+    before, middle = np.concatenate((signal[:1], signal[:-1])), (np.arange(12) + 0.5) / 12
+    u = np.concatenate([old + middle * (new - old) for old, new in zip(before, signal, strict=True)])
+    states = chain.start()
     for place, kind in enumerate(CHAIN):
-        assert np.array_equal(out[0][:, place], ends[kind])
-        assert np.array_equal(out[1][:, place], means[kind])
+        if kind == "controller":
+            u = np.repeat(setpoint_C, 12) - u
+        if block := chain.blocks[place]:
+            own = checked(block), chain.plain[place], states[place], chain.low[place], chain.high[place]
+            assert replaying.run(*own, u, 0.0, STEP_S) == replaying.DONE
+        assert np.array_equal(u[11::12], ends[kind])
+        assert u.reshape(-1, 12).mean(axis=1) == pytest.approx(means[kind], rel=1e-12, abs=1e-12)
 
 
 @given(st.integers(0, 12), st.booleans())

@@ -14,61 +14,21 @@ from waxstudy.plugin import CHAIN, FloatArray, SimulationError
 from waxstudy.simulation.cache import cached
 from waxstudy.simulation.chain import Chain, CompiledChain
 from waxstudy.simulation.interpreted import clock
-from waxstudy.simulation.kernel import CHAIN_LENGTH, CONTROLLER, DONE, call_block
+from waxstudy.simulation.kernel import CONTROLLER, DONE, call_block
 
 
-def run(
-    steps: Any,  # (5,) block functions, 0 where there is none or it takes no part
-    parameters: Any,  # (5,)
-    states: Any,  # (5,) changed in place
-    low: Any,  # (5,) and high: range of each block's output
-    high: Any,
-    signal: Any,  # (n,) what drives the first block, at the end of each interval
-    setpoint: Any,  # (n,) C
-    jump: Any,  # (n,) part of the interval after which the signal jumps; below 0 it runs straight through it
-    first: int,  # place of the first block
-    dt: float,
-    steps_per_interval: int,
-    start_s: float,
-    ends: Any,  # (n, 5) out: output of each place at the end of an interval
-    means: Any,  # (n, 5) out: its mean over the interval
-    counters: Any,  # (1,) out: failing step
-) -> int:
-    """Run the blocks over all intervals; return DONE or the place of the block that failed."""
-    before = signal[0]
-    for n in range(len(signal)):
-        now = signal[n]
-        for i in range(steps_per_interval):
-            part = (i + 0.5) / steps_per_interval
-            share = part if jump[n] < 0.0 else (1.0 if part > jump[n] else 0.0)
-            u = before + (now - before) * share
-            t = start_s + (n * steps_per_interval + i) * dt
-            for k in range(first, CHAIN_LENGTH):
-                if k == CONTROLLER:
-                    u = setpoint[n] - u
-                if steps[k] != 0:
-                    u = call_block(steps[k], parameters[k], states[k], u, t, dt)
-                    if not (low[k] <= u <= high[k]):
-                        counters[0] = n * steps_per_interval + i
-                        return k
-                ends[n, k] = u
-                means[n, k] += u / steps_per_interval
-        before = now
+def run(step: Any, parameters: Any, state: Any, low: float, high: float, u: Any, start_s: float, dt: float) -> int:
+    """Put a block's output (steps,) in the place of its input; return DONE or the step at which it failed."""
+    for n in range(len(u)):
+        shown = call_block(step, parameters, state, u[n], start_s + n * dt, dt)
+        if not (low <= shown <= high):  # false for NaN too
+            return n
+        u[n] = shown
     return DONE
 
 
-_NUMBERS, _TABLE, _COUNTS = types.float64[::1], types.float64[:, ::1], types.int64[::1]
-_RUN = types.int64(
-    *[_COUNTS] * 3,
-    *[_NUMBERS] * 5,
-    types.int64,
-    types.float64,
-    types.int64,
-    types.float64,
-    _TABLE,
-    _TABLE,
-    _COUNTS,
-)
+_POINTER, _NUMBER = types.int64, types.float64
+_RUN = types.int64(_POINTER, _POINTER, _POINTER, _NUMBER, _NUMBER, _NUMBER[::1], _NUMBER, _NUMBER)
 
 
 @cache
@@ -100,35 +60,37 @@ def replay(
     from sample to sample. Raises `SimulationError`.
     """
     ready = CompiledChain(chain)
-    place, count = CHAIN.index(first), len(signal)
     states = ready.start()
-    ends, means, counters = (
-        np.zeros((count, CHAIN_LENGTH)),
-        np.zeros((count, CHAIN_LENGTH)),
-        np.zeros(1, dtype=np.int64),
-    )
-    code = compiled()(
-        ready.addresses,
-        ready.parameters,
-        ready.pointers(states),
-        chain.low,
-        chain.high,
-        np.array(signal, dtype=float),  # a copy: compiled code takes no read-only memory
-        np.array(setpoint_C, dtype=float),
-        np.full(count, -1.0) if jump is None else np.array(jump, dtype=float),
-        place,
-        chain.step_s,
-        round(interval_s / chain.step_s),
-        start_s,
-        ends,
-        means,
-        counters,
-    )
-    failed = ready.failed(states) if code == DONE else code
-    if failed is not None:
-        kind = CHAIN[failed] if failed < CHAIN_LENGTH else "room"
-        raise SimulationError(f"{kind} failed at {clock(start_s + float(counters[0]) * chain.step_s)} of the record")
-    return (
-        {kind: ends[:, k] for k, kind in enumerate(CHAIN) if k >= place},
-        {kind: means[:, k] for k, kind in enumerate(CHAIN) if k >= place},
-    )
+    pointers, parts = ready.pointers(states), round(interval_s / chain.step_s)
+    u = _in_steps(signal, jump, parts)
+    ends: dict[str, FloatArray] = {}
+    means: dict[str, FloatArray] = {}
+    end, mean = _shown(u)
+    for place in range(CHAIN.index(first), len(CHAIN)):
+        if place == CONTROLLER:
+            u = np.asarray(setpoint_C, dtype=float)[:, None] - u
+        if chain.blocks[place]:
+            block = ready.addresses[place], ready.parameters[place], pointers[place]
+            failed = compiled()(*block, chain.low[place], chain.high[place], u.reshape(-1), start_s, chain.step_s)
+            if failed != DONE or ready.failed(states) is not None:
+                at = clock(start_s + max(0, failed) * chain.step_s)
+                raise SimulationError(f"{CHAIN[place]} failed at {at} of the record")
+        if chain.blocks[place] or place == CONTROLLER:
+            end, mean = _shown(u)
+        ends[CHAIN[place]], means[CHAIN[place]] = end, mean
+    return ends, means
+
+
+def _shown(u: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the ends of intervals and their means (n,), from all steps (n, parts)."""
+    return u[:, -1].copy(), u @ np.full(u.shape[1], 1.0 / u.shape[1])
+
+
+def _in_steps(signal: FloatArray, jump: FloatArray | None, parts: int) -> FloatArray:
+    """Return a signal in the middle of each step (n, parts)."""
+    now = np.asarray(signal, dtype=float)
+    before = np.concatenate((now[:1], now[:-1]))
+    change, found = now - before, np.empty((len(now), parts))
+    for place, middle in enumerate((np.arange(parts) + 0.5) / parts):
+        found[:, place] = before + middle * change if jump is None else np.where(middle > jump, now, before)
+    return found
