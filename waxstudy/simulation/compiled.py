@@ -63,7 +63,7 @@ def _delayed_compiled(ring, value):  # type: ignore[no-untyped-def]
             ring.head = 0
         oldest = values[ring.head]
         values[ring.head] = value
-        ring.head = (ring.head + 1) % ring.length
+        ring.head = ring.head + 1 if ring.head + 1 < ring.length else 0  # a division would take longer than the rest
         return oldest
 
     return compiled
