@@ -172,16 +172,16 @@ class _Drive:
         fine, setpoint_C = (np.repeat(each, parts) for each in (self.signal, self.setpoint_C))
         in_cells = replace(self, signal=fine, setpoint_C=setpoint_C, interval_s=self.interval_s / parts)
         ends, averages, _ = in_cells.straight(np.full(len(fine), 0.5))
-        last = (np.arange(count) + 1) * parts - np.arange(parts)[:, None]  # (shifts, n) the cell behind each interval
-        whole = {kind: np.insert(np.cumsum(each), 0, 0.0) for kind, each in averages.items() if kind == "valve"}
-        shifted = {kind: ends[kind][last - 1] for kind in self.blocks if kind == "actuator"}
-        flows = {kind: (each[last] - each[np.maximum(last - parts, 0)]) / parts for kind, each in whole.items()}
+
+        def by_shift(each: FloatArray) -> FloatArray:
+            """Return what lies a number of cells before the end of each interval (shifts, n)."""
+            return each.reshape(count, parts)[:, ::-1].T
+
+        shifted = {kind: by_shift(ends[kind]) for kind in self.blocks if kind == "actuator"}
+        shifted["valve"] = np.diff(by_shift(np.cumsum(averages["valve"])), prepend=0.0) / parts
         middle = parts // 2
-        return (
-            {kind: each[last[middle] - 1] for kind, each in ends.items()},
-            {kind: each[middle] for kind, each in flows.items()},
-            shifted | flows,
-        )
+        shown = {kind: by_shift(each)[middle] for kind, each in ends.items()}
+        return shown, {"valve": shifted["valve"][middle]}, shifted
 
 
 def links(record: Record, belief: Belief) -> list[Link]:

@@ -117,11 +117,14 @@ class Record:
         return np.interp(np.arange(len(values)), known, values[known])
 
     def smooth(self, values: FloatArray) -> FloatArray:
-        """Return a local parabola through a signal; as long as the samples are dense enough to help."""
-        from scipy.signal import savgol_filter
-
+        """Return a local parabola through a signal (Savitzky and Golay); where the samples are dense enough to help."""
         width = self._width
-        return np.asarray(savgol_filter(values, width, 2)) if width else values
+        if not width:
+            return values
+        half, basis = width // 2, np.vander(np.arange(width) - width // 2, 3)
+        through = basis @ np.linalg.pinv(basis)  # what the parabola through a window is at each of its samples
+        middle = np.convolve(values, through[half], "valid")
+        return np.concatenate((through[:half] @ values[:width], middle, through[half + 1 :] @ values[-width:]))
 
     @property
     def _width(self) -> int:

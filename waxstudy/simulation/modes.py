@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
+from math import isqrt
 
 import numpy as np
 from scipy.linalg import svd
@@ -98,7 +100,7 @@ def drive(
     tolerance is 0 the room's own modes stay. Finding the fewest (`few_modes`) is dear, and pays in long runs.
     """
     root = np.sqrt(room.capacity_J_K)
-    rates, vectors = np.linalg.eigh(room.conductance_W_K / np.outer(root, root))
+    rates, vectors = _own_modes((room.conductance_W_K / np.outer(root, root)).tobytes())
     to_nodes, to_modes = vectors / root[:, None], (vectors * root[:, None]).T
     outputs = room.output_matrix @ to_nodes
     driving = to_nodes.T @ np.column_stack((room.input_matrix, room.floor_heat_share))
@@ -131,6 +133,14 @@ def drive(
         to_modes=np.ascontiguousarray(_in_lanes(to_modes.T @ basis).T),
         dropped_error_K=error,
     )
+
+
+@lru_cache(maxsize=2)
+def _own_modes(symmetric: bytes) -> tuple[FloatArray, FloatArray]:
+    """Return eigenvalues and vectors of a matrix; many runs in a row change the inputs of one room alone."""
+    flat = np.frombuffer(symmetric)
+    rates, vectors = np.linalg.eigh(flat.reshape(-1, isqrt(len(flat))))
+    return rates, vectors
 
 
 def _in_lanes(by_mode: FloatArray) -> FloatArray:
