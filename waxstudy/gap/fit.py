@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from itertools import takewhile
 from operator import itemgetter
 
 import numpy as np
@@ -16,7 +17,7 @@ from waxstudy.gap.newton import MOST_SD, LeastSquares
 from waxstudy.gap.prediction import Prediction
 from waxstudy.gap.reading import Drift, Reading
 from waxstudy.gap.record import Record
-from waxstudy.gap.space import EffectType, Space, Values, descend, valued
+from waxstudy.gap.space import NARROW, QUICK_NARROW, EffectType, Space, Values, descend, valued
 from waxstudy.gap.unknowns import unknowns
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 
@@ -49,7 +50,7 @@ class Fitter:
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
         self._events = [place for place, unknown in enumerate(self.unknowns) if unknown.is_event]
         self._straight: dict[tuple[int, ...], tuple[FloatArray, FloatArray, np.ndarray]] = {}
-        self._last: tuple[tuple[bytes, frozenset[str]], Belief] | None = None  # what was departed to last
+        self._last: list[tuple[float, Belief]] = []  # by unknown: what was departed to last, and the belief so far
 
     # --- one hypothesis at given values ---
 
@@ -62,14 +63,13 @@ class Fitter:
 
     def _departed(self, departures: FloatArray, absorbed: frozenset[str]) -> Belief:
         """Return the belief with departures of the room, but for those that an effect takes the place of."""
-        key = (departures.tobytes(), absorbed)
-        if self._last is None or self._last[0] != key:
-            belief = self.belief
-            for unknown, value in zip(self.unknowns, departures, strict=True):
-                if unknown.name not in absorbed:
-                    belief = unknown.apply(belief, float(value))
-            self._last = key, belief
-        return self._last[1]
+        values = [0.0 if each.name in absorbed else float(d) for each, d in zip(self.unknowns, departures, strict=True)]
+        same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1][0], zip(values, self._last, strict=False)))
+        del self._last[same:]
+        for unknown, value in zip(self.unknowns[same:], values[same:], strict=True):
+            before = self._last[-1][1] if self._last else self.belief
+            self._last.append((value, unknown.apply(before, value)))
+        return self._last[-1][1] if self._last else self.belief
 
     def at(
         self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray, reading: Reading
@@ -183,7 +183,7 @@ class Fitter:
         best = min(done, key=lambda each: self.fair_score(each, parts) + of_other(each.reading, given), default=None)
         promising = PROMISING * self.spread(given) / self.thorough
         if best and self.unknowns and self.score(best, parts) < self.score(given, parts) - promising:
-            return self.refined(best.effects, best.departures, best.reading, parts)
+            return self.refined(best.effects, best.departures, best.reading, parts, is_rough=self.thorough < 1.0)
         return best
 
     def _from(
@@ -244,7 +244,7 @@ class Fitter:
             return self.score(self.at(valued(effects, spaces, x), departures, reading), parts)
 
         most = REFINE.get(len(start), REFINE_MORE)
-        found = descend(loss, start, round(most * self.thorough))
+        found = descend(loss, start, round(most * self.thorough), NARROW if self.thorough == 1.0 else QUICK_NARROW)
         return self.at(valued(effects, spaces, found), departures, reading)
 
     def _smooth_fit(

@@ -11,7 +11,7 @@ from waxstudy.plugin import Effect, FloatArray, Prior
 SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
 SCAN_MORE = 64
 TIE = 1e-9  # of losses that are alike
-NARROW = 1e-5  # share of a range that is not looked into
+NARROW, QUICK_NARROW = 1e-5, 1e-3  # share of a range that is not looked into
 
 Values = Mapping[str, float]
 EffectType = type[Effect]
@@ -71,7 +71,7 @@ def valued(
     return found
 
 
-def descend(loss: Callable[[FloatArray], float], start: FloatArray, most: int) -> FloatArray:
+def descend(loss: Callable[[FloatArray], float], start: FloatArray, most: int, narrow: float = NARROW) -> FloatArray:
     """Return the best point found downhill from a start in the unit cube (Nelder and Mead)."""
     from scipy.optimize import minimize
 
@@ -88,16 +88,16 @@ def descend(loss: Callable[[FloatArray], float], start: FloatArray, most: int) -
         bounds=[(0.0, 1.0)] * len(start),
         options={"maxfev": most, "initial_simplex": corners, "xatol": 1e-4, "fatol": 1e-3},
     )
-    return _centred(loss, np.asarray(found.x)) if len(start) == 1 else np.asarray(found.x)
+    return _centred(loss, np.asarray(found.x), narrow) if len(start) == 1 else np.asarray(found.x)
 
 
-def _centred(loss: Callable[[FloatArray], float], x: FloatArray) -> FloatArray:
+def _centred(loss: Callable[[FloatArray], float], x: FloatArray, narrow: float) -> FloatArray:
     """Return the middle of the range of one parameter that is as good: a threshold says nothing between samples."""
     least = loss(x) + TIE
     ends = []
     for way in (-1.0, 1.0):
-        reach, step = 0.0, NARROW
-        while step >= NARROW:
+        reach, step = 0.0, narrow
+        while step >= narrow:
             at = x + way * (reach + step)
             is_as_good = bool(0.0 <= at[0] <= 1.0 and loss(at) <= least)
             reach, step = (reach + step, 2.0 * step) if is_as_good else (reach, 0.25 * step)
