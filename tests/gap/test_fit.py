@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.gap.realities import EFFECTS, belief, effects, planted, record, with_effects
+from tests.gap.realities import EFFECTS, PERFECT, belief, effects, planted, record, with_effects
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.interval import parameter_intervals
@@ -150,6 +150,19 @@ def test_a_room_in_long_steps_is_refined_to_what_short_ones_give(true: Mapping[s
     for channel in OF_AIR_AND_FLOOR:
         off_K = [np.nanstd((each[channel] - fine[channel])[24:]) for each in (refined, coarse)]
         assert off_K[0] <= 0.25 * off_K[1], channel
+
+
+@pytest.mark.parametrize("case", ["REAL", "PWM"])
+@pytest.mark.parametrize(("interval_s", "most_K"), [(60.0, 0.002), (300.0, 0.004), (900.0, 0.015)])
+def test_a_room_that_is_as_believed_is_missed_by_thousandths_whatever_the_samples(
+    case: str, interval_s: float, most_K: float
+) -> None:
+    seen = record(case, interval_s=interval_s, **PERFECT)
+    believed = belief(case, seen)
+    link = link_of("thermal-mass", links(seen, believed))
+    for errors in Fitter(link, seen, believed, room_tolerance=0.0).base.errors:
+        if errors.channel in OF_AIR_AND_FLOOR:
+            assert errors.gap() < most_K, errors.channel
 
 
 def test_a_chain_s_noise_is_its_instruments_and_never_narrowed() -> None:

@@ -25,6 +25,8 @@ OF_ROOM = {
 OF_AIR_AND_FLOOR = [channel for channel in OF_ROOM if channel != "return_temperature_C"]
 ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
 JUDGED_S = 900.0
+FINE_STEP_S = 5.0
+VALVE_S = 120.0  # chosen: a stroke takes up to 180 s (Table 2), and most of the flow comes in its middle
 
 # what the form of a room's model may leave: twice what is seen against another engine's room without any effect
 ROOM_FORM_K = {
@@ -68,7 +70,8 @@ def room_response(
 ) -> Predicted:
     """Return what the room makes of a flow: its channels, means over quarters of an hour.
 
-    Its steps are the record's intervals where it is to be fine, else five minutes.
+    Where it is to be fine its flow is that of the record's intervals, within which valves move, and its steps are
+    short; else both are of minutes.
     """
     assert belief.room
     parts, merged = merging(record.interval_s)
@@ -76,8 +79,8 @@ def room_response(
         parts, merged = 1, parts * merged
     coarse, flow = coarsened(belief, flow_L_h, parts)
     coarse = replace(coarse, solar_W=reading.solar_factor * coarse.solar_W)
-    driven = driven_by(built(belief.room), coarse)
-    found = respond(driven, coarse, flow)
+    driven = driven_by(built(belief.room), coarse, FINE_STEP_S if is_fine else None)
+    found = respond(driven, coarse, flow, VALVE_S if is_fine else None)
     # what is logged is at the end of each interval, or its mean; the room is known at the end of several
     early = 0.5 if reading.is_mean else 0.5 * (1.0 - 1.0 / parts)
     shown = Predicted()

@@ -22,6 +22,7 @@ DAY_S = 86400.0
 REPEATS = 7  # of the first day, before a record
 LAYER = ROOM_OUTPUTS.index("layer_C")
 TOLERANCE_K = 0.002  # of the modes: less than what a slope of a fit is taken from
+EDGES = 100  # ways in which a valve may have closed in an interval, and places that are looked at
 LONGEST_STEP_S = 150.0  # of the explicit exchange between water and floor
 
 
@@ -89,14 +90,20 @@ def driven_by(room: LinearRoom, inputs: Inputs, step_s: float | None = None) -> 
     return drive(recorded_room(room, inputs), weather_of(inputs), inputs.interval_s / parts, TOLERANCE_K, main_modes)
 
 
-def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[str, FloatArray]:
+def respond(
+    driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray, valve_s: float | None = None
+) -> dict[str, FloatArray]:
     """Return what a room does with a recorded flow (n,): `ROOM_OUTPUTS` at the end of each interval, and the heat.
 
     `water_heat_W` is the mean over the interval, `return_C` its mean, NaN without flow. The first day is repeated for a
-    week before, then the room is `inputs.start_K` warmer, its floor by `inputs.start_floor_K` more.
+    week before, then the room is `inputs.start_K` warmer, its floor by `inputs.start_floor_K` more. With `valve_s`
+    flows are means over intervals in which a valve opened or closed, in so many seconds; without, it stood still.
     """
     room, n = driven.room, len(driven.supply_C)
     fraction = np.clip(np.asarray(flow_L_h, dtype=float) / room.full_flow_L_h, 0.0, None)
+    conductance_W_K = np.array(room.floor_conductance_W_K(fraction), dtype=float)
+    if valve_s is not None:
+        conductance_W_K = _moving(room, fraction, conductance_W_K, inputs.interval_s / valve_s)
     shift_K = inputs.start_K + inputs.start_floor_K * (1.0 - room.air_nodes)
     modes, last_W, mean_W = np.zeros((n, len(driven.decay))), np.zeros(n), np.zeros(n)
     compiled()(
@@ -107,7 +114,7 @@ def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[st
         np.ascontiguousarray(driven.offsets[:, LAYER]),
         driven.heat_offset,
         np.array(driven.supply_C),
-        np.array(room.floor_conductance_W_K(fraction), dtype=float),
+        conductance_W_K,
         driven.to_modes @ np.full(len(room.nodes), float(np.mean(inputs.air_C))),
         driven.to_modes @ shift_K,
         min(n, round(DAY_S / driven.weather.interval_s)),
@@ -122,6 +129,21 @@ def respond(driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray) -> dict[st
     with np.errstate(divide="ignore", invalid="ignore"):
         found["return_C"] = np.where(stream_W_K > 0.0, driven.supply_C - mean_W / stream_W_K, np.nan)
     return found
+
+
+def _moving(room: LinearRoom, fraction: FloatArray, still_W_K: FloatArray, moves: float) -> FloatArray:
+    """Return the mean exchange over intervals (n,), each as long as a number of moves of the valve.
+
+    Water that flows fast for a part of an interval gives off less than as much that flows slowly all the time. How far
+    a valve was on the move is told by how far an interval's mean is from those beside it.
+    """
+    end, at = np.linspace(0.0, moves + 1.0, EDGES)[:, None], (np.arange(EDGES) + 0.5) * moves / EDGES
+    edges = np.clip(end - at, 0.0, 1.0)  # (edges, places in the interval): closed, sooner or later
+    exchange_W_K = np.array([np.mean(room.floor_conductance_W_K(edge)) for edge in edges])
+    moved_W_K = np.interp(fraction, edges.mean(axis=1), exchange_W_K)
+    change = np.diff(fraction, prepend=fraction[:1], append=fraction[-1:])
+    steps = np.minimum(1.0, (np.abs(change[:-1]) + np.abs(change[1:])) / min(1.0, 2.0 * moves))
+    return np.where(fraction < 1.0, still_W_K + steps * (moved_W_K - still_W_K), still_W_K)
 
 
 def _response(
