@@ -8,15 +8,12 @@ import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.assembly import Work, assembled, of_link
-from waxstudy.gap.candidate import ALIKE, EXPLAINED
 from waxstudy.gap.fit import Fitter
-from waxstudy.gap.fitted import Fitted
-from waxstudy.gap.judge import BOTH
 from waxstudy.gap.ladder import ladder_effects
+from waxstudy.gap.letter import to_the_letter
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.result import Diagnosis
-from waxstudy.gap.room import OF_AIR_AND_FLOOR
 from waxstudy.gap.select import Selection, Tick, select
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.testable import too_short
@@ -26,9 +23,6 @@ from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
 QUICK = 0.35  # of the fits' effort
-# of what a room's form may leave: what shows that it is as believed, and what shows that it is not
-GOOD_FORM, POOR_FORM = 1.0, 4.0
-MOST_ALIKE = 3  # names in a group to the letter: a little heat that half of the library explains is no evidence
 Tell = Callable[[str, float], None]
 
 
@@ -96,7 +90,7 @@ def _selections(work: Work, cut: Sequence[Link], tick: Tell) -> Iterator[Selecti
         if selection.is_late:
             again = _selection(work, link, effects, work.seed + place, step, holds_out=False)
             selection = again if again.found else selection
-        yield _to_the_letter(work, selection, effects, work.seed + place, step)
+        yield to_the_letter(selection, effects, work.seed + place, step)
         done = first + len(effects) + 1
 
 
@@ -109,42 +103,6 @@ def _selection(
     except ValueError as error:
         raise StudyError([_impossible(work.dataset, link, str(error))]) from error
     return select(fitter, effects, seed, tick)
-
-
-def _to_the_letter(work: Work, wide: Selection, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
-    """Return a selection in which nothing of the room departs, where effects make all departures needless.
-
-    That they fit as well as a dozen unknowns together is no chance, although these could take each of them.
-    """
-    loose = wide.fitter
-    is_rough_guess = work.dataset.room_tolerance > 1.0
-    # what a noisy opening lets through is not known well enough
-    is_well_driven = loose.link.driven_by == "flow_L_h" or loose.link.driven_by in work.record.binary
-    if not loose.link.with_room or not is_well_driven or is_rough_guess or loose.form(wide.after) > POOR_FORM:
-        return wide
-    most = _left(loose, wide.after) + ALIKE * loose.spread(wide.after)
-    exact = Fitter(loose.link, work.record, work.belief, work.thorough, 0.0, loose.holds_out)
-    believed = exact.refined((), exact.base.departures, exact.base.reading, BOTH)
-    if believed is None or _left(exact, believed) <= most:
-        return wide
-    found = select(exact, effects, seed, tick)
-    is_as_good = _left(exact, found.after) <= most and _is_as_believed(found)
-    is_told_apart = all(len(each.group) <= MOST_ALIKE for each in found.found)
-    return found if found.found and is_as_good and is_told_apart else wide
-
-
-def _is_as_believed(selection: Selection) -> bool:
-    """Whether a room leaves less than a form may, and of air and floor nothing but noise."""
-    after, floor = selection.after, selection.floor.plain
-    shown = [errors for errors in after.errors if errors.channel in OF_AIR_AND_FLOOR]
-    is_noise = all(errors.gap() <= EXPLAINED * floor[errors.channel] for errors in shown)
-    return is_noise and selection.fitter.form(after) <= GOOD_FORM
-
-
-def _left(fitter: Fitter, model: Fitted) -> float:
-    """Return what a model leaves of a room, with how far it departs; not of the return, which long steps blur."""
-    shown = [errors for errors in model.errors if errors.channel in OF_AIR_AND_FLOOR]
-    return sum(errors.loss(part) for errors in shown for part in BOTH) + fitter.strain(model)
 
 
 def _impossible(dataset: Dataset, link: Link, reason: str) -> Problem:

@@ -11,7 +11,7 @@ import numpy as np
 
 from waxstudy.gap.first_look import FirstLook
 from waxstudy.gap.fitted import Fitted
-from waxstudy.gap.judge import BOTH, FIT, SELECT, SHRINK, Judge
+from waxstudy.gap.judge import ALL, BOTH, FIT, SELECT, SHRINK, Judge
 from waxstudy.gap.links import Link
 from waxstudy.gap.newton import MOST_SD, LeastSquares
 from waxstudy.gap.prediction import Prediction
@@ -26,6 +26,7 @@ REFINE = {1: 30, 2: 60, 3: 110}
 REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
 OTHER = 9.0  # loss by which another reading must be better
+EVENT_STEPS = 3  # of what once happened, to all days
 AGAIN = 2  # fits of a room from where the last one ended
 PROMISING = 5.0  # loss that an effect must take away from a room for a closer look; a quick diagnosis asks for more
 
@@ -43,9 +44,10 @@ class Fitter:
         holds_out: bool = True,
     ) -> None:
         self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
-        self.holds_out, self.is_to_the_letter = holds_out, link.with_room and room_tolerance == 0.0
+        self.holds_out, self.room_tolerance = holds_out, room_tolerance
+        self.is_to_the_letter = link.with_room and room_tolerance == 0.0
         self.predicted = Prediction(link, record, belief, self.is_to_the_letter)
-        self.judge = Judge(link, record, belief, holds_out)
+        self.judge = Judge(link, record, belief, holds_out, self.is_to_the_letter)
         self.unknowns = unknowns(belief, record, link.driven_by, room_tolerance) if link.with_room else []
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
         self._events = [place for place, unknown in enumerate(self.unknowns) if unknown.is_event]
@@ -175,10 +177,12 @@ class Fitter:
             return None
         look = FirstLook(self, effect, given, parts)
         found = [(*look.best(reading), reading) for reading in self.readings]
-        scanned = [(score + of_other(reading, given), values, reading) for score, values, reading in found]
-        possible = [each for each in sorted(scanned, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
-        # a first look cannot choose between ways to read the record; for a room looking closer at each takes too long
-        ends = [self._from(effect, given, parts, *each[1:]) for each in possible[: 1 if self.unknowns else None]]
+        possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
+        if self.unknowns:
+            # looking closer at every reading of a room takes too long: the best, and the best where others count less
+            fair = min(possible, key=lambda each: each[0] + of_other(each[2], given), default=None)
+            possible = [each for each in possible[:1] if each is not fair] + ([fair] if fair else [])
+        ends = [self._from(effect, given, parts, values, reading) for _, values, reading in possible]
         done = [each for each in ends if each is not None]
         best = min(done, key=lambda each: self.fair_score(each, parts) + of_other(each.reading, given), default=None)
         promising = PROMISING * self.spread(given) / self.thorough
@@ -285,12 +289,23 @@ class Fitter:
         """Return a fit with its events fitted to all days, not only to those that a property is learned from."""
         if fitted is None or not len(self._events):
             return fitted
+        best, share = fitted, 1.0
+        for _ in range(EVENT_STEPS):
+            tried = self._stepped(best, share)
+            if tried and self.score(tried, ALL) < self.score(best, ALL):
+                best = tried
+            else:
+                share *= 0.5  # no flow is below 0 or above full: beyond that a slope does not hold
+        return best
+
+    def _stepped(self, fitted: Fitted, share: float) -> Fitted | None:
+        """Return a fit after a share of the step to where its events would be best, were everything straight."""
         sd = self.sd[self._events]
-        missed = np.concatenate((*(each.whitened for each in fitted.errors), fitted.departures[self._events] / sd))
+        missed = np.concatenate((fitted.whitened, fitted.departures[self._events] / sd))
         steps = -sd * np.linalg.lstsq(np.vstack((self._event_slopes * sd, np.eye(len(sd)))), missed, rcond=None)[0]
         departures = fitted.departures.copy()
-        departures[self._events] = np.clip(departures[self._events] + steps, -MOST_SD * sd, MOST_SD * sd)
-        return self.at(fitted.effects, departures, fitted.reading) or fitted
+        departures[self._events] = np.clip(departures[self._events] + share * steps, -MOST_SD * sd, MOST_SD * sd)
+        return self.at(fitted.effects, departures, fitted.reading)
 
     @cached_property
     def _event_slopes(self) -> FloatArray:

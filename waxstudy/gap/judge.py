@@ -10,11 +10,12 @@ import numpy as np
 from waxstudy.gap.links import Link
 from waxstudy.gap.reading import LONG_S, STILL, Drift
 from waxstudy.gap.record import DAY_S, Record
-from waxstudy.gap.room import Predicted, merging, weighted
+from waxstudy.gap.room import OF_AIR_AND_FLOOR, Predicted, merging, weighted
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 
 FIT, SELECT, SHRINK, LEFT_OUT = 0, 1, 2, -1
 BOTH = (FIT, SELECT)  # the days on which a cause is looked for
+ALL = (*BOTH, SHRINK)
 SOFT = 3.0  # standard deviations beyond which an error of a switch counts straight
 SHAKES = 4  # how often a drive is shaken to see what its noise does to the timing of switches
 SHORT_DAYS = 6
@@ -26,6 +27,7 @@ FORM_K = {
     "floor_surface_temperature_C": 0.08,
     "return_temperature_C": 0.15,
 }
+STEPPED_K = 0.005  # what steps of five minutes leave of a room that is as believed
 CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 PIECE = 8  # quarters of an hour over which such errors hang together
 STANDS = 1e-4  # of full flow, below which a meter stands still
@@ -62,8 +64,10 @@ class Errors:
 class Judge:
     """Compares predictions of one link with the record, always in the same way, so that losses can be compared."""
 
-    def __init__(self, link: Link, record: Record, belief: Belief, holds_out: bool = True) -> None:
-        self.link, self.record = link, record
+    def __init__(
+        self, link: Link, record: Record, belief: Belief, holds_out: bool = True, is_to_the_letter: bool = False
+    ) -> None:
+        self.link, self.record, self.is_to_the_letter = link, record, is_to_the_letter
         self.parts = parts_of(record, days_in_turn=link.with_room, holds_out=holds_out)
         shaken = self._shaken(belief)
         switches = [channel for channel in link.judged if self._is_switch(channel)]
@@ -250,8 +254,17 @@ class Judge:
         error[:count] = predicted[:count] - measured[:count]
         known = np.isfinite(error) & self.record.settled[sample]
         error = np.where(known, error, 0.0)
-        scale_K = np.hypot(FORM_K[channel], self.record.noise[channel]) * PIECE**0.5
+        scale_K = self._room_scale_K(channel) * PIECE**0.5
         return Errors(channel, "K", error, error / scale_K, known, self.record.day[sample], self.parts[sample], sample)
+
+    def _room_scale_K(self, channel: str) -> FloatArray | float:
+        """Return by what the errors of a room are weighed: what a form leaves, or where it leaves nothing, noise.
+
+        Not so the return: its first minutes of each pulse are blurred whatever the form.
+        """
+        if self.is_to_the_letter and channel in OF_AIR_AND_FLOOR:
+            return np.hypot(STEPPED_K, self.noise(channel))
+        return float(np.hypot(FORM_K[channel], self.record.noise[channel]))
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,61 @@
+"""A second look at a room as it is believed, to the letter: effects in the place of all that nobody knows of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from waxstudy.gap.candidate import EXPLAINED
+from waxstudy.gap.fit import Fitter
+from waxstudy.gap.fitted import Fitted
+from waxstudy.gap.floor import Floor
+from waxstudy.gap.judge import BOTH
+from waxstudy.gap.room import OF_AIR_AND_FLOOR
+from waxstudy.gap.select import Selection, Tick, select
+from waxstudy.gap.space import EffectType
+
+CLEAR = 1.75  # floors by which a room must be missed without an effect
+POOR_FORM = 3.0  # floors that show, left by all that nobody knows of a room, that it is not as believed
+# what no other form of a room stays below with one effect: else noise hides it, or it left as little of all that was
+NO_FORM_K, NO_FORM_SHARE = 0.015, 0.05
+MOST_ALIKE = 3  # names in a group: a little heat that half of the library explains is no evidence
+
+
+def to_the_letter(wide: Selection, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
+    """Return a selection in which nothing of a room departs, where effects then leave nothing but noise; else the same.
+
+    That they do what a dozen unknowns together did is no chance, although these could take each of them.
+    """
+    loose = wide.fitter
+    if not _is_known_well(loose) or max(_floors(wide.after, wide.floor)) > POOR_FORM:
+        return wide
+    parts = loose.link, loose.record, loose.belief, loose.thorough
+    exact = Fitter(*parts, room_tolerance=0.0, holds_out=loose.holds_out)
+    believed = exact.refined((), exact.base.departures, exact.base.reading, BOTH) or exact.base
+    if max(_floors(believed, Floor.of(exact, believed))) < CLEAR:
+        return wide
+    found = select(exact, effects, seed, tick)
+    is_clear = all(each.candidate.over >= CLEAR and len(each.group) <= MOST_ALIKE for each in found.found)
+    return found if found.found and is_clear and _is_noise(found) else wide
+
+
+def _is_known_well(fitter: Fitter) -> bool:
+    """Whether a room is no rough guess, and what drives it is known: what a noisy opening lets through is not."""
+    is_measured = fitter.link.driven_by == "flow_L_h" or fitter.link.driven_by in fitter.record.binary
+    of_air = [channel for channel in fitter.link.judged if channel in OF_AIR_AND_FLOOR]
+    return fitter.link.with_room and bool(of_air) and is_measured and fitter.room_tolerance <= 1.0
+
+
+def _floors(model: Fitted, floor: Floor) -> Iterator[float]:
+    """Yield what is missed of air and floor over its noise floor."""
+    for errors in model.errors:
+        if errors.channel in OF_AIR_AND_FLOOR:
+            yield errors.gap() / floor.plain[errors.channel]
+
+
+def _is_noise(selection: Selection) -> bool:
+    """Whether of air and floor nothing but noise is left, and less than another form of a room would leave."""
+    for before, after in zip(selection.before.errors, selection.after.errors, strict=True):
+        least = max(NO_FORM_K, NO_FORM_SHARE * before.gap())
+        if after.channel in OF_AIR_AND_FLOOR and after.gap() > least:
+            return False
+    return max(_floors(selection.after, selection.floor)) <= EXPLAINED
