@@ -14,6 +14,7 @@ from tests.gap.realities import belief, dataset, effects, planted, record, study
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import diagnose
 from waxstudy.gap.fit import Fitter
+from waxstudy.gap.letter import MOST_ALIKE
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.room import full_flow_L_h
@@ -111,6 +112,31 @@ def test_what_a_room_s_unknowns_could_take_is_named_where_it_makes_all_of_them_n
     assert interval.low <= 2.5 <= interval.high
     assert "heat-loss" not in found.departures
     assert any("to the letter" in sentence for sentence in found.assumptions)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "parameter", "true"),
+    [
+        ("thermal-mass", "factor", 0.7),
+        ("neighbour-heat", "conductance_W_K", 2.5),
+        ("floor-cover", "resistance_m2K_W", 0.01),
+    ],
+)
+def test_so_is_what_is_a_few_times_the_noise(name: str, parameter: str, true: float) -> None:
+    found = diagnose(of_the_room(**{name.replace("-", "_"): {parameter: true}}), quick=True)
+    (effect,) = found.effects
+    assert effect.name == name
+    assert len(effect.group) <= MOST_ALIKE
+    interval = effect.parameters[parameter]
+    assert interval.value == pytest.approx(true, rel=0.15)
+    assert interval.low <= true <= interval.high
+
+
+@pytest.mark.slow
+def test_a_little_heat_that_half_of_the_library_explains_is_not_named() -> None:
+    found = diagnose(of_the_room(neighbour_heat={"conductance_W_K": 0.6}), quick=True)
+    assert (found.verdict, list(found.effects)) == ("none", [])
 
 
 @pytest.mark.slow
