@@ -160,6 +160,15 @@ def test_a_room_that_is_missed_by_more_than_noise_is_not_as_believed_to_the_lett
 
 
 @pytest.mark.slow
+def test_a_channel_without_noise_ends_no_diagnosis() -> None:
+    room = of_the_room()
+    values = room.values.assign(operative_temperature_C=room.values["operative_temperature_C"].round())
+    assert values["operative_temperature_C"].nunique() <= 3
+    found = diagnose(replace(room, values=values), quick=True)
+    assert not any("to the letter" in sentence for sentence in found.assumptions)
+
+
+@pytest.mark.slow
 def test_nor_is_one_that_a_noisy_opening_drives() -> None:
     seen, _, _ = ready()
     lacking = replace(seen, values={name: each for name, each in seen.values.items() if name != "flow_L_h"})

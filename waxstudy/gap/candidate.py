@@ -11,6 +11,7 @@ from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import SELECT
 from waxstudy.gap.links import SUPPLY
+from waxstudy.gap.result import in_floors
 from waxstudy.gap.space import EffectType
 from waxstudy.plugin import Belief
 
@@ -131,10 +132,10 @@ def over_floor(current: Fitted, channel: str, floor: Floor, is_slight: bool) -> 
     """
     errors = next(e for e in current.errors if e.channel == channel)
     if errors.unit == "s" or not is_slight:
-        return errors.gap(SELECT) / floor.plain[channel] if floor.plain[channel] else np.inf
+        return in_floors(errors.gap(SELECT), floor.plain[channel])
     weighed = float(np.sqrt(errors.loss(SELECT) / max(1, int(np.sum(errors.judged & (errors.part == SELECT))))))
     pairs = ((errors.gap(SELECT), floor.plain[channel]), (weighed, floor.white[channel]))
-    return min(gap / least if least else np.inf for gap, least in pairs)
+    return min(in_floors(*each) for each in pairs)
 
 
 def shared(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[str, float, float]:

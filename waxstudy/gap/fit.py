@@ -52,7 +52,7 @@ class Fitter:
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
         self._events = [place for place, unknown in enumerate(self.unknowns) if unknown.is_event]
         self._straight: dict[tuple[int, ...], tuple[FloatArray, FloatArray, np.ndarray]] = {}
-        self._last: list[tuple[float, Belief]] = []  # by unknown: what was departed to last, and the belief so far
+        self._edits: list[tuple[float, Belief]] = []  # by unknown: what was departed to last, and the belief so far
 
     # --- one hypothesis at given values ---
 
@@ -66,12 +66,13 @@ class Fitter:
     def _departed(self, departures: FloatArray, absorbed: frozenset[str]) -> Belief:
         """Return the belief with departures of the room, but for those that an effect takes the place of."""
         values = [0.0 if each.name in absorbed else float(d) for each, d in zip(self.unknowns, departures, strict=True)]
-        same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1][0], zip(values, self._last, strict=False)))
-        del self._last[same:]
+        # slopes change one unknown at a time: what was edited before it stays
+        same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1][0], zip(values, self._edits, strict=False)))
+        del self._edits[same:]
         for unknown, value in zip(self.unknowns[same:], values[same:], strict=True):
-            before = self._last[-1][1] if self._last else self.belief
-            self._last.append((value, unknown.apply(before, value)))
-        return self._last[-1][1] if self._last else self.belief
+            before = self._edits[-1][1] if self._edits else self.belief
+            self._edits.append((value, unknown.apply(before, value)))
+        return self._edits[-1][1] if self._edits else self.belief
 
     def at(
         self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray, reading: Reading

@@ -81,7 +81,7 @@ def _of_reading(fitter: Fitter, fitted: Fitted) -> dict[EffectType, dict[str, In
 
 def _smoothed(fitter: Fitter, fitted: Fitted) -> FloatArray:
     """Return how far smoothing the link's drive once more moves the whitened errors (m,): so far it may have before."""
-    now = whole(fitted)[0]
+    now = fitted.whitened
     if fitter.link.driven_by not in CONTINUOUS:
         return np.zeros(len(now))
     belief, drift = fitter.edited(fitted.effects, fitted.departures), Drift(np.random.default_rng(13))
@@ -100,13 +100,13 @@ def _slopes(
 ) -> tuple[FloatArray, list[tuple[EffectType, str]]]:
     """Return the change of the whitened errors with each departure and parameter (m, k), and the parameters' names."""
     rows = [(effect, name) for effect, space in spaces.items() for name in space.names]
-    now = whole(fitted)[0]
+    now = fitted.whitened
     columns = []
     for place, sd in enumerate(fitter.sd):
         moved = fitted.departures.copy()
         moved[place] += 0.1 * sd
         other = fitter.at(fitted.effects, moved, fitted.reading)
-        columns.append((whole(other)[0] - now) / 0.1 if other else np.zeros(len(now)))
+        columns.append((other.whitened - now) / 0.1 if other else np.zeros(len(now)))
     for effect, name in rows:
         columns.append(_slope(fitter, fitted, spaces, effect, name, now))
     return np.column_stack(columns) if columns else np.zeros((len(now), 0)), rows
@@ -133,7 +133,7 @@ def _slope(
         moved = [(each, space.values(at) if each is effect else dict(v)) for each, v in fitted.effects]
         other = fitter.at(moved, fitted.departures, fitted.reading)
         if other:
-            found.append((whole(other)[0] - now) / (at[place] - x[place]))
+            found.append((other.whitened - now) / (at[place] - x[place]))
     return np.asarray(np.mean(found, axis=0)) if found else np.zeros(len(now))
 
 
@@ -166,7 +166,7 @@ def _described(
 
 def _still(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int, way: int) -> float:
     """Return how far one way a parameter may go before anything recorded would change, as a share of its range."""
-    space, values, now = Space(effect), dict(fitted.effects), whole(fitted)[0]
+    space, values, now = Space(effect), dict(fitted.effects), fitted.whitened
     x = space.inside(values[effect])
     still, width = 0.0, LEAST_WIDTH
     while still < 1.0:
@@ -174,7 +174,7 @@ def _still(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int, way: 
         at[place] += way * width
         moved = [(each, space.values(at) if each is effect else dict(v)) for each, v in fitted.effects]
         other = fitter.at(moved, fitted.departures, fitted.reading)
-        if other is None or not np.array_equal(whole(other)[0], now):
+        if other is None or not np.array_equal(other.whitened, now):
             return width if still else 0.0
         still, width = width, 2.0 * width
     return still

@@ -27,7 +27,7 @@ FORM_K = {
     "floor_surface_temperature_C": 0.08,
     "return_temperature_C": 0.15,
 }
-STEPPED_K = 0.005  # what steps of five minutes leave of a room that is as believed
+STEPPED_K = 0.005  # chosen: what stays of a room that is as believed, in samples of some minutes
 CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 PIECE = 8  # quarters of an hour over which such errors hang together
 STANDS = 1e-4  # of full flow, below which a meter stands still

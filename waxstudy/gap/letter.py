@@ -8,14 +8,15 @@ from waxstudy.gap.candidate import EXPLAINED
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
-from waxstudy.gap.judge import BOTH
+from waxstudy.gap.judge import BOTH, Errors
+from waxstudy.gap.result import in_floors
 from waxstudy.gap.room import OF_AIR_AND_FLOOR
 from waxstudy.gap.select import Selection, Tick, select
 from waxstudy.gap.space import EffectType
 
 CLEAR = 1.75  # floors by which a room must be missed without an effect
-POOR_FORM = 3.0  # floors that show, left by all that nobody knows of a room, that it is not as believed
-# what no other form of a room stays below with one effect: else noise hides it, or it left as little of all that was
+POOR_FORM = 3.0  # floors, left with effects by all that nobody knows of a room: it is not as believed
+# what other forms of a room leave at least, with an effect fitted: in kelvins, of what was missed
 NO_FORM_K, NO_FORM_SHARE = 0.015, 0.05
 MOST_ALIKE = 3  # names in a group: a little heat that half of the library explains is no evidence
 
@@ -31,7 +32,9 @@ def to_the_letter(wide: Selection, effects: Sequence[EffectType], seed: int, tic
     parts = loose.link, loose.record, loose.belief, loose.thorough
     exact = Fitter(*parts, room_tolerance=0.0, holds_out=loose.holds_out)
     believed = exact.refined((), exact.base.departures, exact.base.reading, BOTH) or exact.base
-    if max(_floors(believed, Floor.of(exact, believed))) < CLEAR:
+    floor = Floor.of(exact, believed)
+    is_hidden = any(floor.plain[each.channel] > _of_form_K(each) for each in _shown(believed))
+    if is_hidden or max(_floors(believed, floor)) < CLEAR:
         return wide
     found = select(exact, effects, seed, tick)
     is_clear = all(each.candidate.over >= CLEAR and len(each.group) <= MOST_ALIKE for each in found.found)
@@ -45,17 +48,24 @@ def _is_known_well(fitter: Fitter) -> bool:
     return fitter.link.with_room and bool(of_air) and is_measured and fitter.room_tolerance <= 1.0
 
 
+def _shown(model: Fitted) -> list[Errors]:
+    """Return what is missed of air and floor."""
+    return [errors for errors in model.errors if errors.channel in OF_AIR_AND_FLOOR]
+
+
 def _floors(model: Fitted, floor: Floor) -> Iterator[float]:
     """Yield what is missed of air and floor over its noise floor."""
-    for errors in model.errors:
-        if errors.channel in OF_AIR_AND_FLOOR:
-            yield errors.gap() / floor.plain[errors.channel]
+    for errors in _shown(model):
+        yield in_floors(errors.gap(), floor.plain[errors.channel])
+
+
+def _of_form_K(before: Errors) -> float:
+    """Return what another form of a room would leave at least of what was missed."""
+    return max(NO_FORM_K, NO_FORM_SHARE * before.gap())
 
 
 def _is_noise(selection: Selection) -> bool:
     """Whether of air and floor nothing but noise is left, and less than another form of a room would leave."""
-    for before, after in zip(selection.before.errors, selection.after.errors, strict=True):
-        least = max(NO_FORM_K, NO_FORM_SHARE * before.gap())
-        if after.channel in OF_AIR_AND_FLOOR and after.gap() > least:
-            return False
-    return max(_floors(selection.after, selection.floor)) <= EXPLAINED
+    pairs = zip(_shown(selection.before), _shown(selection.after), strict=True)
+    is_no_form = all(after.gap() <= _of_form_K(before) for before, after in pairs)
+    return is_no_form and max(_floors(selection.after, selection.floor)) <= EXPLAINED

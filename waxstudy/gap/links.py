@@ -61,7 +61,7 @@ class Link:
         belief: Belief,
         reading: Reading = PLAIN,
         drift: Drift = STILL,
-        is_fine: bool = False,  # of a room: in steps of the record's intervals
+        is_fine: bool = False,  # of a room: in short steps, with valves that move within intervals
     ) -> Predicted:
         """Return what the belief makes of the measured drive, each judged channel (n,) or (quarters,) for a room's.
 

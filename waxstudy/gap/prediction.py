@@ -1,4 +1,4 @@
-"""What one link makes of a belief, a room's as if its steps were those of the record."""
+"""What one link makes of a belief, a room's as if its steps were short."""
 
 from __future__ import annotations
 

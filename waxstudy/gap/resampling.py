@@ -24,8 +24,8 @@ def null(
     the floor's noise, and each effect is fitted along the direction in which it moved the prediction.
     """
     rest, part, block = whole(best)
-    now = whole(current)[0]
-    ways = np.array([now - whole(each)[0] for each in fitted])
+    now = current.whitened
+    ways = np.array([now - each.whitened for each in fitted])
     numbers, member = np.unique(block, return_inverse=True)
     first, second = part == FIT, part == SELECT
     power_1 = np.maximum(np.sum(ways[:, first] ** 2, axis=1), 1e-12)
@@ -48,7 +48,7 @@ def inclusion(
     base, part, block = whole(current)
     seen = (part == FIT) | (part == SELECT)
     numbers, member = np.unique(block[seen], return_inverse=True)
-    loss = by_block(np.array([whole(c.fitted)[0][seen] ** 2 for c in candidates]), member, len(numbers))
+    loss = by_block(np.array([c.fitted.whitened[seen] ** 2 for c in candidates]), member, len(numbers))
     # what the drive's noise adds is spread evenly
     loss += np.array([[(c.loss - own.sum()) / len(numbers)] for c, own in zip(candidates, loss, strict=True)])
     weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
@@ -62,7 +62,7 @@ def whole(fitted: Fitted) -> tuple[FloatArray, np.ndarray, np.ndarray]:
     """Return whitened errors, parts and blocks of all channels, one after the other."""
     errors = fitted.errors
     return (
-        np.concatenate([each.whitened for each in errors]),
+        fitted.whitened,
         np.concatenate([each.part for each in errors]),
         np.concatenate([each.block for each in errors]),
     )

@@ -49,10 +49,10 @@ class StageGap:
     @property
     def over_floor(self) -> float:
         """The gap in units of its noise floor; infinite above a floor of nothing."""
-        return _over(self.gap, self.noise_floor)
+        return in_floors(self.gap, self.noise_floor)
 
     def regime_over_floor(self, regime: Regime) -> float:
-        return _over(regime.gap, self.noise_floor)
+        return in_floors(regime.gap, self.noise_floor)
 
     def described(self) -> dict[str, Any]:
         regimes = [{**asdict(each), "over_floor": self.regime_over_floor(each)} for each in self.regimes]
@@ -60,7 +60,8 @@ class StageGap:
         return {**_of(self), "over_floor": self.over_floor, "impact": impact, "regimes": regimes}
 
 
-def _over(gap: float, floor: float) -> float:
+def in_floors(gap: float, floor: float) -> float:
+    """Return a gap in units of its noise floor; without noise any gap is without bounds."""
     return gap / floor if floor > 0.0 else (inf if gap > 0.0 else 0.0)
 
 

@@ -253,7 +253,7 @@ def _is_late(selection: Selection, errors: Errors) -> bool:
 
 def is_enough(fitter: Fitter, best: Candidate) -> bool:
     """Whether what an effect leaves would be no finding: of a room its form, of a chain little over the floor."""
-    if not fitter.link.with_room:
+    if not fitter.link.with_room or fitter.is_to_the_letter:
         return best.left <= EXPLAINED
     return all(errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0) for errors in best.fitted.errors)
 

@@ -83,7 +83,7 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
     named = {name for found in selection.found for name in found.group}
     least = 2.0 * LEAST_GAIN * max(1.0, float(np.mean(now[part >= 0] ** 2)))
     tried = [(reading, fitter.at((), base.departures, reading)) for reading in fitter.readings]
-    stills = [(reading, whole(still)[0]) for reading, still in tried if still]
+    stills = [(reading, still.whitened) for reading, still in tried if still]
     for effect in effects:
         if effect.name in named or effect.hindrance(believed):
             continue
@@ -108,7 +108,7 @@ def _moves_by(
     for reading, still in stills:
         if other := fitter.at([(effect, values)], departures, reading):
             told = True
-            if float(np.sum((whole(other)[0] - still) ** 2)) >= least:
+            if float(np.sum((other.whitened - still) ** 2)) >= least:
                 return True
     return not told
 

@@ -42,7 +42,7 @@ def modelled(actuator: Choice, on: BoolArray, interval_s: float, pace: float = 1
     parts = 2 * int(np.ceil(0.5 * own_s / LONGEST_STEP_S))
     chain, still = Chain({"actuator": actuator}, own_s / parts), np.zeros(len(on))
     ends, means = replay(chain, "actuator", on.astype(float), still, interval_s=own_s, start_s=0.0, jump=still + 0.5)
-    return ends["actuator"].copy(), means["actuator"].copy()
+    return ends["actuator"], means["actuator"]
 
 
 def errors_of(record: Record, opening: FloatArray) -> Errors:

@@ -139,8 +139,10 @@ def drive(
 def _own_modes(symmetric: bytes) -> tuple[FloatArray, FloatArray]:
     """Return eigenvalues and vectors of a matrix; many runs in a row change the inputs of one room alone."""
     flat = np.frombuffer(symmetric)
-    rates, vectors = np.linalg.eigh(flat.reshape(-1, isqrt(len(flat))))
-    return rates, vectors
+    found = np.linalg.eigh(flat.reshape(-1, isqrt(len(flat))))
+    for each in found:
+        each.flags.writeable = False
+    return found.eigenvalues, found.eigenvectors
 
 
 def _in_lanes(by_mode: FloatArray) -> FloatArray:

@@ -85,7 +85,7 @@ def weather_of(inputs: Inputs) -> WeatherRecord:
 
 
 def driven_by(room: LinearRoom, inputs: Inputs, step_s: float | None = None) -> DrivenRoom:
-    """Return a room in modal form under recorded inputs; the step is the interval, cut to at most two minutes."""
+    """Return a room in modal form under recorded inputs; the step is the interval, at most the one given or 150 s."""
     parts = max(1, int(np.ceil(inputs.interval_s / (step_s or LONGEST_STEP_S))))
     return drive(recorded_room(room, inputs), weather_of(inputs), inputs.interval_s / parts, TOLERANCE_K, main_modes)
 
