@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.gap.realities import EFFECTS, Effects, belief, effects, planted, record
-from waxstudy.gap.candidate import LEVEL, best_of
+from waxstudy.gap.candidate import LEAST_GAP, LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP, LEVEL, best_of, least_gap
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.judge import SHRINK, parts_of
 from waxstudy.gap.links import Link, links
@@ -58,6 +58,23 @@ def test_where_everything_is_as_believed_nothing_is_claimed(case: str, stage: st
     selection = searched(link_at(stage, cut), seen, believed)
     assert selection.found == selection.withdrawn == ()
     assert selection.before is selection.after
+
+
+@pytest.mark.parametrize(
+    ("interval_s", "without", "least"),
+    [
+        (60.0, (), LEAST_GAP),
+        (300.0, (), LEAST_SAMPLED_GAP),
+        (60.0, ("heating_signal", "control_output"), LEAST_SMOOTHED_GAP),
+    ],
+)
+def test_a_motor_is_claimed_by_more_where_its_pulses_or_its_path_are_not_known(
+    interval_s: float, without: tuple[str, ...], least: float
+) -> None:
+    seen = record("REAL", days=2, interval_s=interval_s, without=without)
+    believed = belief("REAL", seen)
+    link = link_at("actuator", links(seen, believed))
+    assert least_gap(Fitter(link, seen, believed), "displacement", "1") == least
 
 
 @pytest.mark.slow

@@ -7,10 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import SELECT
 from waxstudy.gap.links import SUPPLY
+from waxstudy.gap.reading import LONG_S
+from waxstudy.gap.record import CONTINUOUS
 from waxstudy.gap.result import in_floors
 from waxstudy.gap.space import EffectType
 from waxstudy.plugin import Belief
@@ -21,7 +24,7 @@ LEAST_OF_SENSOR = 0.9  # the same of a thermometer, of which little else is to b
 # the same in whitened errors, of a valve's clear gap: other circuits are in all of its flow, its curve where it moves
 LEAST_OF_VALVE, CLEAR_GAP = 0.15, 3.0
 LEAST_GAP = 1.1  # over the floor
-LEAST_SMOOTHED_GAP = 1.75
+LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP = 1.5, 1.75
 LEAST_PART = 0.15  # that one of them must explain alone
 EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
 LEAST_GAIN = 10.0  # whitened
@@ -48,6 +51,7 @@ class Candidate:
     channel: str  # where it acts most
     spread: float  # of the room's form by what is left of it here, in units of what it may leave; 1 in a chain
     over: float  # the gap of that channel before it, over the floor of both models, in the channel's unit
+    least_gap: float  # over the floor, below which nothing is claimed
     is_covered: bool  # by what real actuators are known to stray from the believed one
     is_worth_naming: bool  # far enough from what is believed
 
@@ -59,14 +63,6 @@ class Candidate:
     def is_part(self) -> bool:
         """Whether it may be one of two effects that explain a gap together."""
         return self.is_seen and self.over >= self.least_gap and self.share >= LEAST_PART and not self.is_covered
-
-    @property
-    def least_gap(self) -> float:
-        """Gap over the floor below which nothing is claimed: more for a control output that runs on.
-
-        Its drive is smoothed, and where it is cut off at 0 or 1 that looks like another tuning.
-        """
-        return LEAST_SMOOTHED_GAP if runs_on(self.channel, self.fitted.unit(self.channel)) else LEAST_GAP
 
     @property
     def is_slight(self) -> bool:
@@ -87,6 +83,18 @@ class Candidate:
 def runs_on(channel: str, unit: str) -> bool:
     """Whether a channel is a control output that does not switch."""
     return channel == "control_output" and unit != "s"
+
+
+def least_gap(fitter: Fitter, channel: str, unit: str) -> float:
+    """Return the gap over the floor below which nothing is claimed: more where a floor is not all that must be missed.
+
+    Behind a smoothed drive an output cut off at 0 or 1 looks like another tuning, and a pulse that comes too late like
+    another motor; samples that are far apart miss how a motor moved between them.
+    """
+    behind = channel in ("displacement", "flow_L_h")
+    if runs_on(channel, unit) or (behind and fitter.link.driven_by in CONTINUOUS):
+        return LEAST_SMOOTHED_GAP
+    return LEAST_SAMPLED_GAP if behind and fitter.record.interval_s >= LONG_S else LEAST_GAP
 
 
 def best_of(candidates: Sequence[Candidate]) -> Candidate:

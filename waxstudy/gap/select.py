@@ -7,7 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.candidate import CLEAR_GAIN, EXPLAINED, Candidate, alike, best_of, is_worth_naming, over_floor, shared
+from waxstudy.gap.candidate import (
+    CLEAR_GAIN,
+    EXPLAINED,
+    Candidate,
+    alike,
+    best_of,
+    is_worth_naming,
+    least_gap,
+    over_floor,
+    shared,
+)
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
@@ -97,7 +107,9 @@ class _Search:
         while len(found) < MOST_EFFECTS:
             candidates = self.tried(current)
             first = first or candidates
-            chosen = [c for c in candidates if c.is_accepted]
+            # what cannot be told from an effect that is there would but add to its parameters
+            known = {name for each in found for name in each.group}
+            chosen = [c for c in candidates if c.is_accepted and c.effect.name not in known]
             if chosen:
                 best = best_of(chosen)
                 found.append(self.found(best, candidates, current))
@@ -218,6 +230,7 @@ class _Search:
             channel=channel,
             spread=spread,
             over=over,
+            least_gap=least_gap(self.fitter, channel, fitted.unit(channel)),
             is_covered=covered,
             is_worth_naming=worth,
         )
