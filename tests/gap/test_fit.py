@@ -150,6 +150,8 @@ def test_a_room_in_long_steps_is_refined_to_what_short_ones_give(true: Mapping[s
     for channel in OF_AIR_AND_FLOOR:
         off_K = [np.nanstd((each[channel] - fine[channel])[24:]) for each in (refined, coarse)]
         assert off_K[0] <= 0.25 * off_K[1], channel
+    whole = Fitter(link, seen, believed).predicted.fine(edited, reading)
+    assert all(np.array_equal(whole[channel], fine[channel], equal_nan=True) for channel in OF_AIR_AND_FLOOR)
 
 
 @pytest.mark.parametrize("case", ["REAL", "PWM"])

@@ -74,19 +74,25 @@ def _of_reading(fitter: Fitter, fitted: Fitted) -> dict[EffectType, dict[str, In
     inverse = np.linalg.pinv(normal)
     spread = inverse @ (scores @ scores.T) @ inverse * len(numbers) / max(1, len(numbers) - len(rows))
     spread += inverse if fitter.unknowns else 0.0
-    off = inverse @ (missed.T @ _smoothed(fitter, fitted)[seen])
+    off = inverse @ (missed.T @ _inexact(fitter, fitted)[seen])
     sd = np.sqrt(np.clip(np.diag(spread), 0.0, None) + off**2)
     return _described(fitter, fitted, spaces, sd, len(numbers))
 
 
-def _smoothed(fitter: Fitter, fitted: Fitted) -> FloatArray:
-    """Return how far smoothing the link's drive once more moves the whitened errors (m,): so far it may have before."""
+def _inexact(fitter: Fitter, fitted: Fitted) -> FloatArray:
+    """Return how far the whitened errors (m,) move with what a prediction is not exact in.
+
+    That is what smoothing the link's drive once more does, as it may have done before, and of a room its long steps.
+    """
     now = fitted.whitened
-    if fitter.link.driven_by not in CONTINUOUS:
+    belief = fitter.edited(fitted.effects, fitted.departures)
+    if fitter.link.driven_by in CONTINUOUS:
+        other = fitter.predicted(belief, fitted.reading, Drift(np.random.default_rng(13)))
+    elif fitter.link.with_room:
+        other = fitter.predicted.fine(belief, fitted.reading)
+    else:
         return np.zeros(len(now))
-    belief, drift = fitter.edited(fitted.effects, fitted.departures), Drift(np.random.default_rng(13))
-    shaken = fitter.judge.errors(fitter.predicted(belief, fitted.reading, drift))
-    return np.concatenate([each.whitened for each in shaken]) - now
+    return np.concatenate([each.whitened for each in fitter.judge.errors(other)]) - now
 
 
 def _prior(fitter: Fitter, count: int) -> FloatArray:

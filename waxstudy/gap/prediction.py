@@ -30,6 +30,14 @@ class Prediction:
             found[channel] = found[channel] + change
         return found
 
+    def fine(self, belief: Belief, reading: Reading) -> Predicted:
+        """Return the same with what short steps change of this very belief, not of the one that is believed."""
+        found = self(belief, reading)
+        if refined := self._refinement(reading):
+            fine = self.link.predict(self.record, belief, reading, is_fine=True)
+            found.update({channel: fine[channel] for channel in refined})
+        return found
+
     def _refinement(self, reading: Reading) -> Mapping[str, FloatArray]:
         if not self.link.with_room or self.link.driven_by != "flow_L_h":
             return {}
