@@ -13,7 +13,7 @@ import click
 from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.errors import FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
 from waxstudy.cli.output import Command, print_out, stdout
-from waxstudy.cli.run import failures
+from waxstudy.cli.simulating import failures
 from waxstudy.cli.study import load_study
 from waxstudy.simulation.threads import use_one_thread
 

@@ -14,7 +14,7 @@ import click
 
 from waxstudy.cli.errors import INVALID, USAGE, CommandError
 from waxstudy.cli.output import Command, print_out
-from waxstudy.cli.run import failures, warn
+from waxstudy.cli.simulating import failures, warn
 from waxstudy.cli.study import load_study
 
 if TYPE_CHECKING:

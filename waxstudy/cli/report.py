@@ -11,6 +11,7 @@ import click
 
 from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
 from waxstudy.cli.output import Command, print_out, stdout
+from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
 
 if TYPE_CHECKING:
@@ -146,7 +147,6 @@ def render_attribution(folder: Path, form: str, quiet: bool) -> str:
 
 
 def _attributed(run: Run, study: Study, quiet: bool) -> OrderFree:
-    from waxstudy.cli.run import failures, progress, resumable
     from waxstudy.report.attribution.shares import attribute
     from waxstudy.report.attribution.simulate import OtherSources
 

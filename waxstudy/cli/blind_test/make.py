@@ -13,7 +13,7 @@ from waxstudy.cli.bar import bar
 from waxstudy.cli.blind_test.common import failures, key_given
 from waxstudy.cli.errors import USAGE, CommandError
 from waxstudy.cli.output import Command, print_out
-from waxstudy.cli.run import warn
+from waxstudy.cli.simulating import warn
 
 if TYPE_CHECKING:
     from waxstudy.blind_test.key import Key
