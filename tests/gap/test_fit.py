@@ -15,7 +15,7 @@ from tests.gap.realities import EFFECTS, PERFECT, belief, effects, planted, reco
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.interval import parameter_intervals
-from waxstudy.gap.judge import BOTH
+from waxstudy.gap.judge import BOTH, FIT
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.room import OF_AIR_AND_FLOOR
@@ -86,6 +86,26 @@ def test_an_effect_that_was_put_in_is_found_within_its_interval(name: str) -> No
 def test_an_effect_that_was_put_in_takes_most_of_the_loss_away(name: str) -> None:
     fitter, fitted = found(name)
     assert sum(map(fitted.loss, BOTH)) < 0.5 * sum(map(fitter.base.loss, BOTH))
+
+
+@pytest.mark.parametrize(
+    ("dead_s", "rise_s", "hold_s", "fall_s"),
+    [(500.0, 400.0, 330.0, 480.0), (400.0, 400.0, 300.0, 400.0)],
+)
+def test_a_slow_stroke_is_not_taken_for_a_late_and_sudden_one(
+    dead_s: float, rise_s: float, hold_s: float, fall_s: float
+) -> None:
+    """From a stroke that is shorter than a sample no slope leads to a longer one."""
+    times_s = {"dead_time_s": dead_s, "rise_time_s": rise_s, "hold_time_s": hold_s, "fall_time_s": fall_s}
+    seen, believed, cut = ready("REAL")
+    link = link_of("constant-times", cut)
+    slow = planted(link, seen, believed, effects(constant_times=times_s))
+    fitter, motor = Fitter(link, slow, believed), EFFECTS["constant-times"]
+    fitted = fitter.fit(motor, fitter.base)
+    true = fitter.at([(motor, times_s)], fitter.base.departures, fitter.base.reading)
+    assert fitted
+    assert true
+    assert fitted.loss(FIT) < 1.05 * true.loss(FIT)
 
 
 @EACH

@@ -34,9 +34,9 @@ def empty(days: float, interval_s: float = 60.0, cycles_per_day: int = 8) -> Rec
 @given(st.floats(6.0, 60.0), st.sampled_from([60.0, 300.0, 900.0]), st.booleans())
 @settings(max_examples=30)
 def test_shrinkage_is_on_the_last_three_days_or_more_and_on_no_day_of_the_search(
-    days: float, interval_s: float, in_turn: bool
+    days: float, interval_s: float, days_in_turn: bool
 ) -> None:
-    part = parts_of(empty(days, interval_s), in_turn)
+    part = parts_of(empty(days, interval_s), days_in_turn)
     kept = np.flatnonzero(part == SHRINK)
     assert len(kept) * interval_s >= 3 * 86_400.0 - interval_s
     assert kept[-1] == len(part) - 1
@@ -45,11 +45,23 @@ def test_shrinkage_is_on_the_last_three_days_or_more_and_on_no_day_of_the_search
         assert np.mean(part == searched) > 0.15
 
 
-@given(st.floats(6.0, 30.0))
-@settings(max_examples=20)
-def test_the_chain_is_fitted_before_it_is_judged(days: float) -> None:
-    part = parts_of(empty(days))
+@given(st.floats(6.0, 30.0), st.floats(0.0, 0.4), st.sampled_from([0.0, 1.0]))
+@settings(max_examples=40)
+def test_the_chain_is_fitted_to_its_first_cycles_and_judged_on_the_next(days: float, share: float, at: float) -> None:
+    """It may rest, or be heated without end, for days before."""
+    seen = empty(days)
+    signal = np.where(np.arange(len(seen)) < share * len(seen), at, seen.values["heating_signal"])
+    part = parts_of(plain({"heating_signal": signal}, seen.interval_s))
     assert np.flatnonzero(part == FIT)[-1] < np.flatnonzero(part == SELECT)[0]
+    starts = np.flatnonzero(np.diff(signal) > 0.5) + 1
+    fitted, judged = (int(np.sum(part[starts] == number)) for number in (FIT, SELECT))
+    assert abs(fitted - 0.57 * (fitted + judged)) <= 2
+
+
+def test_where_hardly_a_cycle_is_seen_days_are_cut_instead() -> None:
+    seen = plain({"heating_signal": np.zeros(14 * DAY)}, 60.0)
+    part = parts_of(seen)
+    assert 0.4 < np.mean(part[part != SHRINK] == FIT) < 0.7
 
 
 def test_a_room_is_fitted_and_judged_on_days_in_turn() -> None:
@@ -59,12 +71,12 @@ def test_a_room_is_fitted_and_judged_on_days_in_turn() -> None:
     assert days[:, 0].tolist() == [FIT, SELECT] * 4 + [FIT]
 
 
-@pytest.mark.parametrize("in_turn", [True, False])
-def test_a_short_record_has_blocks_in_turn_and_keeps_none_back(in_turn: bool) -> None:
+@pytest.mark.parametrize("days_in_turn", [True, False])
+def test_a_short_record_has_blocks_in_turn_and_keeps_none_back(days_in_turn: bool) -> None:
     seen = empty(4)
-    part = parts_of(seen, in_turn)
+    part = parts_of(seen, days_in_turn)
     assert set(part.tolist()) == {FIT, SELECT}
-    blocks = seen.day if in_turn else seen.cycle
+    blocks = seen.day if days_in_turn else seen.cycle
     for number in np.unique(blocks):
         assert len(set(part[blocks == number].tolist())) == 1
 

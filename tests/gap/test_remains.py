@@ -182,9 +182,22 @@ def test_a_room_that_is_not_understood_can_show_no_effect_of_its_own() -> None:
     told = {each.name: each.reason for each in unshown(lost, [EFFECTS["supply-offset"], EFFECTS["floor-cover"]])}
     assert set(told) == {"supply-offset", "floor-cover"}
     assert all("stays missed by" in reason for reason in told.values())
-    known = searched(link, warm, believed, ["supply-offset", "floor-cover"])
-    assert [each.effect.name for each in known.found] == ["supply-offset"]
-    assert list(unshown(known, [EFFECTS["supply-offset"], EFFECTS["floor-cover"]])) == []
+    a_little = 0.29 * np.sin(2.0 * np.pi * np.arange(len(seen)) / (7.0 * 60.0))
+    odd = {name: warm.values[name] + a_little for name in odd}
+    for record_of_it in (warm, replace(warm, values={**warm.values, **odd})):
+        known = searched(link, record_of_it, believed, ["supply-offset", "floor-cover"])
+        assert [each.effect.name for each in known.found] == ["supply-offset"]
+        assert list(unshown(known, [EFFECTS["supply-offset"], EFFECTS["floor-cover"]])) == []
+
+
+def test_three_days_are_enough_to_say_that_a_room_is_not_understood() -> None:
+    seen = record("REAL", days=3)
+    believed = belief("REAL", seen)
+    link = link_at("room", links(seen, believed))
+    hall = 0.6 * np.sin(2.0 * np.pi * np.arange(len(seen)) / (3.0 * 3600.0 / seen.interval_s))
+    odd = {name: seen.values[name] + hall for name in ("air_temperature_C", "operative_temperature_C")}
+    remains = list(unexplained(searched(link, replace(seen, values={**seen.values, **odd}), believed), 1))
+    assert {each.channel for each in remains if each.is_finding} == set(odd)
 
 
 def test_a_clear_departure_is_within_what_is_possible() -> None:

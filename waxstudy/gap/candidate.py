@@ -153,5 +153,10 @@ def shared(current: Fitted, fitted: Fitted, floor: Floor) -> tuple[str, float, f
     old, new = current.errors[place], fitted.errors[place]
     least = floor.white[old.channel] ** 2 * max(1, int(np.sum(old.judged & (old.part == SELECT))))
     before, after = old.loss(SELECT), new.loss(SELECT)
-    share = (before - after) / (before - least) if before > least else 0.0
-    return old.channel, min(share, 1.5), float(np.sqrt(after / least)) if least > 0 else np.inf
+    left = float(np.sqrt(after / least)) if least > 0 else np.inf
+    return old.channel, explained(before, after, least), left
+
+
+def explained(before: float, after: float, least: float) -> float:
+    """Return the share of what is missed above a floor that is explained, at most 1; nothing of what is within it."""
+    return (before - after) / (before - min(least, after)) if before > least else 0.0

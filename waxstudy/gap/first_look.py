@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from waxstudy.gap.fitted import Fitted
-from waxstudy.gap.newton import MOST_SD
+from waxstudy.gap.newton import MOST_SD, LeastSquares
 from waxstudy.gap.reading import Reading
 from waxstudy.gap.space import EffectType, Space, Values
 from waxstudy.plugin import FloatArray
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
+MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere
+STARTS, STEPS, FAR = 8, 5, 0.1  # such points, steps from each, and the share of a range that their slopes look over
 
 
 class FirstLook:
@@ -37,8 +39,22 @@ class FirstLook:
         more = self._scaled(tried, looks, reading)
         looks += [self._with(values, reading) for values in more]
         scores = [self.fitter.score(each, self.parts) for each in looks]
-        best = int(np.argmin(scores))
-        return scores[best], [*tried, *more][best]
+        found = sorted(zip(scores, [*tried, *more], strict=True), key=itemgetter(0))
+        if self.fitter.unknowns or len(self.space.names) < MANY:
+            return found[0]
+        starts = round(STARTS * min(1.0, self.fitter.thorough))
+        walked = [self._walked(values, reading) for _, values in found[:starts]]
+        return min((found[0], *walked), key=itemgetter(0))
+
+    def _walked(self, values: Values, reading: Reading) -> tuple[float, Values]:
+        """Return score and values a few steps downhill, by slopes that look far: a point may lie in a hollow.
+
+        A stroke that is shorter than a sample has no slope of its own that leads to a longer one.
+        """
+        problem = LeastSquares(self.fitter, (*self.given.effects, (self.effect, values)), reading, self.parts, FAR)
+        walked = problem.solved(problem.vector(self.given.departures), STEPS, None)
+        found = dict(walked.effects)[self.effect] if walked else values
+        return self.fitter.score(self._with(found, reading), self.parts), found
 
     def _scaled(self, tried: Sequence[Values], looks: Sequence[Fitted | None], reading: Reading) -> list[Values]:
         """Return points as strong as suits the record: a room answers nearly in proportion.

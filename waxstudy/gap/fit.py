@@ -45,6 +45,7 @@ class Fitter:
     ) -> None:
         self.link, self.record, self.belief, self.thorough = link, record, belief, thorough
         self.holds_out, self.room_tolerance = holds_out, room_tolerance
+        self.is_quick = thorough < 1.0
         self.is_to_the_letter = link.with_room and room_tolerance == 0.0
         self.predicted = Prediction(link, record, belief, self.is_to_the_letter)
         self.judge = Judge(link, record, belief, holds_out, self.is_to_the_letter)
@@ -52,6 +53,7 @@ class Fitter:
         self.sd = np.array([unknown.sd for unknown in self.unknowns])
         self._events = [place for place, unknown in enumerate(self.unknowns) if unknown.is_event]
         self._straight: dict[tuple[int, ...], tuple[FloatArray, FloatArray, np.ndarray]] = {}
+        self._on_both: dict[Reading, Fitted] = {}
         self._edits: list[tuple[float, Belief]] = []  # by unknown: what was departed to last, and the belief so far
 
     # --- one hypothesis at given values ---
@@ -111,6 +113,12 @@ class Fitter:
         known = self._slopes_at(first) if len(self.link.readings) > 1 else None
         others = [self._room_fit((), first.departures, reading, (FIT,), known) for reading in self.link.readings[1:]]
         return self.settled(self._best([first, *others]))
+
+    def base_on_both(self, reading: Reading) -> Fitted:
+        """Return the belief itself under a reading, its room fitted to both first parts."""
+        if reading not in self._on_both:
+            self._on_both[reading] = self.refined((), self.base.departures, reading, BOTH) or self.base
+        return self._on_both[reading]
 
     def settled(self, fitted: Fitted) -> Fitted:
         """Return a fit that others are compared with, gone on with to its end: else they gain what it had left."""
@@ -188,7 +196,7 @@ class Fitter:
         best = min(done, key=lambda each: self.fair_score(each, parts) + of_other(each.reading, given), default=None)
         promising = PROMISING * self.spread(given) / self.thorough
         if best and self.unknowns and self.score(best, parts) < self.score(given, parts) - promising:
-            return self.refined(best.effects, best.departures, best.reading, parts, is_rough=self.thorough < 1.0)
+            return self.refined(best.effects, best.departures, best.reading, parts, is_rough=self.is_quick)
         return best
 
     def _from(
@@ -249,7 +257,7 @@ class Fitter:
             return self.score(self.at(valued(effects, spaces, x), departures, reading), parts)
 
         most = REFINE.get(len(start), REFINE_MORE)
-        found = descend(loss, start, round(most * self.thorough), NARROW if self.thorough == 1.0 else QUICK_NARROW)
+        found = descend(loss, start, round(most * self.thorough), QUICK_NARROW if self.is_quick else NARROW)
         return self.at(valued(effects, spaces, found), departures, reading)
 
     def _smooth_fit(

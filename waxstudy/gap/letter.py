@@ -8,7 +8,7 @@ from waxstudy.gap.candidate import EXPLAINED
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
-from waxstudy.gap.judge import BOTH, Errors
+from waxstudy.gap.judge import Errors
 from waxstudy.gap.result import in_floors
 from waxstudy.gap.room import OF_AIR_AND_FLOOR
 from waxstudy.gap.select import Selection, Tick, select
@@ -31,7 +31,7 @@ def to_the_letter(wide: Selection, effects: Sequence[EffectType], seed: int, tic
         return wide
     parts = loose.link, loose.record, loose.belief, loose.thorough
     exact = Fitter(*parts, room_tolerance=0.0, holds_out=loose.holds_out)
-    believed = exact.refined((), exact.base.departures, exact.base.reading, BOTH) or exact.base
+    believed = exact.base_on_both(exact.base.reading)
     floor = Floor.of(exact, believed)
     is_hidden = any(floor.plain[each.channel] > _of_form_K(each) for each in _shown(believed))
     if is_hidden or max(_floors(believed, floor)) < CLEAR:

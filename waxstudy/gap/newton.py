@@ -30,8 +30,9 @@ class LeastSquares:
         effects: Sequence[tuple[EffectType, Values]],
         reading: Reading,
         parts: Sequence[int],
+        reach: float = 0.01,  # share of a parameter's range over which its slope is taken
     ) -> None:
-        self.fitter, self.effects, self.reading, self.parts = fitter, effects, reading, parts
+        self.fitter, self.effects, self.reading, self.parts, self.reach = fitter, effects, reading, parts, reach
         self.spaces = [Space(effect) for effect, _ in effects]
         self.count = len(fitter.sd)
 
@@ -88,7 +89,7 @@ class LeastSquares:
     def slopes(self, x: FloatArray, missed: FloatArray, places: Sequence[int]) -> FloatArray:
         columns = []
         for place in places:
-            size = 0.1 if place < self.count else 0.01
+            size = 0.1 if place < self.count else self.reach
             if place >= self.count and x[place] + size > 1.0:
                 size = -size
             moved = x.copy()

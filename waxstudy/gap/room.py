@@ -28,11 +28,12 @@ JUDGED_S = 900.0
 FINE_STEP_S = 5.0
 VALVE_S = 120.0  # chosen: a stroke takes up to 180 s (Table 2), and most of the flow comes in its middle
 
-# what the form of a room's model may leave: twice what is seen against another engine's room without any effect
+# what the form of a room's model may leave: twice what is seen against other engines' rooms without any effect, and
+# of the return, whose first minutes of each pulse are others in each, half as much again
 ROOM_FORM_K = {
-    "air_temperature_C": 0.25,
-    "operative_temperature_C": 0.25,
-    "floor_surface_temperature_C": 0.3,
+    "air_temperature_C": 0.18,
+    "operative_temperature_C": 0.18,
+    "floor_surface_temperature_C": 0.16,
     "return_temperature_C": 0.5,
 }
 

@@ -13,6 +13,7 @@ from waxstudy.gap.candidate import (
     Candidate,
     alike,
     best_of,
+    explained,
     is_worth_naming,
     least_gap,
     over_floor,
@@ -34,6 +35,7 @@ LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none doe
 MOST_EFFECTS = 3
 CONFIRMED = 0.25  # of the square of a gap that an effect must take away on days that nobody looked at
 OF_AIR = ("air_temperature_C", "operative_temperature_C")
+MUCH = 0.25  # of what a room was missed by, that effects may leave and still be trusted
 LATE = 2.0  # times the gap of the days before, at which the last days show something that those did not
 PAIRED = 2  # effects that others are tried beside, where none is enough alone
 
@@ -96,10 +98,6 @@ class _Search:
         # what can be only because another effect is there would change that one's parameters, and means nothing alone
         self.effects = [effect for effect in effects if not effect.hindrance(fitter.belief)]
 
-    @property
-    def is_quick(self) -> bool:
-        return self.fitter.thorough < 1.0
-
     def run(self) -> Selection:
         current = self.fitter.base
         found: list[Found] = []
@@ -118,7 +116,7 @@ class _Search:
                 found += [self.found(c, [*candidates, best], current) for c in pair]
             else:
                 break
-            if self.is_quick and is_enough(self.fitter, best):
+            if self.fitter.is_quick and is_enough(self.fitter, best):
                 current = best.fitted
                 break
             current = self.fitter.reread(self.fitter.settled(best.fitted))
@@ -128,7 +126,8 @@ class _Search:
             withdrawn.append(doubtful)
             found.remove(doubtful)
             models, without = self.models(found, current.reading if found else self.fitter.base.reading)
-        distrusted = [each for each in found if each.effect.stage in ROOM_STAGES and is_poor(self.fitter, models[-1])]
+        of_room = [each for each in found if each.effect.stage in ROOM_STAGES]
+        distrusted = of_room if is_poor(self.fitter, models[0], models[-1]) else []
         if distrusted:
             found = [each for each in found if each not in distrusted]
             models, without = self.models(found, current.reading if found else self.fitter.base.reading)
@@ -141,8 +140,7 @@ class _Search:
 
         All are fitted to both first parts, under one reading.
         """
-        base = self.fitter.base
-        whole = [self.fitter.refined((), base.departures, reading, BOTH) or base]
+        whole = [self.fitter.base_on_both(reading)]
         for each in found:
             fitted = each.candidate.fitted
             earlier = dict(whole[-1].effects)
@@ -208,8 +206,7 @@ class _Search:
         p = float((1 + np.sum(highest >= gain)) / (1 + len(highest)))
         covered = effect.stage == "actuator" and gain > 0.0 and is_covered(self.fitter, current, fitted)
         before, after = (next(e for e in each.errors if e.channel == channel).gap(SELECT) for each in (current, fitted))
-        least = floor.plain[channel]
-        plain_share = (before**2 - after**2) / (before**2 - least**2) if before > least else 0.0
+        plain_share = explained(before**2, after**2, floor.plain[channel] ** 2)
         over = min(over_floor(current, channel, each, gain < CLEAR_GAIN) for each in (floor, own))
         both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
         strain = self.fitter.strain(fitted)
@@ -241,7 +238,7 @@ class _Search:
 
     def pair(self, current: Fitted, candidates: Sequence[Candidate]) -> tuple[Candidate, Candidate] | None:
         """Return two effects that explain together what neither does alone, or None; a quick search does not look."""
-        if self.is_quick:
+        if self.fitter.is_quick:
             return None
         seen = sorted((c for c in candidates if c.is_part), key=lambda c: -c.gain)
         best: tuple[Candidate, Candidate] | None = None
@@ -254,8 +251,19 @@ class _Search:
         return best
 
     def found(self, best: Candidate, candidates: Sequence[Candidate], current: Fitted) -> Found:
-        group = alike(best, candidates)
+        group = self.group(best, candidates)
         return Found(best, group, inclusion(group, candidates, current, self.random))
+
+    def group(self, best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
+        """Return what cannot be told from an effect, and simpler motors that differ by no more than real ones stray.
+
+        Four times follow whatever motor there is, also one that is but slow.
+        """
+        named, many = alike(best, candidates), len(best.effect.priors)
+        simpler = [c for c in candidates if c.is_accepted and len(c.effect.priors) < many]
+        motors = [c for c in simpler if c.effect.stage == best.effect.stage == "actuator"]
+        near = [c.effect.name for c in motors if is_covered(self.fitter, best.fitted, c.fitted)]
+        return (*named, *(name for name in near if name not in named))
 
 
 def _is_late(selection: Selection, errors: Errors) -> bool:
@@ -271,11 +279,12 @@ def is_enough(fitter: Fitter, best: Candidate) -> bool:
     return all(errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0) for errors in best.fitted.errors)
 
 
-def is_poor(fitter: Fitter, model: Fitted) -> bool:
-    """Whether the air of a room by itself stays missed by more than the form of its model may leave."""
+def is_poor(fitter: Fitter, before: Fitted, after: Fitted) -> bool:
+    """Whether the air of a room by itself stays missed by more than its form may leave, and by much of what it was."""
     if fitter.link.stages != ROOM_STAGES:
         return False
-    return any(errors.gap() > ROOM_FORM_K[errors.channel] for errors in model.errors if errors.channel in OF_AIR)
+    pairs = [each for each in zip(before.errors, after.errors, strict=True) if each[0].channel in OF_AIR]
+    return any(new.gap() > max(ROOM_FORM_K[new.channel], MUCH * old.gap()) for old, new in pairs)
 
 
 def unconfirmed(found: Sequence[Found], after: Fitted, without: Sequence[Fitted]) -> Found | None:

@@ -10,7 +10,6 @@ from waxstudy.gap.candidate import LEAST_GAIN
 from waxstudy.gap.links import ROOM_STAGES, SHOWN, Link
 from waxstudy.gap.reading import Reading
 from waxstudy.gap.record import AIR, Record
-from waxstudy.gap.resampling import whole
 from waxstudy.gap.result import FoundEffect, Measurement, Untestable
 from waxstudy.gap.select import OF_AIR, Selection, is_poor
 from waxstudy.gap.space import EffectType, Space, Values
@@ -77,11 +76,12 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
     """
     fitter, base = selection.fitter, selection.before
     missed_K = max((errors.gap() for errors in selection.after.errors if errors.channel in OF_AIR), default=0.0)
-    lost = f"the room stays missed by {missed_K:.1f} K whatever is added" if is_poor(fitter, selection.after) else ""
-    now, part, _ = whole(base)
+    is_lost = is_poor(fitter, base, selection.after)
+    lost = f"the room stays missed by {missed_K:.1f} K whatever is added" if is_lost else ""
+    now = base.whitened
     believed = fitter.edited(base.effects, base.departures)
     named = {name for found in selection.found for name in found.group}
-    least = 2.0 * LEAST_GAIN * max(1.0, float(np.mean(now[part >= 0] ** 2)))
+    least = 2.0 * LEAST_GAIN * max(1.0, float(np.mean(now**2)))
     tried = [(reading, fitter.at((), base.departures, reading)) for reading in fitter.readings]
     stills = [(reading, still.whitened) for reading, still in tried if still]
     for effect in effects:

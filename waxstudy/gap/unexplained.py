@@ -14,6 +14,7 @@ from waxstudy.gap.result import Unexplained
 from waxstudy.gap.room import ROOM_FORM_K
 from waxstudy.gap.select import Selection
 from waxstudy.gap.stray import allowed_s, moved_s
+from waxstudy.gap.testable import LEAST_BLOCKS
 
 LEAST_EXCESS = 1.5  # of what is left over the noise floor
 LEVEL = 0.01
@@ -57,7 +58,7 @@ def _p(errors: Errors, threshold: float, random: np.random.Generator) -> float:
     """Return how often the mean square over redrawn blocks does not exceed the threshold's."""
     chosen = errors.judged
     numbers, member = np.unique(errors.block[chosen], return_inverse=True)
-    if len(numbers) < 4:
+    if len(numbers) < LEAST_BLOCKS:
         return 1.0
     squares = by_block(np.array([errors.error[chosen] ** 2]), member, len(numbers))[0]
     count = np.bincount(member, minlength=len(numbers))
