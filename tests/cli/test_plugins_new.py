@@ -15,7 +15,7 @@ from tests.conftest import Waxstudy
 from waxstudy.cli.plugins.new import KINDS_HELP
 from waxstudy.plugin import KINDS
 
-DONE, USAGE, FAILED = 0, 2, 6
+DONE, USAGE, PLUGIN, FAILED = 0, 2, 4, 6
 
 FILES = [
     "pyproject.toml",
@@ -84,6 +84,13 @@ def test_a_name_of_another_kind_is_free(entry: Entry) -> None:
     assert entry("plugins", "new", "pwm", "--kind", "actuator").code == DONE
 
 
+def test_checked_before_it_is_installed_it_says_how(entry: Entry) -> None:
+    assert entry("plugins", "new", "my-wax", "--kind", "actuator").code == DONE
+    done = entry("plugins", "check", "my-wax")
+    assert done.code == PLUGIN
+    assert "; it may be in the folder waxstudy-my-wax: python -m pip install --editable waxstudy-my-wax" in done.stderr
+
+
 @pytest.mark.parametrize("there", ["folder", "empty folder", "file", "dangling link"])
 def test_what_is_there_already_is_left_alone(entry: Entry, tmp_path: Path, there: str) -> None:
     target = tmp_path / "waxstudy-my-wax"
@@ -97,7 +104,10 @@ def test_what_is_there_already_is_left_alone(entry: Entry, tmp_path: Path, there
         (target / "study.toml").write_text("mine")
     done = entry("plugins", "new", "my-wax", "--kind", "actuator")
     assert (done.code, done.stdout) == (USAGE, "")
-    assert done.stderr == "error: waxstudy-my-wax: there is something of this name already; nothing was written\n"
+    assert done.stderr == (
+        "error: waxstudy-my-wax: there is something of this name already: move it away or take another name; "
+        "nothing was written\n"
+    )
     assert [path.name for path in tmp_path.iterdir()] == ["waxstudy-my-wax"]
     assert [path.read_text() for path in (target, *target.rglob("*")) if path.is_file()] == (
         ["mine"] if there in ("folder", "file") else []

@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable
 from io import TextIOWrapper
+from pathlib import Path
 from typing import Any
 
 import click
@@ -22,6 +23,12 @@ class CommandError(Exception):
     def __init__(self, message: str, code: int, label: str = "error: ") -> None:
         super().__init__(f"{label}{message}")
         self.code = code
+
+
+def taken(path: Path) -> CommandError:
+    """Nothing is written over."""
+    found = f"{path}: there is something of this name already"
+    return CommandError(f"{found}: move it away or take another name; nothing was written", USAGE)
 
 
 def exit_code(command: Callable[[], Any]) -> int:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from waxstudy.cli.errors import INVALID, USAGE, CommandError
+from waxstudy.cli.errors import INVALID, USAGE, CommandError, taken
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures, warn
 from waxstudy.cli.study import load_study
@@ -112,7 +112,7 @@ def command(
     truth = truth_beside(out)
     for path in (out, truth):
         if os.path.lexists(path):
-            raise CommandError(f"{path}: there is something of this name already; nothing was written", USAGE)
+            raise taken(path)
     study, instruments = load_study(study_file), Instruments(**measured)
     weeks = list(weeks or [next(iter(study.weeks))])
     believed = case if believed is None else believed

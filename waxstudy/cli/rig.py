@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError
+from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError, taken
 from waxstudy.cli.output import Command, print_out
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def command(
     truth = truth_beside(folder)
     for path in (folder, truth):
         if os.path.lexists(path):
-            raise CommandError(f"{path}: there is something of this name already; nothing was written", USAGE)
+            raise taken(path)
     try:
         motors = Motors(actuator, values, valve, _bench(bench), seed)
         _make(folder, motors, programme)

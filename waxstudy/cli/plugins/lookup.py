@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -37,6 +38,8 @@ def registered(name: str) -> list[Registered]:
     broken = f"; broken plugins: {', '.join(registry.broken)}" if registry.broken else ""
     if name.isidentifier() and _found_here(name):
         hint = f"; a class of the module of this name is checked as {name}:CLASS"
+    if os.path.isfile(os.path.join(package := f"waxstudy-{name}", "pyproject.toml")):
+        hint = f"; it may be in the folder {package}: python -m pip install --editable {package}"
     raise CommandError(f"no component '{name}'{hint} (installed: {', '.join(names)}){broken}", PLUGIN)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from waxstudy.cli.errors import FAILED, USAGE, CommandError
+from waxstudy.cli.errors import FAILED, USAGE, CommandError, taken
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.plugins.lookup import as_json, print_json
 
@@ -52,7 +52,7 @@ def _write(files: dict[str, str], folder: Path) -> None:
     from waxstudy.plugin.scaffold import write
 
     if os.path.lexists(folder):
-        raise CommandError(f"{folder}: there is something of this name already; nothing was written", USAGE)
+        raise taken(folder)
     try:
         write(files, folder)
     except OSError as error:

@@ -1,1 +1,1 @@
-"""What a user sees of a diagnosis: ten lines on the terminal, one page, JSON and traces."""
+"""What a user sees of a diagnosis: a few lines on the terminal, one page, JSON and traces."""

@@ -1,4 +1,4 @@
-"""A diagnosis in about ten lines, for a plant engineer at five o'clock."""
+"""A diagnosis in ten to twenty lines, for a plant engineer at five o'clock."""
 
 from __future__ import annotations
 
@@ -126,8 +126,10 @@ def _loop(diagnosis: Diagnosis) -> list[str]:
     told = []
     for key, figure in in_order(diagnosis.closed_loop)[:MOST_LINES]:
         words, unit = loop_words(key)
-        measured = f" (measured {rough(figure.measured)})" if figure.measured else ""
-        told.append(f"{words} {rough(figure.before)} → {with_unit(rough(figure.after), unit)}{measured}")
+        values = (figure.before, figure.after, figure.measured)
+        before, after, seen = (number(v, 2) if unit == "°C" else rough(v) for v in values)  # of 21 °C tenths matter
+        measured = f" (measured {seen})" if figure.measured else ""
+        told.append(f"{words} {before} → {with_unit(after, unit)}{measured}")
     return [f"closed loop: {', '.join(told)}"]
 
 
