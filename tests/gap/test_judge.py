@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.gap.realities import PERFECT, belief, plain, record
-from waxstudy.gap.candidate import LEAST_GAP, LEAST_SMOOTHED_GAP
+from waxstudy.gap.claim import LEAST_GAP, LEAST_SMOOTHED_GAP
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, Judge, losses, parts_of, softened

@@ -14,15 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.gap.realities import EFFECTS, Effects, belief, effects, planted, record
-from waxstudy.gap.candidate import (
-    LEAST_GAP,
-    LEAST_SAMPLED_GAP,
-    LEAST_SMOOTHED_GAP,
-    LEVEL,
-    best_of,
-    explained,
-    least_gap,
-)
+from waxstudy.gap.candidate import LEVEL, best_of, explained
+from waxstudy.gap.claim import LEAST_GAP, LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP, least_gap
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.judge import SHRINK, parts_of
 from waxstudy.gap.links import Link, links

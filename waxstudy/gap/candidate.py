@@ -1,4 +1,4 @@
-"""An effect tried at a link, and the conditions under which it is claimed."""
+"""An effect tried at a link, and whether it may be claimed."""
 
 from __future__ import annotations
 
@@ -7,28 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.gap.fit import Fitter
+from waxstudy.gap.claim import EXPLAINED, Needs
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import SELECT
-from waxstudy.gap.links import SUPPLY
-from waxstudy.gap.reading import LONG_S
-from waxstudy.gap.record import CONTINUOUS
 from waxstudy.gap.result import in_floors
 from waxstudy.gap.space import EffectType
 from waxstudy.plugin import Belief
 
 LEVEL = 0.01  # family-wise, over the effects of a link
-LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
-LEAST_OF_SENSOR = 0.9  # the same of a thermometer, of which little else is to be known
-# the same in whitened errors, of a valve's clear gap: other circuits are in all of its flow, its curve where it moves
-LEAST_OF_VALVE, CLEAR_GAP = 0.15, 3.0
-LEAST_GAP = 1.1  # over the floor
-LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP = 1.5, 1.75
-LEAST_PART = 0.15  # that one of them must explain alone
-EXPLAINED = 1.5  # what is left over the floor, where nothing else can be in it
 LEAST_GAIN = 10.0  # whitened
-CLEAR_GAIN = 50.0
+LEAST_PART = 0.15  # of a gap, that one of two effects must explain alone
 ALIKE = 9.0  # difference of loss at which two effects cannot be told apart, in units of what is left
 NOISE_ONLY = 1.03  # left over the floor, at which nothing but noise is left
 SAME = 1e-6  # share of a gain that is but rounding
@@ -51,7 +40,7 @@ class Candidate:
     channel: str  # where it acts most
     spread: float  # of the room's form by what is left of it here, in units of what it may leave; 1 in a chain
     over: float  # the gap of that channel before it, over the floor of both models, in the channel's unit
-    least_gap: float  # over the floor, below which nothing is claimed
+    needs: Needs
     is_covered: bool  # by what real actuators are known to stray from the believed one
     is_worth_naming: bool  # far enough from what is believed
 
@@ -62,7 +51,7 @@ class Candidate:
     @property
     def is_part(self) -> bool:
         """Whether it may be one of two effects that explain a gap together."""
-        return self.is_seen and self.over >= self.least_gap and self.share >= LEAST_PART and not self.is_covered
+        return self.is_seen and self.over >= self.needs.gap and self.share >= LEAST_PART and not self.is_covered
 
     @property
     def is_slight(self) -> bool:
@@ -71,30 +60,9 @@ class Candidate:
 
     @property
     def is_accepted(self) -> bool:
-        least = LEAST_OF_SENSOR if self.effect.stage == "sensor" else LEAST_SHARE
-        is_clear_flow = self.effect.stage == "valve" and self.gain >= CLEAR_GAIN and self.over >= CLEAR_GAP
-        is_shared = self.plain_share >= least and self.share >= (LEAST_OF_VALVE if is_clear_flow else least)
-        is_gap = self.over >= self.least_gap and is_shared
-        # a heating curve is claimed to be shifted only where nothing else is left of its gap
-        is_whole = self.channel != SUPPLY or self.left <= EXPLAINED
-        return self.is_seen and is_gap and is_whole and self.is_worth_naming and not self.is_covered
-
-
-def runs_on(channel: str, unit: str) -> bool:
-    """Whether a channel is a control output that does not switch."""
-    return channel == "control_output" and unit != "s"
-
-
-def least_gap(fitter: Fitter, channel: str, unit: str) -> float:
-    """Return the gap over the floor below which nothing is claimed: more where a floor is not all that must be missed.
-
-    Behind a smoothed drive an output cut off at 0 or 1 looks like another tuning, and a pulse that comes too late like
-    another motor; samples that are far apart miss how a motor moved between them.
-    """
-    behind = channel in ("displacement", "flow_L_h")
-    if runs_on(channel, unit) or (behind and fitter.link.driven_by in CONTINUOUS):
-        return LEAST_SMOOTHED_GAP
-    return LEAST_SAMPLED_GAP if behind and fitter.record.interval_s >= LONG_S else LEAST_GAP
+        is_gap = self.over >= self.needs.gap and self.left <= self.needs.left
+        is_shared = self.share >= self.needs.share and self.plain_share >= self.needs.plain_share
+        return self.is_seen and is_gap and is_shared and self.is_worth_naming and not self.is_covered
 
 
 def best_of(candidates: Sequence[Candidate]) -> Candidate:

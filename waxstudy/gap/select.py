@@ -8,17 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.gap.candidate import (
-    CLEAR_GAIN,
-    EXPLAINED,
     Candidate,
     alike,
     best_of,
     explained,
     is_worth_naming,
-    least_gap,
     over_floor,
     shared,
 )
+from waxstudy.gap.claim import CLEAR_GAIN, EXPLAINED, Needs
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
@@ -227,7 +225,7 @@ class _Search:
             channel=channel,
             spread=spread,
             over=over,
-            least_gap=least_gap(self.fitter, channel, fitted.unit(channel)),
+            needs=Needs.of(self.fitter, effect.stage, channel, fitted.unit(channel), gain, over),
             is_covered=covered,
             is_worth_naming=worth,
         )

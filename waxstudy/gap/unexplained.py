@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from waxstudy.gap.candidate import LEAST_SMOOTHED_GAP, runs_on
+from waxstudy.gap.claim import LEAST_SMOOTHED_GAP, runs_on
 from waxstudy.gap.judge import Errors
 from waxstudy.gap.resampling import by_block
 from waxstudy.gap.result import Unexplained
