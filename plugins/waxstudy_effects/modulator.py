@@ -43,7 +43,7 @@ class ModulationParameters(PeriodParameters, MinPulseParameters):
     """Of the whole modulator."""
 
 
-PERIOD = Prior(300.0, 14400.0, noticeable=1.01, is_log=True)  # a week adds up what is off
+PERIOD = Prior(300.0, 14400.0, noticeable=1.002, is_log=True)  # three minutes a day, which no clock is off by
 MIN_PULSE = Prior(0.0, 1800.0, noticeable=30.0)
 
 

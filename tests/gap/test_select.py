@@ -17,7 +17,7 @@ from tests.gap.realities import EFFECTS, Effects, belief, effects, planted, reco
 from waxstudy.gap.candidate import LEVEL, best_of, explained
 from waxstudy.gap.claim import LEAST_GAP, LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP, least_gap
 from waxstudy.gap.fit import Fitter
-from waxstudy.gap.judge import SHRINK, parts_of
+from waxstudy.gap.judge import SELECT, SHRINK, parts_of
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.select import Selection, select
@@ -211,6 +211,22 @@ def test_an_effect_that_later_days_do_not_confirm_is_withdrawn() -> None:
     assert selection.found == ()
     (withdrawn,) = selection.withdrawn
     assert "let-by" in withdrawn.group
+
+
+def test_what_explains_less_than_half_of_a_room_over_the_whole_record_is_not_claimed() -> None:
+    """On the days that choose it explains nearly all: on the others the room is missed for another reason."""
+    seen, believed, cut = ready()
+    link = link_at("room", cut)
+    warm = planted(link, seen, believed, effects(supply_offset={"offset_K": 2.0}))
+    is_other = parts_of(seen, days_in_turn=True) != SELECT
+    other_K = is_other * 0.17 * np.sin(2.0 * np.pi * np.arange(len(seen)) / (7.0 * 3600.0 / seen.interval_s))
+    odd = {name: warm.values[name] + other_K for name in ("air_temperature_C", "operative_temperature_C")}
+    for values, is_claimed in ((warm.values, True), ({**warm.values, **odd}, False)):
+        tried = [EFFECTS["supply-offset"]]
+        selection = select(Fitter(link, replace(warm, values=values), believed), tried, 1, lambda name: None)
+        named = selection.found if is_claimed else selection.distrusted
+        assert [each.effect.name for each in named] == ["supply-offset"]
+        assert bool(selection.found) is is_claimed
 
 
 def test_an_actuator_within_what_real_ones_stray_is_not_called_another() -> None:

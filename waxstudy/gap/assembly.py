@@ -10,10 +10,9 @@ import pandas as pd
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.closed_loop import closed_loop
-from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.impact import impact
 from waxstudy.gap.interval import parameter_intervals, shrink
-from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, parts_of
+from waxstudy.gap.judge import FIT, SELECT, SHRINK, parts_of
 from waxstudy.gap.links import Link
 from waxstudy.gap.record import Record
 from waxstudy.gap.regimes import regimes
@@ -86,8 +85,8 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
     intervals = parameter_intervals(selection.fitter, selection.after) if selection.found else {}
     random = np.random.default_rng([seed, 2])
     for found, without in zip(selection.found, selection.without, strict=True):
-        channel = found.candidate.channel
-        before, after = (_errors(model, channel) for model in (without, selection.after))
+        channel = found.channel
+        before, after = (model.errors_of(channel) for model in (without, selection.after))
         floor = selection.floor.plain[channel]
         values = dict(selection.after.effects)[found.effect]
         yield FoundEffect(
@@ -105,10 +104,6 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             shrink=shrink(before, after, floor, random),
             is_held_out=bool((before.part == SHRINK).any()),
         )
-
-
-def _errors(fitted: Fitted, channel: str) -> Errors:
-    return next(each for each in fitted.errors if each.channel == channel)
 
 
 def _stages(work: Work, selection: Selection, selections: Sequence[Selection]) -> Iterator[StageGap]:

@@ -106,7 +106,7 @@ def over_floor(current: Fitted, channel: str, floor: Floor, is_slight: bool) -> 
 
     A model that passes less noise on misses less, right or wrong: the gap must stand out of its own model's floor too.
     """
-    errors = next(e for e in current.errors if e.channel == channel)
+    errors = current.errors_of(channel)
     if errors.unit == "s" or not is_slight:
         return in_floors(errors.gap(SELECT), floor.plain[channel])
     weighed = float(np.sqrt(errors.loss(SELECT) / max(1, int(np.sum(errors.judged & (errors.part == SELECT))))))

@@ -29,8 +29,8 @@ class Fitted:
     def names(self) -> tuple[str, ...]:
         return tuple(effect.name for effect, _ in self.effects)
 
-    def unit(self, channel: str) -> str:
-        return next(each.unit for each in self.errors if each.channel == channel)
+    def errors_of(self, channel: str) -> Errors:
+        return next(each for each in self.errors if each.channel == channel)
 
     @property
     def whitened(self) -> FloatArray:

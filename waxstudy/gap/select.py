@@ -16,25 +16,22 @@ from waxstudy.gap.candidate import (
     over_floor,
     shared,
 )
-from waxstudy.gap.claim import CLEAR_GAIN, EXPLAINED, Needs
+from waxstudy.gap.claim import CLEAR_GAIN, EXPLAINED, LEAST_SHARE, Needs
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
-from waxstudy.gap.judge import BOTH, FIT, SELECT, SHRINK, Errors
+from waxstudy.gap.judge import BOTH, FIT, SELECT
 from waxstudy.gap.links import ROOM_STAGES
 from waxstudy.gap.reading import Reading
 from waxstudy.gap.resampling import inclusion, null
 from waxstudy.gap.room import ROOM_FORM_K
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.stray import is_covered
+from waxstudy.gap.trust import is_confirmed, is_late, is_poor, kept_share
 from waxstudy.plugin import FloatArray
 
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 MOST_EFFECTS = 3
-CONFIRMED = 0.25  # of the square of a gap that an effect must take away on days that nobody looked at
-OF_AIR = ("air_temperature_C", "operative_temperature_C")
-MUCH = 0.25  # of what a room was missed by, that effects may leave and still be trusted
-LATE = 2.0  # times the gap of the days before, at which the last days show something that those did not
 PAIRED = 2  # effects that others are tried beside, where none is enough alone
 
 Tick = Callable[[str], None]
@@ -52,6 +49,11 @@ class Found:
     def effect(self) -> EffectType:
         return self.candidate.effect
 
+    @property
+    def channel(self) -> str:
+        """Where it acts most."""
+        return self.candidate.channel
+
 
 @dataclass(frozen=True)
 class Selection:
@@ -64,12 +66,12 @@ class Selection:
     tried: tuple[Candidate, ...]  # of the first round
     floor: Floor
     withdrawn: tuple[Found, ...] = ()  # accepted, but not confirmed by the last part
-    distrusted: tuple[Found, ...] = ()  # accepted, but of a room that stays missed by more than its model's form
+    distrusted: tuple[Found, ...] = ()  # accepted, but of a room that stays missed without and with them
 
     @property
     def is_late(self) -> bool:
         """Whether nothing was found, and the last days, which took no part in it, show a gap that the others do not."""
-        return not self.found and any(_is_late(self, errors) for errors in self.after.errors)
+        return not self.found and any(is_late(self.fitter.link, errors, self.floor) for errors in self.after.errors)
 
     @property
     def slight(self) -> frozenset[str]:
@@ -124,14 +126,22 @@ class _Search:
             withdrawn.append(doubtful)
             found.remove(doubtful)
             models, without = self.models(found, current.reading if found else self.fitter.base.reading)
-        of_room = [each for each in found if each.effect.stage in ROOM_STAGES]
-        distrusted = of_room if is_poor(self.fitter, models[0], models[-1]) else []
-        if distrusted:
+        if distrusted := self.distrusted(found, models, without):
             found = [each for each in found if each not in distrusted]
             models, without = self.models(found, current.reading if found else self.fitter.base.reading)
         floor = Floor.of(self.fitter, models[-1])
         parts = tuple(found), tuple(first), floor, tuple(withdrawn), tuple(distrusted)
         return Selection(self.fitter, models, without, *parts)
+
+    def distrusted(
+        self, found: Sequence[Found], models: Sequence[Fitted], without: Sequence[Fitted]
+    ) -> Sequence[Found]:
+        """Return effects of a room that is not understood, and those whose gap its unknowns take half of as well."""
+        pairs = [pair for pair in zip(found, without, strict=True) if pair[0].effect.stage in ROOM_STAGES]
+        if not pairs or is_poor(self.fitter.link, models[0], models[-1]):
+            return [each for each, _ in pairs]
+        floor = Floor.of(self.fitter, models[-1])
+        return [each for each, before in pairs if kept_share(each.channel, before, models[-1], floor) < LEAST_SHARE]
 
     def models(self, found: Sequence[Found], reading: Reading) -> tuple[tuple[Fitted, ...], tuple[Fitted, ...]]:
         """Return the believed model and those with one more effect each, and the last without each one of them.
@@ -203,7 +213,7 @@ class _Search:
         channel, share, left = shared(current, fitted, floor)
         p = float((1 + np.sum(highest >= gain)) / (1 + len(highest)))
         covered = effect.stage == "actuator" and gain > 0.0 and is_covered(self.fitter, current, fitted)
-        before, after = (next(e for e in each.errors if e.channel == channel).gap(SELECT) for each in (current, fitted))
+        before, after = (each.errors_of(channel).gap(SELECT) for each in (current, fitted))
         plain_share = explained(before**2, after**2, floor.plain[channel] ** 2)
         over = min(over_floor(current, channel, each, gain < CLEAR_GAIN) for each in (floor, own))
         both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
@@ -225,7 +235,7 @@ class _Search:
             channel=channel,
             spread=spread,
             over=over,
-            needs=Needs.of(self.fitter, effect.stage, channel, fitted.unit(channel), gain, over),
+            needs=Needs.of(self.fitter, effect.stage, channel, fitted.errors_of(channel).unit, gain, over),
             is_covered=covered,
             is_worth_naming=worth,
         )
@@ -264,12 +274,6 @@ class _Search:
         return (*named, *(name for name in near if name not in named))
 
 
-def _is_late(selection: Selection, errors: Errors) -> bool:
-    last, before = errors.gap(SHRINK), max(errors.gap(FIT), errors.gap(SELECT))
-    form_K = ROOM_FORM_K.get(errors.channel, 0.0) if selection.fitter.link.with_room else 0.0
-    return last > max(LATE * before, EXPLAINED * selection.floor.plain[errors.channel], form_K)
-
-
 def is_enough(fitter: Fitter, best: Candidate) -> bool:
     """Whether what an effect leaves would be no finding: of a room its form, of a chain little over the floor."""
     if not fitter.link.with_room or fitter.is_to_the_letter:
@@ -277,19 +281,7 @@ def is_enough(fitter: Fitter, best: Candidate) -> bool:
     return all(errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0) for errors in best.fitted.errors)
 
 
-def is_poor(fitter: Fitter, before: Fitted, after: Fitted) -> bool:
-    """Whether the air of a room by itself stays missed by more than its form may leave, and by much of what it was."""
-    if fitter.link.stages != ROOM_STAGES:
-        return False
-    pairs = [each for each in zip(before.errors, after.errors, strict=True) if each[0].channel in OF_AIR]
-    return any(new.gap() > max(ROOM_FORM_K[new.channel], MUCH * old.gap()) for old, new in pairs)
-
-
 def unconfirmed(found: Sequence[Found], after: Fitted, without: Sequence[Fitted]) -> Found | None:
-    """Return an effect without which its channel's gap is hardly larger on the last part, the last such, or None."""
-    for each, before in zip(reversed(found), reversed(without), strict=True):
-        old, new = (next(e for e in m.errors if e.channel == each.candidate.channel) for m in (before, after))
-        had, left = old.gap(SHRINK), new.gap(SHRINK)
-        if (old.judged & (old.part == SHRINK)).any() and left**2 > (1.0 - CONFIRMED) * had**2:
-            return each
-    return None
+    """Return the last effect that the last days do not confirm, or None."""
+    pairs = zip(reversed(found), reversed(without), strict=True)
+    return next((each for each, before in pairs if not is_confirmed(each.channel, before, after)), None)

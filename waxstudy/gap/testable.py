@@ -11,8 +11,9 @@ from waxstudy.gap.links import ROOM_STAGES, SHOWN, Link
 from waxstudy.gap.reading import Reading
 from waxstudy.gap.record import AIR, Record
 from waxstudy.gap.result import FoundEffect, Measurement, Untestable
-from waxstudy.gap.select import OF_AIR, Selection, is_poor
+from waxstudy.gap.select import Selection
 from waxstudy.gap.space import EffectType, Space, Values
+from waxstudy.gap.trust import OF_AIR, is_poor
 from waxstudy.plugin import CHAIN, Belief, FloatArray
 
 FEW = 0.1  # of a first look's points
@@ -76,7 +77,7 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
     """
     fitter, base = selection.fitter, selection.before
     missed_K = max((errors.gap() for errors in selection.after.errors if errors.channel in OF_AIR), default=0.0)
-    is_lost = is_poor(fitter, base, selection.after)
+    is_lost = is_poor(fitter.link, base, selection.after)
     lost = f"the room stays missed by {missed_K:.1f} K whatever is added" if is_lost else ""
     now = base.whitened
     believed = fitter.edited(base.effects, base.departures)

@@ -1,0 +1,44 @@
+"""Whether what was found is to be trusted: the last days confirm it, and the room is understood with it."""
+
+from __future__ import annotations
+
+from waxstudy.gap.candidate import explained
+from waxstudy.gap.claim import EXPLAINED
+from waxstudy.gap.fitted import Fitted
+from waxstudy.gap.floor import Floor
+from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
+from waxstudy.gap.links import ROOM_STAGES, Link
+from waxstudy.gap.room import ROOM_FORM_K
+
+CONFIRMED = 0.25  # of the square of a gap that an effect must take away on days that nobody looked at
+MUCH = 0.25  # of what a room was missed by, that effects may leave and still be trusted
+LATE = 2.0  # times the gap of the days before, at which the last days show something that those did not
+OF_AIR = ("air_temperature_C", "operative_temperature_C")
+
+
+def is_confirmed(channel: str, before: Fitted, after: Fitted) -> bool:
+    """Whether the last part, if there is one, is missed by more without an effect at a channel than with it."""
+    old, new = before.errors_of(channel), after.errors_of(channel)
+    had, left = old.gap(SHRINK), new.gap(SHRINK)
+    return left**2 <= (1.0 - CONFIRMED) * had**2 or not (old.judged & (old.part == SHRINK)).any()
+
+
+def kept_share(channel: str, before: Fitted, after: Fitted, floor: Floor) -> float:
+    """Return the share of a channel's gap that an effect explains of the whole record, all else fitted again."""
+    old, new = (model.errors_of(channel).gap() for model in (before, after))
+    return explained(old**2, new**2, floor.plain[channel] ** 2)
+
+
+def is_poor(link: Link, before: Fitted, after: Fitted) -> bool:
+    """Whether the air of a room by itself stays missed by more than its form may leave, and by much of what it was."""
+    if link.stages != ROOM_STAGES:
+        return False
+    pairs = [each for each in zip(before.errors, after.errors, strict=True) if each[0].channel in OF_AIR]
+    return any(new.gap() > max(ROOM_FORM_K[new.channel], MUCH * old.gap()) for old, new in pairs)
+
+
+def is_late(link: Link, errors: Errors, floor: Floor) -> bool:
+    """Whether the last days show a gap at a channel that those before did not."""
+    last, before = errors.gap(SHRINK), max(errors.gap(FIT), errors.gap(SELECT))
+    form_K = ROOM_FORM_K.get(errors.channel, 0.0) if link.with_room else 0.0
+    return last > max(LATE * before, EXPLAINED * floor.plain[errors.channel], form_K)
