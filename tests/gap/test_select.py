@@ -294,20 +294,6 @@ def test_effects_that_the_record_tells_apart_are_not_in_one_group() -> None:
     assert found.group == ("max-flow",)
 
 
-@pytest.mark.parametrize(
-    ("times_s", "is_only_slow"), [((400.0, 400.0, 300.0, 400.0), True), ((60.0, 500.0, 500.0, 60.0), False)]
-)
-def test_a_motor_whose_times_are_all_longer_may_be_but_slow(times_s: tuple[float, ...], is_only_slow: bool) -> None:
-    """By more than a factor it differs less than real motors stray."""
-    seen, believed, cut = ready()
-    link = link_at("actuator", cut)
-    names = ("dead_time_s", "rise_time_s", "hold_time_s", "fall_time_s")
-    true = effects(constant_times=dict(zip(names, times_s, strict=True)))
-    (found,) = searched(link, planted(link, seen, believed, true), believed).found
-    assert found.effect.name == "constant-times"
-    assert ("slow-actuator" in found.group) is is_only_slow
-
-
 @given(st.floats(0.0, 1e6), st.floats(0.0, 1e6), st.floats(0.0, 1e6))
 def test_no_more_than_all_of_a_gap_is_explained(before: float, after: float, least: float) -> None:
     share = explained(before, after, least)

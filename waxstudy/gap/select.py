@@ -259,19 +259,8 @@ class _Search:
         return best
 
     def found(self, best: Candidate, candidates: Sequence[Candidate], current: Fitted) -> Found:
-        group = self.group(best, candidates)
+        group = alike(best, candidates)
         return Found(best, group, inclusion(group, candidates, current, self.random))
-
-    def group(self, best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
-        """Return what cannot be told from an effect, and simpler motors that differ by no more than real ones stray.
-
-        Four times follow whatever motor there is, also one that is but slow.
-        """
-        named, many = alike(best, candidates), len(best.effect.priors)
-        simpler = [c for c in candidates if c.is_accepted and len(c.effect.priors) < many]
-        motors = [c for c in simpler if c.effect.stage == best.effect.stage == "actuator"]
-        near = [c.effect.name for c in motors if is_covered(self.fitter, best.fitted, c.fitted)]
-        return (*named, *(name for name in near if name not in named))
 
 
 def is_enough(fitter: Fitter, best: Candidate) -> bool:
