@@ -66,7 +66,7 @@ class Selection:
     tried: tuple[Candidate, ...]  # of the first round
     floor: Floor
     withdrawn: tuple[Found, ...] = ()  # accepted, but not confirmed by the last part
-    distrusted: tuple[Found, ...] = ()  # accepted, but of a room that stays missed without and with them
+    distrusted: tuple[Found, ...] = ()  # accepted, but of a room that they do not explain well enough
 
     @property
     def is_late(self) -> bool:
@@ -126,21 +126,21 @@ class _Search:
             withdrawn.append(doubtful)
             found.remove(doubtful)
             models, without = self.models(found, current.reading if found else self.fitter.base.reading)
-        if distrusted := self.distrusted(found, models, without):
+        floor = Floor.of(self.fitter, models[-1])
+        if distrusted := self.distrusted(found, models, without, floor):
             found = [each for each in found if each not in distrusted]
             models, without = self.models(found, current.reading if found else self.fitter.base.reading)
-        floor = Floor.of(self.fitter, models[-1])
+            floor = Floor.of(self.fitter, models[-1])
         parts = tuple(found), tuple(first), floor, tuple(withdrawn), tuple(distrusted)
         return Selection(self.fitter, models, without, *parts)
 
     def distrusted(
-        self, found: Sequence[Found], models: Sequence[Fitted], without: Sequence[Fitted]
+        self, found: Sequence[Found], models: Sequence[Fitted], without: Sequence[Fitted], floor: Floor
     ) -> Sequence[Found]:
         """Return effects of a room that is not understood, and those whose gap its unknowns take half of as well."""
         pairs = [pair for pair in zip(found, without, strict=True) if pair[0].effect.stage in ROOM_STAGES]
         if not pairs or is_poor(self.fitter.link, models[0], models[-1]):
             return [each for each, _ in pairs]
-        floor = Floor.of(self.fitter, models[-1])
         return [each for each, before in pairs if kept_share(each.channel, before, models[-1], floor) < LEAST_SHARE]
 
     def models(self, found: Sequence[Found], reading: Reading) -> tuple[tuple[Fitted, ...], tuple[Fitted, ...]]:
