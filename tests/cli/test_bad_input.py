@@ -97,7 +97,8 @@ def test_a_study_that_is_a_folder_or_no_text_is_refused(entry: Entry, tmp_path: 
     ("arguments", "says"),
     [
         (["run"], "Missing argument 'STUDY.toml'"),
-        (["run", "nosuch.toml"], "'nosuch.toml' does not exist"),
+        (["run", "nosuch.toml"], "'nosuch.toml' does not exist.\n"),
+        (["run", "smal.toml"], "'smal.toml' does not exist. Did you mean 'small.toml'?"),
         (["run", "small.toml", "--ouT", "x"], "No such option '--ouT'"),
         (["report"], "Missing argument 'RUN'"),
         (["report", "nosuch"], "'nosuch' does not exist"),

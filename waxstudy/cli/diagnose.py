@@ -12,6 +12,7 @@ import click
 
 from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.errors import FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out, stdout
 from waxstudy.cli.simulating import failures
 from waxstudy.cli.study import load_study
@@ -21,11 +22,11 @@ if TYPE_CHECKING:
     from waxstudy.gap.result import Diagnosis
 
 OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: nothing is written]"
-STUDY = click.Path(exists=True, dir_okay=False, path_type=Path)
+STUDY = Existing(dir_okay=False)
 
 
 @click.command("diagnose", cls=Command)
-@click.argument("dataset", metavar="DATASET", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("dataset", metavar="DATASET", type=Existing(file_okay=False))
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help=OUT)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the summary.")
 @click.option("--quick", is_flag=True, help="Fewer trials, for a first answer.")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from waxstudy.cli.errors import INVALID, USAGE, CommandError, taken
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures, warn
 from waxstudy.cli.study import load_study
@@ -72,7 +73,7 @@ def _by_key(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) ->
 
 
 @click.command("reality", cls=Command)
-@click.argument("study_file", metavar="STUDY.toml", type=click.Path(exists=True, path_type=Path))
+@click.argument("study_file", metavar="STUDY.toml", type=Existing())
 @click.option("--case", required=True, metavar="ID", help="Case that is the reality.")
 @click.option("--believed", metavar="ID", help=BELIEVED)
 @click.option("--effect", "names", multiple=True, metavar="NAME", help=EFFECT)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out, stdout
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
@@ -23,7 +24,7 @@ FORMATS = ("table", "csv", "md", "html", "json")
 
 
 @click.command("report", cls=Command)
-@click.argument("run_folder", metavar="RUN", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("run_folder", metavar="RUN", type=Existing(file_okay=False))
 @click.option("--format", "form", type=click.Choice(FORMATS), default="table", show_default=True, help="What to print.")
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
 @click.option("--against", help="What to put beside the run: published figures, e.g. `paper`, or a run folder.")

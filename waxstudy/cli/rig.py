@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError, taken
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def _values(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) ->
 @click.option("--set", "values", multiple=True, callback=_values, metavar="KEY=VALUE", help=SET)
 @click.option("--valve", default="quick-opening", show_default=True, metavar="NAME", help="Valve of the flow record.")
 @click.option("--bench", multiple=True, callback=_values, metavar="KEY=VALUE", help=BENCH)
-@click.option("--programme", type=click.Path(exists=True, dir_okay=False, path_type=Path), help=PROGRAMME)
+@click.option("--programme", type=Existing(dir_okay=False), help=PROGRAMME)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of scatter and noise.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import click
 
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
 
 
 @click.command("run", cls=Command)
-@click.argument("study_file", metavar="STUDY.toml", type=click.Path(exists=True, path_type=Path))
+@click.argument("study_file", metavar="STUDY.toml", type=Existing())
 @click.option("--out", type=click.Path(path_type=Path), help="Run folder  [default: results/NAME of the study]")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
 @click.option("--quiet", is_flag=True, help="No progress.")

@@ -9,12 +9,13 @@ import click
 
 from waxstudy.cli.blind_test.common import failures
 from waxstudy.cli.errors import INVALID, PLUGIN, CommandError
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 
 
 @click.command("baseline", cls=Command)
 @click.argument("name", metavar="NAME")
-@click.argument("dataset", metavar="DATASET", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("dataset", metavar="DATASET", type=Existing(file_okay=False))
 def command(name: str, dataset: Path) -> None:
     """Print what a simple diagnoser says of a dataset, as the JSON of a diagnosis."""
     with failures(dataset):

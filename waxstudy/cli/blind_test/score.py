@@ -10,6 +10,7 @@ import click
 from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.blind_test.common import failures, key_given
 from waxstudy.cli.errors import CHECK_FAILED, USAGE, CommandError
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 
 if TYPE_CHECKING:
@@ -17,11 +18,11 @@ if TYPE_CHECKING:
     from waxstudy.blind_test.score import Opened
 
 OUT = "Folder for score.json and score.html  [default: DIR/score]"
-FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+FILE = Existing(dir_okay=False)
 
 
 @click.command("score", cls=Command)
-@click.argument("folder", metavar="DIR", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("folder", metavar="DIR", type=Existing(file_okay=False))
 @click.option("--key", "key_text", metavar="KEY", help="Key that `make` printed.")
 @click.option("--key-file", type=FILE, metavar="FILE", help="File that holds the key.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help=OUT)

@@ -10,6 +10,7 @@ import click
 from waxstudy.cli.bar import bar
 from waxstudy.cli.blind_test.common import failures, key_given
 from waxstudy.cli.errors import USAGE, CommandError
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 
 WITH = "Diagnoser: ours, or a baseline (refit, forward, rules, random)."
@@ -17,11 +18,11 @@ NAME = "Name that an external command's answers are kept under."
 LEAVE = "Ask ours again with each record's true effect taken out of its library; needs the key."
 SHARE = "Only this share of the records."
 TIMEOUT = "Seconds after which a diagnoser is ended; that counts as a failure."
-FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+FILE = Existing(dir_okay=False)
 
 
 @click.command("solve", cls=Command, context_settings={"ignore_unknown_options": False})
-@click.argument("folder", metavar="DIR", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("folder", metavar="DIR", type=Existing(file_okay=False))
 @click.argument("external", metavar="[-- COMMAND...]", nargs=-1, type=click.UNPROCESSED)
 @click.option("--with", "who", metavar="NAME", help=WITH)
 @click.option("--name", metavar="NAME", default="external", show_default=True, help=NAME)

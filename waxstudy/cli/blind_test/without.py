@@ -7,12 +7,13 @@ from pathlib import Path
 import click
 
 from waxstudy.cli.blind_test.common import failures
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command
 
 
 @click.command("without", cls=Command)
 @click.argument("name", metavar="EFFECT")
-@click.argument("dataset", metavar="DATASET", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("dataset", metavar="DATASET", type=Existing(file_okay=False))
 @click.pass_context
 def command(ctx: click.Context, name: str, dataset: Path) -> None:
     """Print the diagnosis of a dataset as JSON, with an effect taken out of the library."""

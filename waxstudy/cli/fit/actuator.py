@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import USAGE, CommandError
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.fit.common import (
     beside,
     column_option,
@@ -33,7 +34,7 @@ UNSAFE = r"[^\w.-]+"  # in the name of a file
 
 
 @click.command("actuator", cls=Command)
-@click.argument("records", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
+@click.argument("records", nargs=-1, required=True, type=Existing())
 @click.option("--product", metavar="NAME", help=PRODUCT)
 @column_option
 @click.option("--out", required=True, type=click.Path(path_type=Path), metavar="FILE.toml", help=OUT)

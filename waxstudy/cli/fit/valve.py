@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import INVALID, USAGE, CommandError
+from waxstudy.cli.existing import Existing
 from waxstudy.cli.fit.common import (
     beside,
     column_option,
@@ -23,7 +24,7 @@ from waxstudy.cli.output import Command, print_out
 if TYPE_CHECKING:
     from waxstudy.identification.valve import ValveFit
 
-FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+FILE = Existing(dir_okay=False)
 OUT = "TOML file that a study can take its valve from; a page and all figures as JSON go beside it."
 DROPS = "Pressure drop of the open valve and of the pump [kPa], which give the authority."
 SHARE = click.FloatRange(0.0, 1.0, min_open=True)

@@ -1,0 +1,35 @@
+"""A path that a command reads: a misspelled one is answered with the nearest that is there."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import click
+
+
+class Existing(click.Path):
+    """A file or folder that has to exist."""
+
+    def __init__(self, *, file_okay: bool = True, dir_okay: bool = True) -> None:
+        super().__init__(exists=True, file_okay=file_okay, dir_okay=dir_okay, path_type=Path)
+
+    def convert(
+        self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | bytes | os.PathLike[str]:
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter as error:
+            if near := _nearest(Path(value)):
+                raise click.BadParameter(f"{error.message} Did you mean '{near}'?", ctx, param) from None
+            raise
+
+
+def _nearest(path: Path) -> Path | None:
+    from waxstudy.plugin.registry import nearest
+
+    if path.exists() or not path.parent.is_dir():
+        return None
+    # without their endings, which alone make short names alike; the same ending comes first
+    by_stem = {beside.stem: beside for beside in sorted(path.parent.iterdir(), key=lambda it: it.suffix == path.suffix)}
+    return by_stem.get(nearest(path.stem, by_stem))
