@@ -221,7 +221,9 @@ class Mark:
             return "failed"
         if self.claims:
             return " + ".join(sorted("|".join(sorted(claim.group)) for claim in self.claims))
-        return "unknown" if self.open_stages else self.answer.verdict.replace("unknown", "none")
+        if self.open_stages:
+            return "unknown"
+        return "counted apart" if self.has_apart else self.answer.verdict
 
     @property
     def parameters(self) -> Sequence[tuple[str, float, tuple[float, float, float]]]:

@@ -209,7 +209,13 @@ def _split(own: Sequence[Mark], of: Callable[[Mark], str]) -> dict[str, Any]:
     groups: dict[str, list[Mark]] = {}
     for mark in own:
         groups.setdefault(of(mark), []).append(mark)
-    return {name: {"records": len(groups[name]), **_described(groups[name])} for name in sorted(groups)}
+    return {name: {"records": len(groups[name]), **_described(groups[name])} for name in sorted(groups, key=_place)}
+
+
+def _place(part: str) -> tuple[float, str]:
+    """Parts that begin with a number stand in its order."""
+    number = part.split()[0]
+    return (float(number) if number.isdigit() else float("inf"), part)
 
 
 def _parameters(own: Sequence[Mark]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NOT_CAUSES = ("nothing", "none", "unknown", "untestable", "failed")
+NOT_CAUSES = ("nothing", "none", "counted apart", "unknown", "untestable", "failed")
 SIZES = ("0 to 1", "1 to 2", "2 to 4", "4 to 10", "above 10")
 
 
@@ -86,7 +86,8 @@ def figure_confusion(score: Score) -> Figure:
     panel = axes[0, 0]
     panel.imshow(shares, cmap="Greys", vmin=0.0, vmax=1.4, aspect="auto")
     for i, j in zip(*np.nonzero(counts), strict=True):
-        panel.annotate(f"{counts[i, j]:.0f}", (j, i), ha="center", va="center", fontsize=8.0)
+        colour = "white" if shares[i, j] > 0.85 else BLACK
+        panel.annotate(f"{counts[i, j]:.0f}", (j, i), ha="center", va="center", fontsize=8.0, color=colour)
     panel.set_xticks(range(len(said)), said, rotation=90)
     panel.set_yticks(range(len(truths)), truths)
     panel.grid(visible=False)

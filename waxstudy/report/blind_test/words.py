@@ -12,13 +12,13 @@ FIRST = "ours"
 SHOWN = ("detection", "right_group", "stage", "false_alarm", "misdiagnosis", "unknown_found", "unknown_claimed", "both")
 HEADINGS = {
     "detection": "detected",
-    "right_group": "right group",
-    "stage": "right stage",
-    "false_alarm": "false alarm",
-    "misdiagnosis": "misdiagnosis",
-    "unknown_found": "unknown found",
-    "unknown_claimed": "unknown falsely",
-    "both": "both of two",
+    "right_group": "right\ngroup",
+    "stage": "right\nstage",
+    "false_alarm": "false\nalarm",
+    "misdiagnosis": "mis-\ndiagnosis",
+    "unknown_found": "unknown\nfound",
+    "unknown_claimed": "unknown\nfalsely",
+    "both": "both\nof two",
 }
 
 
@@ -39,6 +39,12 @@ def interval(figure: Mapping[str, Any]) -> str:
     if figure["value"] is None:
         return "-"
     return f"{number(figure['value'])} ({number(figure['low'])} to {number(figure['high'])}; {figure['of']})"
+
+
+def _in_two_lines(figure: Mapping[str, Any]) -> str:
+    if figure["value"] is None:
+        return ""
+    return f"{number(figure['value'])} of {figure['of']}\n{number(figure['low'])} to {number(figure['high'])}"
 
 
 def wanted(goal: Mapping[str, Any]) -> str:
@@ -71,33 +77,26 @@ def _by_name(goals: Sequence[Mapping[str, Any]], where: str) -> dict[str, Mappin
 
 
 def split_table(title: str, split: Mapping[str, Mapping[str, Any]]) -> Table:
-    rows = [[name, str(each["records"]), *(interval(each[figure]) for figure in SHOWN)] for name, each in split.items()]
-    return title, [title, "records", *(HEADINGS[figure] for figure in SHOWN)], rows
+    """Return the figures of parts of the records, in two lines each so that all columns fit a page."""
+    rows = [
+        [f"{name}\n{each['records']} records", *(_in_two_lines(each[figure]) for figure in SHOWN)]
+        for name, each in split.items()
+    ]
+    return title, [title, *(HEADINGS[figure] for figure in SHOWN)], rows
 
 
 def failure_table(title: str, failures: Sequence[Mapping[str, Any]]) -> Table:
-    headings = [
-        "record",
-        "engine",
-        "truth",
-        "gap over floor",
-        "beyond the room",
-        "channels",
-        "said",
-        "left open",
-        "alike",
-    ]
+    """Return what was not answered as it should be; a cell may have several lines."""
+    headings = ["record", "truth", "gap over\nfloor", "beyond\nthe room", "channels", "said", "alike"]
     rows = [
         [
-            each["record"],
-            each["engine"],
+            f"{each['record']}\n{each['engine']}",
             _truth(each),
             number(each["over"], 1),
             number(each["beyond"], 1),
             _measured(each),
-            each["said"],
-            ", ".join(each["open"]) or "-",
-            ", ".join(each["alike"]) or "-",
+            "\n".join((each["said"], *(f"open: {stage}" for stage in each["open"]))),
+            ", ".join(each["alike"]),
         ]
         for each in failures
     ]
