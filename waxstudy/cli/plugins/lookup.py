@@ -25,6 +25,7 @@ NARROWEST = 100
 def registered(name: str) -> list[Registered]:
     """Return the components of this name, of any kind; say which is nearest if there is none."""
     from waxstudy.plugin.registry import installed, nearest
+    from waxstudy.plugin.scaffold import package_of
 
     registry = installed()
     found = [entry for (_, own), entry in sorted(registry.components.items()) if own == name]
@@ -38,7 +39,7 @@ def registered(name: str) -> list[Registered]:
     broken = f"; broken plugins: {', '.join(registry.broken)}" if registry.broken else ""
     if name.isidentifier() and _found_here(name):
         hint = f"; a class of the module of this name is checked as {name}:CLASS"
-    if os.path.isfile(os.path.join(package := f"waxstudy-{name}", "pyproject.toml")):
+    if os.path.isfile(os.path.join(package := package_of(name), "pyproject.toml")):
         hint = f"; it may be in the folder {package}: python -m pip install --editable {package}"
     raise CommandError(f"no component '{name}'{hint} (installed: {', '.join(names)}){broken}", PLUGIN)
 

@@ -20,6 +20,11 @@ from waxstudy.plugin.structure import NAME, NAME_RULE, PROVIDED
 LONGEST_NAME = 40  # so that every line with a name in it stays short
 
 
+def package_of(name: str) -> str:
+    """Return the package, and the folder, that a component of this name is begun in."""
+    return f"waxstudy-{name}"
+
+
 @dataclass(frozen=True)
 class NewPlugin:
     """A plugin to begin: the component's name and kind, and what follows from them."""
@@ -29,7 +34,7 @@ class NewPlugin:
 
     @property
     def package(self) -> str:
-        return f"waxstudy-{self.name}"
+        return package_of(self.name)
 
     @property
     def module(self) -> str:
