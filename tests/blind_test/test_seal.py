@@ -202,6 +202,8 @@ def test_a_wrong_key_and_none_are_told(answered: Path, key: Key) -> None:
         "error: this is not the key of these records\n",
     )
     assert scored(answered, "--key", "abc")[0] == 2
+    (answered / "noise").write_bytes(bytes(range(256)))
+    assert scored(answered, "--key-file", str(answered / "noise"))[1].startswith("error: this is no key")
 
 
 def test_a_test_that_is_not_made_to_the_end_is_told(answered: Path) -> None:

@@ -86,7 +86,7 @@ def test_all_problems_are_told_at_once_one_line_each_in_the_order_of_the_file(en
 def test_a_study_that_is_a_folder_or_no_text_is_refused(entry: Entry, tmp_path: Path) -> None:
     ended = entry("run", ".")
     assert_clear(ended, INVALID)
-    assert ended.stderr == ".: this is a folder; a study file is expected\n"
+    assert ended.stderr == ".: this is a folder; a TOML file is expected\n"
     (tmp_path / "binary.toml").write_bytes(b"[study]\nname = \xff\xfe\x00")
     ended = entry("run", "binary.toml")
     assert_clear(ended, INVALID)

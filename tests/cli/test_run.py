@@ -119,6 +119,17 @@ def test_one_more_case_changes_no_figure_of_the_others(entry: Entry, small_study
     assert [row.split(",")[0] for row in grown[len(rows) :]] == ["O_D", "O_D"]
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "week"), [("1", "01", "2023"), ("NA", "nan", "january"), ("True", "1e5", "null")]
+)
+def test_names_that_look_like_figures_stay_names(entry: Entry, first: str, second: str, week: str) -> None:
+    text = SMALL.replace("O_0", first).replace("O_CP", second).replace("weather.january", f"weather.{week}")
+    Path("names.toml").write_text(text.replace("members = 2", "members = 1"))
+    assert entry("run", "names.toml", "--out", "run").code == 0
+    told = json.loads(entry("report", "run", "--format", "json").stdout)
+    assert [(row["case"], row["week"]) for row in told["rows"]] == [(case, week) for case in (first, second, "O_WM")]
+
+
 def test_a_folder_that_holds_something_else_is_left_alone(entry: Entry, small_study: Path) -> None:
     home = small_study.parent / "home"
     home.mkdir()

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from waxstudy.plugin import BackendMissing, Refused, WeatherRecord
+from waxstudy.plugin import BackendMissing, Refused, WeatherRecord, changed
 from waxstudy_energyplus.inputs import inputs
-from waxstudy_energyplus.model import Model, model
+from waxstudy_energyplus.model import Model, model, tube_length_m
 from waxstudy_energyplus.objects import GAINS, SUN_TO_AIR, SUN_TO_PANES, sun_on
 from waxstudy_energyplus.rooms import SurfacesEnergyPlus
 from waxstudy_energyplus.weather_file import still_year
@@ -74,6 +74,11 @@ def test_names_that_energyplus_cannot_tell_apart_are_refused(room: RoomDescripti
     twin = room.surfaces[0].model_copy(update={"name": "South Wall"})
     with pytest.raises(ValueError, match="does not tell the names 'south wall' and 'South Wall' apart"):
         SurfacesEnergyPlus.build(room.model_copy(update={"surfaces": (*room.surfaces, twin)}))
+
+
+def test_the_tube_grows_with_the_exchange_of_water_and_floor(room: RoomDescription) -> None:
+    twice = changed(room, circuit=changed(room.circuit, exchange_factor=2.0 * room.circuit.exchange_factor))
+    assert tube_length_m(twice) == pytest.approx(2.0 * tube_length_m(room))
 
 
 def test_a_window_that_insulates_less_than_its_films_is_refused(room: RoomDescription) -> None:

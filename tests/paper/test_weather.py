@@ -371,6 +371,15 @@ def test_a_damaged_file_is_refused_in_one_line_that_names_the_place(
     assert "\n" not in str(refusal.value)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
+def test_a_place_may_be_written_in_any_encoding(made_up: str, tmp_path: Path, encoding: str) -> None:
+    text = Path(made_up).read_text(encoding="latin-1").replace("Nowhere", "Ålesund…")
+    (tmp_path / "place.epw").write_text(text, encoding=encoding)
+    assert np.array_equal(
+        load(str(tmp_path / "place.epw"), start="01-02").outdoor_C, load(made_up, start="01-02").outdoor_C
+    )
+
+
 def test_a_missing_value_matters_only_in_the_hours_that_are_needed(tmp_path: Path) -> None:
     rows = year_of(2019)
     replaced(23, ",7,5,6", ",9999,9999,9999")(rows)  # the hour before the start gives its temperature only

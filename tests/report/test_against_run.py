@@ -82,6 +82,14 @@ def test_a_run_does_not_differ_from_itself_in_any_figure(base: Content) -> None:
     assert "0 differ from" in against.summary
 
 
+def test_one_member_has_no_range_to_lie_in(single: Run, base: Content) -> None:
+    alone = gather(single, base.study, base.run)
+    assert isinstance(alone.against, OtherRun)
+    assert {cell.within_single_run_range for cell in alone.against.cells} == {None}
+    assert {score.within_range for score in alone.against.scores} == {None}
+    assert {tuple(row[-2:]) for row in alone.against.tables()[0][2]} == {("", "")}
+
+
 def test_what_was_changed_is_resolved_and_what_was_not_is_no_difference(base: Content, changed: Run) -> None:
     _, against = held(base, changed)
     found = {(cell.case, cell.column): cell for cell in against.cells}

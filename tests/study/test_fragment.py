@@ -73,7 +73,10 @@ def test_a_run_tells_which_file_it_was_and_that_its_records_were_simulated(tmp_p
             '[valve]\nuse = "linear"\n',
             "describes no actuator: it has no table [actuator]",
         ),
-        ('{ from = "motors/mine.toml" }', "actuator = ", "is no TOML file"),
+        ('{ from = "motors/mine.toml" }', "actuator = ", "line 1: not valid TOML: a value is expected here"),
+        ('{ from = "motors/mine.toml" }', f"x = {'1' * 5000}", "whole numbers go up to"),
+        (r'{ from = "a\u0000b" }', FRAGMENT, "no file can have this name"),
+        ('{ from = "motors" }', FRAGMENT, "this is a folder; a TOML file is expected"),
         (
             '{ from = "motors/mine.toml" }',
             FRAGMENT + "fall_S = 1.0\n",

@@ -372,7 +372,7 @@ def test_a_file_that_cannot_be_read_says_why(tmp_path: Path, registry: Registry)
     (tmp_path / "latin.toml").write_bytes(b"[study]\nname = 's'\n# f\xfcr\n")
     expected = {
         "missing.toml": ": no such file",
-        ".": ": this is a folder; a study file is expected",
+        ".": ": this is a folder; a TOML file is expected",
         "utf16.toml": ":1: not UTF-8 text: save the file with the encoding UTF-8",
         "latin.toml": ":3: not UTF-8 text: save the file with the encoding UTF-8",
     }

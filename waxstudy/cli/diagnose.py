@@ -87,7 +87,7 @@ def _summary(diagnosis: Diagnosis, out: Path | None) -> str:
 
 def _refuse_unwritable(out: Path) -> None:
     """Say before the work, not after it, that its results could not be written."""
-    there = next(path for path in (out, *out.absolute().parents) if path.exists())
+    there = next(path for path in (out, *out.absolute().parents) if os.path.exists(path))
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
         raise CommandError(f"{out}: the results could not be written: {there} is no folder to write to", USAGE)
 

@@ -28,8 +28,12 @@ class Existing(click.Path):
 def _nearest(path: Path) -> Path | None:
     from waxstudy.plugin.registry import nearest
 
-    if path.exists() or not path.parent.is_dir():
+    if os.path.exists(path):
         return None
-    # without their endings, which alone make short names alike; the same ending comes first
-    by_stem = {beside.stem: beside for beside in sorted(path.parent.iterdir(), key=lambda it: it.suffix == path.suffix)}
+    try:
+        beside = sorted(path.parent.iterdir(), key=lambda each: each.suffix == path.suffix)
+    except OSError:  # no such folder, or not to be looked into
+        return None
+    # without their endings, which alone make short names alike; the same ending comes last, and wins
+    by_stem = {each.stem: each for each in beside}
     return by_stem.get(nearest(path.stem, by_stem))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError, taken
+from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, USAGE, CommandError, taken
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 
@@ -62,7 +62,7 @@ def command(
     DIR-truth.json, beside the folder.
     """
     from waxstudy.dataset.write import truth_beside
-    from waxstudy.plugin.registry import PluginError
+    from waxstudy.plugin.registry import PluginError, installed
     from waxstudy.rig.bench import Motors
 
     truth = truth_beside(folder)
@@ -73,7 +73,8 @@ def command(
         motors = Motors(actuator, values, valve, _bench(bench), seed)
         _make(folder, motors, programme)
     except PluginError as error:
-        raise CommandError(str(error), USAGE) from error
+        # an unknown name is the plugins' fault only if one of them is broken
+        raise CommandError(str(error), PLUGIN if installed().broken else USAGE) from error
     print_out(json.dumps({"records": str(folder), "truth": str(truth)}) + "\n" if as_json else f"{truth}\n{folder}\n")
 
 

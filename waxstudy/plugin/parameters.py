@@ -7,6 +7,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from waxstudy.plugin.wording import reasons
+
 
 class Parameters(BaseModel):
     """Base of every component's parameters.
@@ -52,8 +54,7 @@ def checked(model: type[P], values: Mapping[str, Any]) -> P:
     try:
         return model.model_validate(dict(values))
     except ValidationError as error:
-        reasons = [(*map(str, e["loc"]), str(e.get("ctx", {}).get("error", e["msg"]))) for e in error.errors()]
-        raise ValueError("; ".join(": ".join(reason) for reason in reasons)) from None
+        raise ValueError(reasons(error)) from None
 
 
 def changed(parameters: P, **values: Any) -> P:

@@ -131,14 +131,16 @@ BASELINES = "waxstudy.baselines"
 
 
 def baseline_names() -> list[str]:
-    return sorted(point.name for point in entry_points(group=BASELINES))
+    return sorted({point.name for point in entry_points(group=BASELINES)})
 
 
 def baseline_of(name: str) -> Callable[[Any], dict[str, Any]]:
     """Return a baseline: dataset -> a diagnosis' JSON (the keys of `waxstudy diagnose --json`); raise `PluginError`."""
-    for point in entry_points(group=BASELINES):
-        if point.name == name:
-            with told(f"baseline '{name}'"):
-                found: Callable[[Any], dict[str, Any]] = point.load()
-            return found
-    raise PluginError(f"no baseline '{name}' (installed: {', '.join(baseline_names()) or 'none'})")
+    points = {point.value: point for point in entry_points(group=BASELINES, name=name)}
+    if not points:
+        raise PluginError(f"no baseline '{name}' (installed: {', '.join(baseline_names()) or 'none'})")
+    if len(points) > 1:
+        raise PluginError(f"two baselines are called '{name}', {' and '.join(points)}: uninstall one of their packages")
+    with told(f"baseline '{name}'"):
+        found: Callable[[Any], dict[str, Any]] = next(iter(points.values())).load()
+    return found

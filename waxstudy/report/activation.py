@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.plugin import Block, FloatArray
-from waxstudy.plugin.registry import installed
+from waxstudy.plugin.registry import PluginError, installed, told
 from waxstudy.results.kpis import FULLY_OPEN
 from waxstudy.simulation.interpreted import checked
 from waxstudy.simulation.records import plain_parameters
@@ -73,9 +73,12 @@ def _examples(study: Study) -> Iterator[tuple[str, Choice]]:
         for label, values in block.examples.items():
             title = name if label == "default" else f"{name}, {label}"
             try:
-                yield title, Choice(block, block.Parameters.model_validate(dict(values)))
-            except ValueError:
+                with told():  # a stranger's example may be anything
+                    example = Choice.of(block, values)
+            except PluginError:
                 log.info("no activation curve of %s", title, exc_info=True)
+            else:
+                yield title, example
 
 
 def activation(

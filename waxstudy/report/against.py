@@ -13,7 +13,7 @@ from waxstudy.plugin.registry import PluginError, one_line, told
 from waxstudy.plugin.shapes import findings_problems, rows_problems
 from waxstudy.report.comparison import Row
 from waxstudy.report.score import Cell, ColumnScore, cells, scores
-from waxstudy.report.words import HEADINGS, Table, counted
+from waxstudy.report.words import HEADINGS, Table, counted, with_spread
 from waxstudy.results.run import Run
 
 
@@ -91,9 +91,9 @@ class Against(ABC):
                 f"{s.rmse:.3f}",
                 f"{s.null_rmse:.3f}",
                 f"{s.mean_error:+.3f}",
-                f"{s.correlation:.2f}",
-                f"{s.within_range} of {s.n}",
-                f"{s.mean_range_width:.3f}",
+                with_spread(s.correlation, math.nan, 2),
+                "" if s.within_range is None else f"{s.within_range} of {s.n}",
+                with_spread(s.mean_range_width, math.nan, 3),
             ]
             for s in self.scores
         ]

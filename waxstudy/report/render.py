@@ -13,7 +13,7 @@ from typing import Any
 from waxstudy.report.against import Against
 from waxstudy.report.comparison import COLUMNS, Estimate, Row
 from waxstudy.report.content import Content
-from waxstudy.report.words import HEADINGS, Table, decimals, with_spread
+from waxstudy.report.words import HEADINGS, Table, counted, decimals, with_spread
 
 WIDEST = 1000  # columns that no comparison needs
 TEXT_HEADINGS = (
@@ -116,7 +116,7 @@ def _comparison_table(content: Content, week: str) -> Table:
     headings = ["case", *columns, "resolved", "cycles"]
     rows = [_comparison_row(content, row) for row in content.rows if row.week == week]
     spread = "mean ± standard deviation of single runs" if content.members > 1 else "one run"
-    return f"{week}: {content.members} members, {spread}", headings, rows
+    return f"{week}: {counted(content.members, 'member')}, {spread}", headings, rows
 
 
 def _comparison_row(content: Content, row: Row) -> list[str]:

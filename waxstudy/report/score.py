@@ -48,8 +48,10 @@ class Cell:
         return t * self.ours.sd * float(np.sqrt(1.0 + 1.0 / self.members))
 
     @property
-    def within_single_run_range(self) -> bool:
-        return abs(self.difference) <= self.single_run_half_width
+    def within_single_run_range(self) -> bool | None:
+        """Whether theirs lies in that range; None where one run has none."""
+        half_width = self.single_run_half_width
+        return None if np.isnan(half_width) else abs(self.difference) <= half_width
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ class ColumnScore:
     mean_error: float
     correlation: float
     null_rmse: float
-    within_range: int
+    within_range: int | None
     mean_range_width: float
 
 
@@ -94,6 +96,7 @@ def scores(all_cells: Sequence[Cell]) -> list[ColumnScore]:
 
 def _score(column: list[Cell]) -> ColumnScore:
     ours = np.array([cell.ours.mean for cell in column])
+    ranges = [cell.within_single_run_range for cell in column]
     theirs = np.array([cell.theirs.mean for cell in column])
     return ColumnScore(
         column=column[0].column,
@@ -103,7 +106,7 @@ def _score(column: list[Cell]) -> ColumnScore:
         mean_error=float(np.mean(ours - theirs)),
         correlation=_correlation(ours, theirs),
         null_rmse=_rms(np.median(theirs) - theirs),
-        within_range=sum(cell.within_single_run_range for cell in column),
+        within_range=sum(map(bool, ranges)) if None not in ranges else None,
         mean_range_width=float(np.mean([2.0 * cell.single_run_half_width for cell in column])),
     )
 

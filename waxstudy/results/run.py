@@ -138,7 +138,7 @@ def finish(
     provenance: Mapping[str, Any],
 ) -> None:
     """Put the finished cases together and publish them by writing the manifest last."""
-    frames = [pd.read_csv(folder / CASES / case.name / "kpis.csv") for case in cases]
+    frames = [_read_kpis(folder / CASES / case.name / "kpis.csv") for case in cases]
     manifest = {
         "format": FORMAT,
         "study": study["study"]["name"],
@@ -161,6 +161,12 @@ def finish(
     _remove_others(folder, {case.name for case in cases})
 
 
+def _read_kpis(path: Path) -> pd.DataFrame:
+    """A case or week may be called 01, NA or True."""
+    frame: pd.DataFrame = pd.read_csv(path, dtype={"case": str, "week": str}, keep_default_na=False, na_values=[""])
+    return frame
+
+
 def _remove_others(folder: Path, keep: set[str]) -> None:
     """Remove cases of earlier studies and what killed runs left unfinished; nothing that a run did not make."""
     cases = [place for place in (folder / CASES).iterdir() if re.fullmatch(r".+_[0-9a-f]{16}", place.name)]
@@ -177,14 +183,16 @@ class Run:
         self.folder = folder
         manifest = _manifest(folder)
         try:
-            self.study: str = manifest["study"]
-            self.members: int = manifest["members"]
-            self.weeks: list[str] = manifest["weeks"]
+            self.study = str(manifest["study"])
+            self.members = int(manifest["members"])
+            self.weeks = [str(week) for week in manifest["weeks"]]
             self.ladders = [Ladder(**ladder) for ladder in manifest["ladders"]]
             self.cases = [CaseFolder(**case) for case in manifest["cases"]]
             self.provenance: dict[str, Any] = manifest["provenance"]
-        except (KeyError, TypeError) as error:
-            raise RunError(f"{folder / MANIFEST}: damaged: {error} is missing or wrong; {AGAIN}") from None
+        except KeyError as error:
+            raise RunError(f"{folder / MANIFEST}: damaged: {error} is missing; {AGAIN}") from None
+        except (TypeError, ValueError):
+            raise RunError(f"{folder / MANIFEST}: damaged: not as a run writes it; {AGAIN}") from None
         for case in self.cases:
             if path := _cut_off(folder / CASES / case.name, self.members):
                 raise RunError(f"{path}: missing or cut off; {AGAIN}")
@@ -218,7 +226,7 @@ class Run:
     def _read(self, path: Path) -> pd.DataFrame:
         try:
             if path.suffix == ".csv":
-                return pd.read_csv(path)
+                return _read_kpis(path)
             return pd.read_parquet(path)
         except (OSError, ValueError) as error:
             raise RunError(f"{path}: cut off or damaged; {AGAIN}") from error

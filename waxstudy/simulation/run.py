@@ -77,7 +77,7 @@ class Plan:
         sources = sorted({component_digest(choice.component) for choice in used})
         numbers = [value for value in vars(driven).values() if isinstance(value, np.ndarray)]
         room = (driven.room.floor_area_m2, driven.room.full_flow_L_h, driven.room.water_J_L_K)
-        parts = [repr((said, room)), source_digest(__name__), *sources]
+        parts = [repr((said, room, driven.weather.interval_s)), source_digest(__name__), *sources]
         outside = given_to(driven) if driven.engine else ()
         return digest([*parts, *(array.tobytes() for array in numbers), *outside])
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import tomllib
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from waxstudy.study.check import Check
+from waxstudy.study.problems import StudyError
+from waxstudy.study.source import read_source
 from waxstudy.study.spots import RawTable, Spot, Written
 
 FROM = "from"
@@ -32,20 +32,19 @@ def _table(check: Check, kind: str, path: object, place: Spot) -> Mapping[str, A
     if not isinstance(path, str):
         check.problem(place, "must be the name of a file in quotes", value=path)
         return None
-    full = Path(check.resolved(Written(path, place)))
+    full = check.source.folder / path
     try:
-        raw = full.read_bytes()
-        values = tomllib.loads(raw.decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        check.problem(place, f"is no TOML file: {error}", value=path)
-        return None
-    except (OSError, ValueError):  # what `resolved` has told
+        values = read_source(full).values
+    except StudyError as error:
+        for each in error.problems:
+            wrong = f"line {each.line}: {each.wrong}" if each.line else each.wrong
+            check.problem(place, wrong, value=path, allowed=f"looked for {full}")
         return None
     table = values.get(kind)
     if not isinstance(table, dict):
         check.problem(place, f"describes no {kind}: it has no table [{kind}]", value=path)
         return None
-    check.fragments[path] = _origin(raw, values)
+    check.fragments[path] = _origin(full.read_bytes(), values)
     return table
 
 

@@ -1,4 +1,4 @@
-"""What pydantic found, in our own words."""
+"""What pydantic found in a study file: at which key, in our own words, and what is allowed there."""
 
 from __future__ import annotations
 
@@ -10,50 +10,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from waxstudy.plugin.registry import nearest
+from waxstudy.plugin.wording import worded
 from waxstudy.study.lines import KeyPath
 from waxstudy.study.problems import listed
-
-DATE = "must be a date such as 2020-01-31"
-LIST = "must be a list in [ ]"
-TABLE = "must be a table in {{ }}"
-TEXT = "must be a text in quotes"
-
-# type of the error -> sentence; the names in braces are what pydantic knows about the limit
-SENTENCES = {
-    "missing": "missing",
-    "extra_forbidden": "unknown key",
-    "float_type": "must be a number",
-    "int_type": "must be a whole number, such as 1",
-    "int_from_float": "must be a whole number, such as 1",
-    "bool_type": "must be true or false",
-    "string_type": TEXT,
-    "path_type": TEXT,
-    "list_type": LIST,
-    "tuple_type": LIST,
-    "set_type": LIST,
-    "frozen_set_type": LIST,
-    "dict_type": TABLE,
-    "model_type": TABLE,
-    "model_attributes_type": TABLE,
-    "date_type": DATE,
-    "date_parsing": DATE,
-    "date_from_datetime_parsing": DATE,
-    "literal_error": "must be {expected}",
-    "enum": "must be {expected}",
-    "greater_than": "must be greater than {gt}",
-    "greater_than_equal": "must be at least {ge}",
-    "less_than": "must be less than {lt}",
-    "less_than_equal": "must be at most {le}",
-    "multiple_of": "must be a multiple of {multiple_of}",
-    "finite_number": "must be a finite number",
-    "too_short": "must have at least {min_length} entries",
-    "too_long": "must have at most {max_length} entries",
-    "string_too_short": "must have at least {min_length} characters",
-    "string_too_long": "must have at most {max_length} characters",
-    "string_pattern_mismatch": "must match the pattern {pattern}",
-    "value_error": "{error}",  # a validator's own words
-    "assertion_error": "{error}",
-}
 
 
 class Sentence(NamedTuple):
@@ -93,13 +52,13 @@ def _is_default(detail: Any, values: Mapping[str, Any]) -> bool:
 def _sentence(detail: dict[str, Any], model: type[BaseModel], values: Mapping[str, Any]) -> Sentence:
     kind = detail["type"]
     keys = _written(detail["loc"], values, missing=kind == "missing")
-    context = {name: str(value).removesuffix(".0") for name, value in detail.get("ctx", {}).items()}
-    wrong = SENTENCES.get(kind, "is not allowed").format_map(context)
+    wrong = worded(detail)
     owner, declared = _declared(model, keys)
     if kind == "extra_forbidden":
         names = list(owner.model_fields) if owner else []
         return Sentence(keys, None, wrong, nearest(str(keys[-1]), names), f"allowed: {listed(names)}")
     value = value_at(values, keys)
+    context = detail.get("ctx", {})
     near = nearest(str(value), re.findall("'([^']*)'", context.get("expected", "")))
     return Sentence(keys, value, wrong, near, "" if "error" in context else _explained(declared))
 

@@ -80,9 +80,11 @@ def _text(path: Path) -> str:
     try:
         data = path.read_bytes()
     except IsADirectoryError:
-        raise StudyError([_problem(path, 0, "this is a folder; a study file is expected")]) from None
+        raise StudyError([_problem(path, 0, "this is a folder; a TOML file is expected")]) from None
     except FileNotFoundError:
         raise StudyError([_problem(path, 0, "no such file")]) from None
+    except ValueError:
+        raise StudyError([_problem(path, 0, "no file can have this name")]) from None
     except OSError as error:
         raise StudyError([_problem(path, 0, f"cannot be read: {error.strerror or 'input or output failed'}")]) from None
     try:

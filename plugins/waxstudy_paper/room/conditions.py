@@ -119,6 +119,9 @@ DWELLING = tuple(
 )
 
 
+LARGEST_FACTOR = 1e6  # of a schedule; more would overflow when they are scaled
+
+
 class Gains(Parameters):
     """People, light and appliances."""
 
@@ -146,8 +149,8 @@ class Gains(Parameters):
 
     @model_validator(mode="after")
     def _positive(self) -> Self:
-        if min(self.schedule) < 0 or sum(self.schedule) <= 0:
-            raise ValueError("schedule: the factors must not be negative, and not all of them 0")
+        if min(self.schedule) < 0 or max(self.schedule) > LARGEST_FACTOR or sum(self.schedule) <= 0:
+            raise ValueError(f"schedule: factors are 0 to {LARGEST_FACTOR:g}, and not all of them 0")
         return self
 
 

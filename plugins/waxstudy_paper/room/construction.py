@@ -7,6 +7,7 @@ from typing import Literal
 from waxstudy.plugin import Facade, Parameters, parameter
 
 STUDY = "the study"
+HEAVIEST_KG_M3, THICKEST_M = 20_000.0, 5.0  # of a layer
 
 Facing = Literal["wall", "floor", "ceiling"]
 Boundary = Literal["outdoors", "ground", "adiabatic"]
@@ -17,7 +18,7 @@ class Material(Parameters):
 
     conductivity_W_mK: float = parameter(unit="W/(m K)", description="thermal conductivity", source=STUDY, gt=0, le=500)
     density_kg_m3: float = parameter(
-        unit="kg/m3", description="density; 0 makes a layer without mass", source=STUDY, ge=0, le=20_000
+        unit="kg/m3", description="density; 0 makes a layer without mass", source=STUDY, ge=0, le=HEAVIEST_KG_M3
     )
     heat_capacity_J_kgK: float = parameter(
         unit="J/(kg K)", description="specific heat capacity", source=STUDY, gt=0, le=10_000
@@ -27,7 +28,7 @@ class Material(Parameters):
 class Layer(Material):
     """A layer of one material."""
 
-    thickness_m: float = parameter(unit="m", description="thickness", source=STUDY, gt=0, le=5)
+    thickness_m: float = parameter(unit="m", description="thickness", source=STUDY, gt=0, le=THICKEST_M)
 
     @property
     def resistance_m2K_W(self) -> float:

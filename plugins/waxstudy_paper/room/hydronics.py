@@ -181,11 +181,11 @@ def stated_exchange_W_m2K(circuit: Circuit, cover_m2K_W: float) -> float:
 
 
 def exchange_W_m2K(circuit: Circuit, cover_m2K_W: float, screed_W_mK: float, flow_L_s: FloatArray) -> FloatArray:
-    """Return the exchange between water and layer per floor area, in the way that the circuit says."""
+    """Return the exchange between water and layer per floor area: the circuit's way times its `exchange_factor`."""
     if circuit.exchange == "pipe":
-        return pipe_exchange_W_m2K(circuit, screed_W_mK, flow_L_s)
+        return pipe_exchange_W_m2K(circuit, screed_W_mK, flow_L_s) * circuit.exchange_factor
     way = nominal_exchange_W_m2K if circuit.exchange == "nominal" else stated_exchange_W_m2K
-    return np.full_like(flow_L_s, way(circuit, cover_m2K_W))
+    return np.full_like(flow_L_s, way(circuit, cover_m2K_W)) * circuit.exchange_factor
 
 
 def floor_conductance_W_K(
@@ -193,12 +193,10 @@ def floor_conductance_W_K(
 ) -> FloatArray:
     """Return the heat to the floor per kelvin of supply minus layer temperature [W/K], 0 without flow.
 
-    K = m c (1 - exp(-k A / (m c))): the water cools towards a layer of one temperature on its way;
-    k is the exchange of the circuit's method times `exchange_factor`.
+    K = m c (1 - exp(-k A / (m c))): the water cools towards a layer of one temperature on its way.
     """
     flow_L_s = np.asarray(flow_fraction, dtype=float) * full_flow_L_h(circuit, area_m2) / 3600.0
     exchange = exchange_W_m2K(circuit, cover_m2K_W, screed_W_mK, flow_L_s)
     stream_W_K = flow_L_s * WATER_J_L_K
-    exchange = exchange * circuit.exchange_factor
     units = np.divide(exchange * area_m2, stream_W_K, out=np.full_like(stream_W_K, np.inf), where=stream_W_K > 0)
     return -stream_W_K * np.expm1(-units)

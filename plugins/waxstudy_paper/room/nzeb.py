@@ -8,10 +8,11 @@ from typing import Any, Self
 from pydantic import ValidationError, model_validator
 
 from waxstudy.plugin import Choice, LinearRoom, Room, Uncertainty
+from waxstudy.plugin.wording import reasons
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.building import NzebBuilding, external_m2, parameters_of
 from waxstudy_paper.room.conditions import Air
-from waxstudy_paper.room.construction import Boundary, Facing, Layer, Material, Surface, Window
+from waxstudy_paper.room.construction import THICKEST_M, Boundary, Facing, Layer, Material, Surface, Window
 from waxstudy_paper.room.description import HeatedFloor, RoomDescription
 from waxstudy_paper.room.panes import solar_readings
 from waxstudy_paper.room.table3 import SIDES, Side, Table3
@@ -33,7 +34,7 @@ class NzebParameters(Table3):
         try:
             describe(self)
         except ValidationError as error:
-            raise ValueError("; ".join(str(e.get("ctx", {}).get("error", e["msg"])) for e in error.errors())) from None
+            raise ValueError(reasons(error)) from None
         return self
 
     @property
@@ -177,7 +178,10 @@ def _insulated(
     needed_m2K_W = 1 / getattr(p, u_value) - others
     if needed_m2K_W <= 0:
         raise ValueError(f"{u_value}: without any insulation it is {1 / others:.3g} already")
-    return (*inner, _layer(insulation, needed_m2K_W * insulation.conductivity_W_mK), *outer)
+    thickness_m = needed_m2K_W * insulation.conductivity_W_mK
+    if thickness_m > THICKEST_M:
+        raise ValueError(f"{u_value}: it would need {thickness_m:.3g} m of insulation, at most {THICKEST_M:g} m")
+    return (*inner, _layer(insulation, thickness_m), *outer)
 
 
 def _windows(p: NzebParameters) -> Iterator[Window]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from waxstudy.plugin import Choice, Uncertainty, changed
-from waxstudy_paper.room.construction import Layer, Surface
+from waxstudy_paper.room.construction import HEAVIEST_KG_M3, THICKEST_M, Layer, Surface
 from waxstudy_paper.room.hydronics import exchange_W_m2K, full_flow_L_h
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 UPWARDS = 0.2  # of what goes downwards: a film stronger than the standard's is hardly to be had
 MOST_MOVED = 0.99  # of the resistance below the pipes
 LEAST_M2K_W = 1e-6  # of a layer; less is none
-HEAVIEST_KG_M3, THICKEST_M = 20_000.0, 5.0  # of a layer
 
 Edit = Callable[["RoomDescription", float], "RoomDescription"]
 
@@ -206,7 +205,7 @@ def water_m2K_W(room: RoomDescription) -> float:
     """Return the resistance between water and the plane of the pipes at full flow."""
     flow_L_s = np.array([full_flow_L_h(room.circuit, room.floor.area_m2) / 3600.0])
     exchange = exchange_W_m2K(room.circuit, room.cover_m2K_W, room.screed_W_mK, flow_L_s)
-    return 1.0 / (float(exchange[0]) * room.circuit.exchange_factor)
+    return 1.0 / float(exchange[0])
 
 
 UNKNOWNS = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from codecs import BOM_UTF8
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -108,9 +109,11 @@ class Epw(Weather):
 def _lines(path: str) -> list[str]:
     """Return the file's lines; place names may be in any encoding, figures are ASCII."""
     try:
-        lines = Path(path).read_text(encoding="latin-1").rstrip().splitlines()
+        data = Path(path).read_bytes().removeprefix(BOM_UTF8)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read ({error.strerror})") from None
+    # lines are split as bytes: in other encodings a byte of a letter may be a line's end to Python
+    lines = [line.decode("latin-1") for line in data.rstrip().splitlines()]
     if not lines or not lines[0].startswith("LOCATION,"):
         raise ValueError(f"{path}: not an EPW file: its first line does not start with LOCATION")
     if len(lines) <= HEADER_LINES:

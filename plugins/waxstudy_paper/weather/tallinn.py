@@ -44,7 +44,7 @@ MONTHS: dict[str, dict[str, Any]] = {
 # any year without a leap day: the sun stands within 0.2 degrees of where it stands in another one
 FIRST_DAY = {"january": date(2021, 1, 1), "february": date(2021, 2, 8)}
 
-Share = Annotated[float, Field(ge=0.0)]
+Share = Annotated[float, Field(ge=0.0, le=1e6)]
 
 
 class TallinnWeekParameters(SunParameters):

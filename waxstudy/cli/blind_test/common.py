@@ -54,4 +54,5 @@ def key_given(text: str | None, file: Path | None) -> Key | None:
         raise KeyProblem("give --key or --key-file, not both")
     if text:
         return Key.read(text)
-    return Key.read(file.read_text(encoding="utf-8")) if file and file.exists() else None
+    # a file that is no text holds no key, which `read` says
+    return Key.read(file.read_text(encoding="utf-8", errors="replace")) if file and file.exists() else None
