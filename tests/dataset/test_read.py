@@ -171,13 +171,14 @@ def test_the_example_of_the_page_is_understood(good: Path) -> None:
         np.testing.assert_allclose(read.values[name], ours.values[name], atol=0.01)
 
 
-def test_offsets_from_utc_become_standard_time(good: Path) -> None:
+@pytest.mark.parametrize("minutes", [":00", "00", ""])
+def test_offsets_from_utc_become_standard_time(good: Path, minutes: str) -> None:
     ours = read_dataset(good)
 
     def zoned(data: pd.DataFrame) -> pd.DataFrame:
         half = len(data) // 2
-        summer = (pd.to_datetime(data["time"]) + pd.Timedelta(hours=1)).dt.strftime("%Y-%m-%dT%H:%M:%S+02:00")
-        return data.assign(time=[*(data["time"][:half] + "+01:00"), *summer[half:]])
+        summer = (pd.to_datetime(data["time"]) + pd.Timedelta(hours=1)).dt.strftime("%Y-%m-%dT%H:%M:%S+02") + minutes
+        return data.assign(time=[*(data["time"][:half] + "+01" + minutes), *summer[half:]])
 
     read = reread(good, zoned)
     assert read.time.equals(ours.time)
@@ -251,6 +252,76 @@ def test_spikes_and_codes_become_missing_and_are_counted(good: Path) -> None:
     ):
         assert list(np.flatnonzero(read.values[name].isna())) == rows
         assert told(read, name, f"{len(rows)} sample")
+
+
+@pytest.mark.parametrize(
+    ("channel", "fault"),
+    [("flow_L_h", 250.0), ("flow_L_h", 65535.0), ("solar_gain_W", 65535.0), ("displacement", 255.0)],
+)
+def test_one_sample_far_above_all_others_becomes_missing(good: Path, channel: str, fault: float) -> None:
+    before = read_dataset(good)
+
+    def spoilt(data: pd.DataFrame) -> pd.DataFrame:
+        data.loc[700, channel] = fault
+        return data
+
+    read = reread(good, spoilt)
+    assert told(read, channel, "1 sample", f"the first is {fault:g}")
+    lost = read.values[channel].isna() & before.values[channel].notna()
+    assert list(np.flatnonzero(lost)) == [700]
+
+
+def test_an_oven_that_runs_for_one_sample_and_short_pulses_of_flow_are_no_faults(good: Path) -> None:
+    def cooked(data: pd.DataFrame) -> pd.DataFrame:
+        full = data["flow_L_h"].max()
+        data.loc[[400, 800, 1200], "internal_gain_W"] = 6.0 * data["internal_gain_W"].max()
+        data["flow_L_h"] = np.where(np.arange(len(data)) % 30 == 7, full, 0.0)
+        return data
+
+    assert not told(reread(good, cooked), "set to missing")
+
+
+@pytest.mark.parametrize("noise", [0.001, 0.01, 0.03])
+def test_a_level_whose_noise_is_not_cut_off_is_cut_off(good: Path, noise: float) -> None:
+    random = np.random.default_rng(4)
+    before = read_dataset(good).values["displacement"]
+    read = reread(good, lambda d: d.assign(displacement=d["displacement"].round(0) + random.normal(0, noise, len(d))))
+    assert read.values["displacement"].between(0.0, 1.0).all()
+    assert np.abs(read.values["displacement"] - before.round(0)).max() < 6.0 * noise
+    assert any(sentence.startswith("displacement reaches from -0.") for sentence in read.assumptions)
+
+
+def means_at_switches(signal: pd.Series) -> pd.Series:
+    """A logger that averages: somewhere between where it switched, in the interval that ended."""
+    return signal.where(signal == signal.shift().fillna(signal.iloc[0]), 0.37)
+
+
+@pytest.mark.parametrize(
+    "told_as",
+    [
+        lambda s: s.where(s.index != 500, 0.5),
+        lambda s: s * 0.999,
+        lambda s: s * 1.04,
+        lambda s: s + np.random.default_rng(1).normal(0.0, 0.004, len(s)),
+        means_at_switches,
+    ],
+)
+def test_a_signal_is_on_or_off_however_it_was_logged(good: Path, told_as: Callable[[pd.Series], pd.Series]) -> None:
+    before = read_dataset(good).values["heating_signal"]
+    read = reread(good, lambda data: data.assign(heating_signal=told_as(data["heating_signal"])))
+    pd.testing.assert_series_equal(read.values["heating_signal"], before)
+
+
+def test_a_signal_that_runs_on_is_left_as_it_is(good: Path) -> None:
+    slow = lambda data: 0.5 + 0.5 * np.sin(np.arange(len(data)) / 40.0)  # noqa: E731
+    read = reread(good, lambda data: data.assign(control_output=slow(data), heating_signal=slow(data)))
+    np.testing.assert_allclose(read.values["heating_signal"], slow(read.values), atol=1e-9)
+
+
+def test_the_output_before_a_modulator_may_be_anything_between(good: Path) -> None:
+    modulated = '\n[nominal.modulator]\nuse = "pwm"\n'
+    read = reread(good, lambda d: d.assign(control_output=d["control_output"].where(d.index % 50 != 7, 0.4)), modulated)
+    assert (read.values["control_output"] == 0.4).sum() > 20
 
 
 def test_a_stuck_sensor_is_told_and_left_as_it_is(good: Path) -> None:

@@ -85,6 +85,22 @@ DATA: dict[str, tuple[Frame, str]] = {
     "millimetres": (changed(displacement=lambda x: x * 4.0), r"stroke in mm .*scale = 0\.25"),
     "volts": (changed(control_output=lambda x: x * 10.0), r"control_output: .* 0 to 10 V .*scale = 0\.1"),
     "a level far below 0": (changed(displacement=lambda x: x - 1.0), "displacement: goes down to -1"),
+    "a motor that is open without current": (
+        changed(heating_signal=lambda x: 1.0 - x),
+        "heating_signal, displacement: run against each other: displacement is low where .*scale = -1",
+    ),
+    "a pin that is out when the valve is closed": (
+        changed(displacement=lambda x: 1.0 - x),
+        "displacement, flow_L_h: run against each other",
+    ),
+    "a mark of thousands": (
+        changed(solar_gain_W=lambda x: (x + 2000.0).map("{:,.1f}".format)),
+        r'solar_gain_W = "2,\d{3}\.\d": .* without a mark of thousands',
+    ),
+    "American stamps": (
+        stamps(lambda t: [f"{s[5:7]}/{int(s[8:10]) + 14}/{s[:4]} {s[11:16]}" for s in t]),
+        r'time_format = "%m/%d/%Y %H:%M"',
+    ),
     "m3/h": (changed(flow_L_h=lambda x: x / 1000.0), r"flow_L_h: .* looks like m3/h .*scale = 1000"),
     "L/min": (changed(flow_L_h=lambda x: x / 60.0), r"flow_L_h: .* looks like L/min .*scale = 60"),
     "L/s": (changed(flow_L_h=lambda x: x / 3600.0), r"flow_L_h: .* looks like L/s .*scale = 3600"),
@@ -262,6 +278,9 @@ def test_a_folder_without_its_files_is_refused(tmp_path: Path, good: Path) -> No
         (b"time,flow_L_h\n2020-01-01T00:00,1,2\n2020-01-01T00:01,1,2\n", "more cells than the header"),
         (b"time,flow_L_h\n2020-01-01T00:00,1\n2020-01-01T00:01,1,2\n", "data.csv:3: .*no table"),
         (b"time,flow_L_h,flow_L_h\n2020-01-01T00:00,1,2\n", "data.csv:1: flow_L_h: there are two columns"),
+        (b"PK\x03\x04 sheet1.xml", "data.csv: is no text: export it as CSV"),
+        (b"PAR1 and then nothing", "data.csv: is no whole parquet file"),
+        (b"time,flow_L_h\n2020-01-01T00:00,\x9d\n", "data.csv: is neither text in UTF-8 nor"),
     ],
 )
 def test_a_file_that_is_no_table_is_refused(content: bytes, reason: str, good: Path) -> None:

@@ -13,7 +13,7 @@ from tests.gap.realities import PERFECT, belief, plain, record
 from waxstudy.gap.claim import LEAST_GAP, LEAST_SMOOTHED_GAP
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.floor import Floor
-from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, Judge, losses, parts_of, softened
+from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors, Judge, losses, parts_of, softened, stands
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.room import Predicted
@@ -227,3 +227,10 @@ def test_each_error_has_the_block_and_part_of_its_sample() -> None:
             block = judge.record.day if judge.link.with_room else judge.record.cycle
             assert np.array_equal(each.part, judge.parts[each.sample])
             assert np.array_equal(each.block, block[each.sample])
+
+
+def test_a_meter_that_shows_noise_around_zero_does_not_stand_still() -> None:
+    noise = np.random.default_rng(3).normal(0.0, 1.0, 1000)
+    assert not stands(noise, 120.0).any()
+    assert not stands(np.clip(noise, 0.0, None), 120.0)[noise > 1.0].any()
+    assert stands(np.zeros(1000), 120.0).all()

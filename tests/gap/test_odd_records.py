@@ -86,8 +86,9 @@ def test_a_return_that_is_blank_without_flow_does_not_hide_the_room() -> None:
         dataset(data.assign(return_temperature_C=data["return_temperature_C"].where(data["flow_L_h"] > 0)), "REAL")
     )
     believed = dataset(data, "REAL")
-    found = links(seen, Belief(believed.nominal, believed.room, seen.inputs))
-    assert [too_short(link, seen) for link in found if link.with_room] == [""]
+    expected = Belief(believed.nominal, believed.room, seen.inputs)
+    found = links(seen, expected)
+    assert [too_short(link, seen, expected) for link in found if link.with_room] == [""]
 
 
 def test_stated_noise_is_never_less_than_the_rounding() -> None:

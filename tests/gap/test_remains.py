@@ -13,14 +13,14 @@ from tests.gap.realities import EFFECTS, PERFECT, SETPOINT_C, belief, effects, p
 from waxstudy.gap.closed_loop import closed_loop, distance, free_run, recorded
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.impact import impact
-from waxstudy.gap.judge import Errors
+from waxstudy.gap.judge import Errors, Judge
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.regimes import LONG_PAUSE_S, PHASES, of_chain, of_room, regimes
 from waxstudy.gap.result import FoundEffect, Interval, Untestable
 from waxstudy.gap.select import Selection, select
 from waxstudy.gap.stray import is_covered, opening, stray_s
-from waxstudy.gap.testable import clear, next_measurements, separating, too_short, uncovered, unshown
+from waxstudy.gap.testable import clear, doubtful_noise, next_measurements, separating, too_short, uncovered, unshown
 from waxstudy.gap.unexplained import unexplained
 from waxstudy.plugin import Belief, FloatArray, Inputs
 
@@ -125,22 +125,64 @@ def test_covered_is_what_moves_the_opening_little_and_nothing_else() -> None:
 
 @pytest.mark.parametrize("stage", ["sensor", "actuator", "valve", "room"])
 def test_every_link_of_six_days_can_be_judged(stage: str) -> None:
-    seen, _, cut = ready()
-    assert too_short(link_at(stage, cut), seen) == ""
+    seen, believed, cut = ready()
+    assert too_short(link_at(stage, cut), seen, believed) == ""
 
 
-def test_a_link_whose_drive_or_output_never_changes_cannot_be_judged() -> None:
-    seen, _, cut = ready()
+def test_what_neither_moves_nor_should_cannot_be_judged() -> None:
+    seen, believed, cut = ready()
     still = replace(seen, values={**seen.values, "displacement": np.zeros(len(seen))})
-    for stage in ("actuator", "valve"):
-        assert too_short(link_at(stage, cut), still) == "displacement never changes in this record"
+    assert too_short(link_at("valve", cut), still, believed) == "displacement never changes in this record"
+    off = replace(still, values={**still.values, "heating_signal": np.zeros(len(seen))})
+    assert too_short(link_at("actuator", cut), off, believed) == "displacement never changes in this record"
+
+
+def test_what_stands_although_it_should_move_can_be_judged() -> None:
+    seen, believed, cut = ready()
+    for stage, channel in (("actuator", "displacement"), ("valve", "flow_L_h")):
+        dead = replace(seen, values={**seen.values, channel: np.zeros(len(seen))})
+        assert too_short(link_at(stage, cut), dead, believed) == ""
+        judge = Judge(link_at(stage, cut), dead, believed)
+        (errors,) = judge.errors(link_at(stage, cut).predict(dead, believed))
+        assert np.isfinite(errors.whitened).all()
+        assert errors.gap() > 0.1
 
 
 def test_a_link_of_a_few_cycles_or_days_cannot_be_judged() -> None:
-    seen, _, cut = ready()
+    seen, believed, cut = ready()
     short = replace(seen, values={name: each[:2000] for name, each in seen.values.items()})
-    assert "2 days" in too_short(link_at("room", cut), short)
-    assert "3 are needed" in too_short(link_at("room", cut), short)
+    assert "2 days" in too_short(link_at("room", cut), short, believed)
+    assert "3 are needed" in too_short(link_at("room", cut), short, believed)
+
+
+def test_samples_lost_one_by_one_are_lost_alone_and_too_many_are_told() -> None:
+    seen, believed, cut = ready()
+    random = np.random.default_rng(5)
+
+    def without(share: float) -> Record:
+        lost = random.random(len(seen)) < share
+        return replace(
+            seen, values={**seen.values, "displacement": np.where(lost, np.nan, seen.values["displacement"])}
+        )
+
+    holed = without(0.1)
+    lost = np.isnan(holed.values["displacement"])
+    assert holed.is_gap("displacement").mean() < 1.3 * lost.mean()
+    link = link_at("valve", cut)
+    (errors,) = Judge(link, holed, believed).errors(link.predict(holed, believed))
+    assert errors.judged.mean() > 0.7
+    assert "lost in gaps of displacement" in too_short(link, without(0.9), believed)
+
+
+def test_a_noise_that_is_told_from_hourly_samples_is_doubted_unless_it_is_stated() -> None:
+    seen, _, cut = ready()
+    hourly = replace(seen, interval_s=3600.0)
+    wild = {**seen.values, "flow_L_h": 60.0 + 50.0 * np.random.default_rng(2).normal(size=len(seen))}
+    valve = [link_at("valve", cut)]
+    (said,) = doubtful_noise(replace(hourly, values=wild), valve)
+    assert said.startswith("flow_L_h: a noise of ")
+    assert list(doubtful_noise(replace(hourly, values=wild, stated_noise={"flow_L_h": 50.0}), valve)) == []
+    assert list(doubtful_noise(replace(seen, values=wild), valve)) == []
 
 
 def test_an_effect_whose_stage_shows_nowhere_is_untestable_and_what_to_record_is_said() -> None:
@@ -343,6 +385,18 @@ def test_the_record_s_own_figures_are_those_of_its_reality() -> None:
     assert own.cycles == pytest.approx(np.sum(np.diff((flow > 61.0).astype(int)) == 1) / 4.0)
     free = free_run(believed, SETPOINT_C)
     assert free.heat_kWh_m2(10.4) == pytest.approx(own.heat_kWh_m2(10.4), rel=0.1)
+
+
+def test_cycles_are_counted_by_what_the_open_valve_gives_not_by_what_it_should() -> None:
+    seen, believed = perfect("IDEAL")
+    throttled = replace(seen, values={**seen.values, "flow_L_h": 0.4 * seen.values["flow_L_h"]})
+    assert recorded(throttled, believed).cycles == recorded(seen, believed).cycles
+
+
+def test_a_shift_beyond_what_is_looked_for_is_no_figure() -> None:
+    seen, believed = perfect("IDEAL")
+    hot = replace(seen, values={**seen.values, "air_temperature_C": seen.values["air_temperature_C"] + 9.0})
+    assert "setpoint_shift_K" not in closed_loop(hot, believed, believed)
 
 
 def raised(by_C: float) -> Callable[[Inputs], Inputs]:

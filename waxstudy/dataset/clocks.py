@@ -16,6 +16,7 @@ FEWEST_EDGES = 3
 AGREEING = 0.7  # share of the edges that must tell of the same offset
 LONGEST_S = 7200.0  # offsets that are looked for
 CLEAR = 0.8  # the squared difference of two temperatures at their best offset, over that at none
+FINEST_S = 30.0  # between two offsets
 SMOOTH = 5  # samples over which temperatures are averaged
 # cause, effect, and the levels that they cross together; a flow is taken relative to its largest.
 # Just above closed: an opening and a flow that is not proportional to it begin together, and there only.
@@ -101,6 +102,9 @@ def _tell_early_sensor(values: pd.DataFrame, interval_s: float, notes: Notes) ->
         return
     smooth = [values[n].rolling(SMOOTH, center=True).mean() for n in ("sensor_temperature_C", "air_temperature_C")]
     sensor, air = (x.to_numpy(dtype=float) for x in smooth)
+    # offsets of half a minute are all that two thermometers tell
+    every = max(1, round(FINEST_S / interval_s))
+    sensor, air, interval_s = sensor[::every], air[::every], every * interval_s
     most = min(round(LONGEST_S / interval_s), len(air) // 4)
     offsets = range(-most, most + 1)
     squares = [_square(sensor, air, offset) for offset in offsets]

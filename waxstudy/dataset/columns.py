@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 TIME = "time"
 UNREADABLE_SHARE = 0.5  # of the cells of a column that are no numbers: beyond, it is another column
 WORDS = {"on": 1.0, "true": 1.0, "open": 1.0, "off": 0.0, "false": 0.0, "closed": 0.0}
+THOUSANDS = re.compile(r"\d,\d{3}\b.*\.|\d\.\d{3}\b.*,")
 NAMED = 20  # columns that a message lists
 
 
@@ -90,6 +92,8 @@ def numbers_of(channel: str, written: pd.Series, notes: Notes) -> pd.Series | No
     if bad.sum() > UNREADABLE_SHARE * written.notna().sum():
         wrong = f"{bad.sum()} of {len(written)} cells are no numbers"
         hint = '[dataset] decimal = "," if it is a decimal comma' if "," in example else ""
+        if THOUSANDS.search(example):
+            hint = "write numbers without a mark of thousands"
         notes.refuse(channel, wrong, line=row + 2, value=example, allowed=hint)
         return None
     line = notes.line_of(row + 2)

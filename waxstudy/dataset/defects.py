@@ -27,6 +27,10 @@ BOUNDS: dict[Quantity, tuple[float, float]] = {
 FEW = 0.05  # share of impossible samples that may be faults; more of them are another quantity
 # a single sample that differs from both of its neighbours by more is a fault [K]; water may rush for a minute
 SPIKES_K: dict[Quantity, float] = {"indoor": 4.0, "outdoor": 10.0, "water": 25.0}
+# a single sample so many times what all but a few reach is one too; an oven may run for one sample
+SPIKES_TIMES: dict[Quantity, float] = {"flow": 1.5, "gain": 10.0}
+LEVEL_FAULT = 0.15  # beyond 0 to 1, from which a level is no noise
+RARE, RAREST = 1e-3, 3  # samples that may be faults: share, and at least
 HOUR_S = 3600.0
 STUCK_H, STUCK_COARSE_H = 6.0, 24.0
 COARSE_K = 0.2  # a resolution with which a temperature may stand still for hours
@@ -42,6 +46,10 @@ def without_faults(values: Values, times: pd.DatetimeIndex, notes: Notes) -> Val
     for name in values.columns:
         quantity = CHANNELS[name].quantity
         _discard(cleaned, name, _codes(cleaned[name].to_numpy(), quantity), "a code for a missing sample", notes)
+        if quantity in SPIKES_TIMES:
+            _without_peaks(cleaned, name, SPIKES_TIMES[quantity], notes)
+        if quantity == "level":
+            _without_strays(cleaned, name, notes)
         if quantity not in BOUNDS:
             continue
         low, high = BOUNDS[quantity]
@@ -55,7 +63,31 @@ def without_faults(values: Values, times: pd.DatetimeIndex, notes: Notes) -> Val
 
 
 def _codes(x: FloatArray, quantity: Quantity) -> np.ndarray:
-    return np.isin(x, CODES if quantity in ("flow", "gain") else (*CODES, *CODES_ABOVE))
+    if quantity not in SPIKES_TIMES:
+        return np.isin(x, (*CODES, *CODES_ABOVE))
+    others = x[np.isfinite(x) & ~np.isin(x, CODES_ABOVE)]
+    is_far_above = len(others) > 0 and min(CODES_ABOVE) > SPIKES_TIMES["gain"] * float(np.max(others))
+    return np.isin(x, (*CODES, *CODES_ABOVE) if is_far_above else CODES)
+
+
+def _without_peaks(values: Values, name: str, times: float, notes: Notes) -> None:
+    """Set to missing what stands alone, far above all but a few samples."""
+    x = values[name].to_numpy()
+    known = np.sort(x[np.isfinite(x)])
+    few = max(RAREST, round(RARE * len(known)))
+    if len(known) <= few or known[-1 - few] <= 0.0:
+        return
+    usual = float(known[-1 - few])
+    peaks = _spikes(x, 0.5 * times * usual) & (x > times * usual)
+    _discard(values, name, peaks, f"more than {times:g} times the usual {usual:.3g}, and alone", notes)
+
+
+def _without_strays(values: Values, name: str, notes: Notes) -> None:
+    """Set to missing the few samples of a level that no level can have."""
+    x = values[name].to_numpy()
+    strays = (x < -LEVEL_FAULT) | (x > 1.0 + LEVEL_FAULT)
+    if strays.sum() <= max(RAREST, RARE * len(x)):
+        _discard(values, name, strays, "beyond 0 to 1, which is impossible", notes)
 
 
 def _spikes(x: FloatArray, limit_K: float) -> np.ndarray:

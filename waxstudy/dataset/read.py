@@ -12,11 +12,13 @@ from waxstudy.dataset.columns import channels_of, without_empty
 from waxstudy.dataset.defects import look_at_samples, without_faults
 from waxstudy.dataset.description import FILES, Description, read_description
 from waxstudy.dataset.grid import on_grid
+from waxstudy.dataset.levels import as_levels
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.plausible import look_at_units
 from waxstudy.dataset.stamps import stamps_of
 from waxstudy.dataset.swapped import look_at_pairs
 from waxstudy.dataset.text import read_table
+from waxstudy.dataset.turned import look_at_directions
 from waxstudy.plugin import Room
 from waxstudy.plugin.registry import PluginError, Registry, installed, told
 from waxstudy.study.check import Check
@@ -133,17 +135,21 @@ def _record(
         return None
     rows = without_empty(without_faults(channels, times, notes), notes)
     look_at_units(rows, full_L_h, notes)
-    record = None if notes.problems else on_grid(rows, times, described.about, notes)
+    has_modulator = "modulator" in described.nominal
+    if notes.problems:
+        return None
+    record = on_grid(as_levels(rows, has_modulator, notes), times, described.about, notes)
     if record is None:
         return None
     values, interval_s = without_empty(record[0], notes), record[1]  # on the grid a nearer row may have taken a place
-    _look(values, interval_s, "modulator" in described.nominal, notes)
+    _look(values, interval_s, has_modulator, notes)
     return values, interval_s
 
 
 def _look(values: pd.DataFrame, interval_s: float, has_modulator: bool, notes: Notes) -> None:
     look_at_samples(values, interval_s, notes)
     look_at_pairs(values, has_modulator, notes)
+    look_at_directions(values, interval_s, notes)
     look_at_clocks(values, interval_s, has_modulator, notes)
 
 

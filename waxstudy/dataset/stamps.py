@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 YEARS = (1900, 2200)
-ZONED = r"(?:Z|[+-][0-9]{2}:?[0-9]{2}) *\Z"  # so written, pandas looks for it in compiled code
+ISO = "expected ISO 8601, as 2020-01-31T12:00:00"
+ZONED = r"(?:Z|[+-][0-9]{2}:?[0-9]{2}|:[0-9.,]+ *[+-][0-9]{2}) *\Z"  # so written, pandas looks for it in compiled code
 DAY_FIRST = r"\s*\d{1,2}([./-])\d{1,2}\1\d{4}"
 
 
@@ -50,9 +52,10 @@ def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.Dat
     if pd.api.types.is_datetime64_any_dtype(written):
         times: pd.Series = written
     elif pd.api.types.is_numeric_dtype(written):
-        notes.refuse(TIME, "is a number, not a date and time", line=2, value=shown(written.iloc[0]))
+        notes.refuse(TIME, "is a number, not a date and time", line=2, value=shown(written.iloc[0]), allowed=ISO)
         return None
     else:
+        written = written.where(written.isna(), written.astype(str))
         zoned = written.str.contains(ZONED, na=False)
         if 0 < zoned.sum() < written.notna().sum():
             row = int(np.argmin(zoned.to_numpy()))
@@ -60,7 +63,11 @@ def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.Dat
             return None
         if zoned.any():
             return _standard(written, time_format, notes)
-        times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce")
+        try:
+            times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce")
+        except ValueError as error:
+            _no_format(time_format, error, notes)
+            return None
     return _all_read(written, times, time_format, notes)
 
 
@@ -68,16 +75,27 @@ def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.D
     """Return stamps with offsets from UTC in the smallest of their offsets: standard time, not summer time."""
     import pandas as pd
 
-    times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce", utc=True)
+    try:
+        times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce", utc=True)
+    except ValueError as error:
+        _no_format(time_format, error, notes)
+        return None
     read = _all_read(written, times, time_format, notes)
     if read is None:
         return None
-    offsets = written.str.extract(r"([+-])(\d\d):?(\d\d)\s*$")
+    offsets = written.str.extract(r"([+-])(\d\d)(?::?(\d\d))?\s*$")
     signs = np.where(offsets[0] == "-", -1.0, 1.0)
-    minutes = (offsets[1].astype(float) * 60.0 + offsets[2].astype(float)).fillna(0.0).to_numpy() * signs
+    hours, minutes = (offsets[place].astype(float).fillna(0.0).to_numpy() for place in (1, 2))
+    minutes = (60.0 * hours + minutes) * signs
     least = float(minutes.min())
     notes.assume(f"Stamps are taken as local standard time at UTC{least / 60:+g} h, the smallest offset in the file.")
     return read.tz_convert(None) + pd.Timedelta(minutes=least)
+
+
+def _no_format(time_format: str | None, error: ValueError, notes: Notes) -> None:
+    directive = re.search(r"'(.)' is a bad directive", str(error))
+    wrong = f"%{directive[1]} means nothing in a format of dates" if directive else "is no format of dates"
+    notes.refuse("time_format", wrong, value=shown(time_format), allowed="such as %d.%m.%Y %H:%M:%S")
 
 
 def _all_read(written: pd.Series, times: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
@@ -90,14 +108,21 @@ def _all_read(written: pd.Series, times: pd.Series, time_format: str | None, not
     text = str(written.iloc[row])
     if time_format is None and bad.all() and written.astype(str).str.match(DAY_FIRST).iloc[row]:
         between = next(mark for mark in text if not mark.isdigit() and not mark.isspace())
-        hint = f'say [dataset] time_format = "%d{between}%m{between}%Y %H:%M" or as it is'
+        day, month = ("%d", "%m") if _days_first(written, between) else ("%m", "%d")
+        hint = f'say [dataset] time_format = "{day}{between}{month}{between}%Y %H:%M" or as it is'
     else:
-        hint = f"expected {time_format or 'ISO 8601, as 2020-01-31T12:00:00'}"
+        hint = f"expected {time_format}" if time_format else ISO
     is_missing = bool(written.isna().iloc[row])
     wrong = "missing" if is_missing else "cannot be read as date and time"
     others = f" ({bad.sum()} such rows)" if bad.sum() > 1 else ""
     notes.refuse(TIME, wrong + others, line=row + 2, value="" if is_missing else shown(text), allowed=hint)
     return None
+
+
+def _days_first(written: pd.Series, between: str) -> bool:
+    """Whether the first of the numbers may be the day: the second is never more than twelve."""
+    second = written.astype(str).str.split(between).str[1]
+    return bool((second.astype(float) <= 12.0).all())
 
 
 def _local(times: pd.DatetimeIndex, notes: Notes) -> pd.DatetimeIndex:

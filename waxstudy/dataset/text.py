@@ -23,6 +23,9 @@ SEPARATORS = (",", ";", "\t", "|")
 MISSING = ("-", "--", "---")  # besides what pandas takes for missing: "", "NA", "NaN", "null", ...
 COMMENT = "#"  # begins the lines above a header that are passed over
 CHUNK = 2**20
+PARQUET = b"PAR1"
+# Excel and other archives, Excel of before 2007, gzip, HDF5, SQLite
+BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"\x89HDF", b"SQLite")
 LOOKED_AT = 200  # lines in which the decimal mark is looked for
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
@@ -40,13 +43,24 @@ class Layout:
 def read_table(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
     """Return the file's columns as they are written, an index of stamps as a column; note why it cannot be read."""
     try:
-        return _parquet(path) if path.suffix == ".parquet" else _csv(path, about, notes)
+        beginning = _beginning(path)
+        if beginning.startswith(BINARY):
+            notes.refuse("", "is no text: export it as CSV, or as parquet")
+            return None
+        return _parquet(path, notes) if beginning.startswith(PARQUET) else _csv(path, about, notes)
     except OSError as error:
         notes.refuse("", f"cannot be read: {error.strerror or error}")
+    except UnicodeDecodeError:
+        notes.refuse("", "is neither text in UTF-8 nor in Windows' western encoding: export it as CSV in UTF-8")
     except ValueError as error:  # pandas' and pyarrow's own errors are ValueErrors
         notes.line_of = int  # the parser counts the file's lines
         notes.refuse("", f"is no table that can be read: {error}", line=_line_in(str(error)))
     return None
+
+
+def _beginning(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(8)
 
 
 def _line_in(message: str) -> int:
@@ -54,10 +68,14 @@ def _line_in(message: str) -> int:
     return int(found[1]) if found else 0
 
 
-def _parquet(path: Path) -> pd.DataFrame:
+def _parquet(path: Path, notes: Notes) -> pd.DataFrame | None:
     import pandas as pd
 
-    data = pd.read_parquet(path)
+    try:
+        data = pd.read_parquet(path)
+    except ValueError:
+        notes.refuse("", "is no whole parquet file: cut off, or damaged")
+        return None
     if isinstance(data.index, pd.DatetimeIndex):
         data = data.reset_index(names=data.index.name or "time")
     data.columns = data.columns.map(str)

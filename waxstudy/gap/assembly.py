@@ -29,7 +29,7 @@ from waxstudy.gap.result import (
 )
 from waxstudy.gap.select import Selection
 from waxstudy.gap.space import EffectType
-from waxstudy.gap.testable import next_measurements, separating, uncovered, unshown
+from waxstudy.gap.testable import UNSHOWN, doubtful_noise, next_measurements, separating, uncovered, unshown
 from waxstudy.gap.unexplained import stage_of, unexplained
 from waxstudy.plugin import STAGES, Belief
 
@@ -71,10 +71,10 @@ def assembled(
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
         next_measurements=list(next_measurements(cut, found, untestable, stages, work.record.interval_s)),
-        warnings=[*work.dataset.warnings, *_warned(selections)],
+        warnings=[*work.dataset.warnings, *doubtful_noise(work.record, cut), *_warned(selections)],
         assumptions=[*work.dataset.assumptions, *_readings(selections), *_needless(selections)],
         departures=_departures(selections),
-        parts=_parts(work),
+        parts=_parts(work, selections),
         seed=work.seed,
         is_quick=quick,
         traces=_traces(work, selections),
@@ -189,8 +189,15 @@ def _summary(
         places = ", ".join(dict.fromkeys(each.stage for each in remains if each.is_finding))
         return f"Something that no known effect explains lies at: {places}."
     if verdict == "untestable":
-        return f"This record cannot be judged: {untestable[0].reason if untestable else 'it holds too little'}."
+        return f"This record cannot be judged: {_main_reason(untestable)}."
     return "The record shows no effect that the model lacks."
+
+
+def _main_reason(untestable: Sequence[Untestable]) -> str:
+    """Return the commonest reason, rather of what was recorded than of what was not."""
+    reasons = [each.reason for each in untestable]
+    recorded = [reason for reason in reasons if not reason.startswith(UNSHOWN)]
+    return max(recorded or reasons, key=reasons.count, default="it holds too little")
 
 
 def _believed(work: Work, selections: Sequence[Selection], with_effects: bool) -> Belief:
@@ -254,8 +261,10 @@ def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:
     return found
 
 
-def _parts(work: Work) -> Mapping[str, Sequence[str]]:
-    part = parts_of(work.record)
+def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence[str]]:
+    """Return first and last day of each part, as the chain has them; a room alone has days in turn."""
+    has_chain = any(not selection.fitter.link.with_room for selection in selections)
+    part = parts_of(work.record, days_in_turn=not has_chain)
     days = work.dataset.time.strftime("%Y-%m-%d")
     found = {}
     for name, number in (("fit", FIT), ("select", SELECT), ("shrinkage", SHRINK)):

@@ -20,7 +20,8 @@ from waxstudy.simulation.recorded import recorded_room, weather_of
 STEP_S = 10.0
 JOULES_PER_KWH = 3.6e6
 OPEN = 0.05  # of full flow
-SHIFT_K = 2.0  # how far a setpoint shift is looked for
+USUAL = 0.9  # quantile of a flow that the open valve gives
+SHIFT_K, HALVINGS = 2.0, 6  # how far a setpoint shift is looked for, and how finely
 
 
 @dataclass(frozen=True)
@@ -48,10 +49,11 @@ class FreeRun:
 
     @property
     def cycles(self) -> float:
-        """Starts of flow a day."""
+        """Starts of flow a day, of whatever flows when the valve is open."""
         if not self.has_flow:
             return float("nan")
-        on = self.flow > 0.5
+        flowing = self.flow[self.flow > OPEN]
+        on = self.flow > 0.5 * (np.quantile(flowing, USUAL) if len(flowing) else 1.0)
         return float(np.sum(on[1:] & ~on[:-1])) / (len(on) * self.interval_s / DAY_S)
 
 
@@ -123,13 +125,13 @@ def loop_of(belief: Belief) -> Loop:
 
 
 def _shift_K(record: Record, belief: Belief, setpoint_C: float) -> float:
-    """Return the setpoint shift with which the loop has the record's mean air temperature."""
+    """Return the setpoint shift with which the loop has the record's mean air temperature; NaN beyond 2 K."""
     wanted_C = float(np.nanmean(record.values[record.air_channel]))
     low, high = -SHIFT_K, SHIFT_K
-    for _ in range(6):
+    for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         if float(np.mean(free_run(belief, setpoint_C + middle).air_C)) < wanted_C:
             low = middle
         else:
             high = middle
-    return 0.5 * (low + high)
+    return 0.5 * (low + high) if low > -SHIFT_K and high < SHIFT_K else float("nan")

@@ -44,7 +44,7 @@ def diagnose(
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
     cut = links(record, belief)
-    short = {link: reason for link in cut if (reason := too_short(link, record))}
+    short = {link: reason for link in cut if (reason := too_short(link, record, belief))}
     judged = [link for link in cut if link not in short]
     selections = list(_selections(work, judged, tick or (lambda what, share: None)))
     return assembled(work, cut, short, selections, quick)

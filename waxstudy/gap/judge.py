@@ -73,6 +73,7 @@ class Judge:
         self.parts = parts_of(record, days_in_turn=link.with_room, holds_out=holds_out)
         shaken = self._shaken(belief)
         switches = [channel for channel in link.judged if self._is_switch(channel)]
+        self._still = shaken[0] if shaken else Predicted()
         self._timing = {channel: self._switching(channel, shaken) for channel in switches}
         self._drives = {c: self._driven(c, shaken) for c in link.judged if c in ("control_output", "flow_L_h")}
         self._measured = {channel: self._quarters(channel) for channel in link.judged if self._is_quarterly(channel)}
@@ -214,7 +215,7 @@ class Judge:
     def _scale(self, channel: str) -> FloatArray:
         """Return the standard deviation to weigh errors by: the noise, and more while the link's drive moves."""
         record, noise = self.record, self.record.noise[channel]
-        full = float(np.nanmax(record.values[channel]))
+        full = float(np.nanmax(record.values[channel])) or self._believed_full(channel)
         least = 0.1 * noise if channel == "flow_L_h" else noise
         resting = np.where(stands(record.filled(channel), full), max(least, 1e-3 * full), noise)
         if self.link.driven_by == "displacement":
@@ -224,6 +225,10 @@ class Judge:
             within = np.where(moves, np.hypot(RIDGE, STEEP * steps) * full, 0.0)
             return np.hypot(np.hypot(resting, within), self._drives[channel])
         return np.hypot(np.maximum(resting, 1e-3), self._drives.get(channel, 0.0))
+
+    def _believed_full(self, channel: str) -> float:
+        """Return what a channel should reach that never leaves zero."""
+        return float(np.max(self._still[channel])) if channel in self._still else 1.0
 
     def _best_shift(self, shifted: FloatArray, run: _Run) -> FloatArray:
         """Return the errors after each switch of the drive is put where in its interval it fits best."""
@@ -286,7 +291,7 @@ def stands(values: FloatArray, full: float) -> np.ndarray:
     """Return where a meter stands still: a zero among others, not noise that is cut off at zero."""
     from scipy.ndimage import uniform_filter1d
 
-    zero = values <= STANDS * full
+    zero = np.abs(values) <= STANDS * full
     return np.asarray(zero & (uniform_filter1d(zero.astype(float), 31) > 0.3))
 
 

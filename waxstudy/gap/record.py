@@ -14,7 +14,8 @@ from waxstudy.plugin import FloatArray, Inputs
 T = TypeVar("T")
 SMOOTH_S = 1500.0  # window of the local parabola through a noisy temperature
 SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blocks
-AFTER_GAP_S = 1800.0  # a switch that was missed in a gap is not judged for so long
+AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
+LONG_GAP_S, FEW_LOST = 600.0, 3  # up to which a channel that runs on is known between its samples
 DAY_S = 86_400.0
 ON = 0.5
 FEWEST_VALUES = 4  # of a channel whose step tells of rounding
@@ -147,16 +148,20 @@ class Record:
         return values
 
     def is_gap(self, channel: str) -> np.ndarray:
-        """Return where a channel that switches was lost long enough to hide a switch, and for a while after."""
+        """Return where a channel was lost, and for a while after what may have hidden something.
+
+        Of a channel that switches a gap with a switch, of one that runs on a long one.
+        """
         missing = ~np.isfinite(self.values[channel])
         changed = np.zeros(len(self), dtype=bool)
         filled, after = self.filled(channel), max(1, round(AFTER_GAP_S / self.interval_s))
+        is_binary, long = channel in self.binary, max(FEW_LOST, round(LONG_GAP_S / self.interval_s))
         ends: list[int] = np.flatnonzero(missing[:-1] & ~missing[1:]).tolist()
         for end in ends:
             start = end
             while start >= 0 and missing[start]:
                 start -= 1
-            if filled[max(start, 0)] != filled[end + 1]:
+            if filled[max(start, 0)] != filled[end + 1] if is_binary else end - start > long:
                 changed[max(start, 0) : end + 1 + after] = True
         return missing | changed
 

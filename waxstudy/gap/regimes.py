@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from waxstudy.gap.judge import Errors
-from waxstudy.gap.record import Record
+from waxstudy.gap.record import ON, Record
 from waxstudy.gap.result import Regime
-from waxstudy.gap.stray import SIGNALS, opening
+from waxstudy.gap.stray import SIGNALS, opening, signal_of
 from waxstudy.plugin import Belief, FloatArray
 
 MOVING = (0.03, 0.97)  # openings between which an actuator moves
@@ -38,10 +38,10 @@ CHAIN_CHANNELS = ("displacement", "flow_L_h", "heating_signal", "control_output"
 
 def of_chain(record: Record, belief: Belief) -> Mapping[str, np.ndarray]:
     """Return the phases of the actuator, after the recorded displacement or else the believed one."""
-    channel = next((name for name in SIGNALS if name in record.binary), None)
-    if channel is None:
+    channel = signal_of(record)
+    if not channel:
         return of_room(record)
-    on = record.filled(channel) > 0.5
+    on = record.filled(channel) > ON
     travel = record.filled("displacement") if record.has("displacement") else opening(record, belief)
     if travel is None:
         return {"heating": on, "pause": ~on} | _after_long_pause(record, on)

@@ -56,7 +56,8 @@ def full_flow_L_h(record: Record, belief: Belief) -> float:
     if belief.room is not None:
         return built(belief.room).full_flow_L_h
     flow = record.values["flow_L_h"]
-    return float(np.nanmedian(flow[flow > 0.8 * np.nanquantile(flow, 0.99)]))
+    usual = flow[flow > 0.8 * np.nanquantile(flow, 0.99)]
+    return float(np.median(usual)) if len(usual) else 0.0
 
 
 @lru_cache(maxsize=256)

@@ -8,11 +8,16 @@ from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.links import chain_of
 from waxstudy.gap.path import CELL_S
-from waxstudy.gap.record import Record
+from waxstudy.gap.record import ON, Record
 from waxstudy.plugin import Actuator, Belief, FloatArray
 from waxstudy.simulation.replay import replay
 
 SIGNALS = ("heating_signal", "control_output")
+
+
+def signal_of(record: Record) -> str:
+    """Return the channel that tells what an actuator got, "" where none does: an output may go through a modulator."""
+    return next((name for name in SIGNALS if name in record.binary), "heating_signal" * record.has("heating_signal"))
 
 
 def is_covered(fitter: Fitter, current: Fitted, fitted: Fitted) -> bool:
@@ -46,10 +51,10 @@ def stray_s(belief: Belief) -> float:
 
 def moved_s(record: Record, difference: FloatArray) -> float:
     """Return the |difference| of two openings over time, per switch of the signal; infinite where nothing switches."""
-    channel = next((name for name in SIGNALS if name in record.binary), None)
-    if channel is None:
+    channel = signal_of(record)
+    if not channel:
         return float("inf")
-    switches = max(1, int(np.count_nonzero(np.diff(record.filled(channel)))))
+    switches = max(1, int(np.count_nonzero(np.diff(record.filled(channel) > ON))))
     return float(np.nansum(np.abs(difference)) * record.interval_s / switches)
 
 
@@ -58,12 +63,12 @@ def opening(record: Record, belief: Belief) -> FloatArray | None:
 
     Where none is believed the valve follows its signal.
     """
-    channel = next((name for name in SIGNALS if name in record.binary), None)
-    if channel is None:
+    channel = signal_of(record)
+    if not channel:
         return None
     if "actuator" not in belief.blocks:
         return record.filled(channel)
     chain = chain_of({"actuator": belief.blocks["actuator"]}, record.interval_s)
-    signal, jump = record.filled(channel), np.full(len(record), 0.5)
+    signal, jump = record.filled(channel), np.full(len(record), 0.5) if channel in record.binary else None
     ends, _ = replay(chain, "actuator", signal, signal, interval_s=record.interval_s, start_s=record.start_s, jump=jump)
     return ends["actuator"]

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from waxstudy.dataset.channels import CHANNELS
 from waxstudy.gap.candidate import LEAST_GAIN
 from waxstudy.gap.links import ROOM_STAGES, SHOWN, Link
 from waxstudy.gap.reading import Reading
@@ -14,30 +15,54 @@ from waxstudy.gap.result import FoundEffect, Measurement, Untestable
 from waxstudy.gap.select import Selection
 from waxstudy.gap.space import EffectType, Space, Values
 from waxstudy.gap.trust import OF_AIR, is_poor
-from waxstudy.plugin import CHAIN, Belief, FloatArray
+from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
 
+UNSHOWN = "no channel shows"  # how the reason begins where nothing was recorded
 FEW = 0.1  # of a first look's points
 CLEAR = 4  # noticeable steps from neutral that a record should show
 LEAST_BLOCKS = 3
+LEAST_SHARE = 0.3  # of the samples
 LEVELS = ("control_output", "displacement")
+FAR_APART_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
 NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
 
 
-def too_short(link: Link, record: Record) -> str:
+def too_short(link: Link, record: Record, belief: Belief) -> str:
     """Return why a link cannot be judged at all, or an empty text."""
     channel = _best_known(link, record)
     blocks = np.unique((record.day if link.with_room else record.cycle)[record.settled & _known(record, channel)])
     if len(blocks) < LEAST_BLOCKS:
         what = "days" if link.with_room else "cycles"
         return f"only {len(blocks)} {what} of {channel} are recorded, {LEAST_BLOCKS} are needed"
-    # a signal that is always on shows a motor that stands elsewhere; what moves without its drive shows a dead one
-    for name in (channel,) if _stands(record, channel) else (channel, link.driven_by):
-        values = record.values[name]
-        if np.nanmax(values) - np.nanmin(values) <= 1e-9:
-            return f"{name} never changes in this record"
+    # what stands although it should move shows a dead motor, a signal that is always on one that stands elsewhere
+    if _is_constant(record, channel):
+        if not _should_move(link, record, belief, channel):
+            return f"{channel} never changes in this record"
+    elif _is_constant(record, link.driven_by) and not _stands(record, channel):
+        return f"{link.driven_by} never changes in this record"
     share = float(_known(record, channel).mean())
-    return f"{100 * (1 - share):.0f} % of {channel} is missing" if share < 0.3 else ""
+    if share < LEAST_SHARE:
+        return f"{100 * (1 - share):.0f} % of {channel} is missing"
+    judged = float((_known(record, channel) & ~record.is_gap(link.driven_by)).mean())
+    return f"{100 * (1 - judged):.0f} % is lost in gaps of {link.driven_by}" if judged < LEAST_SHARE else ""
+
+
+def _is_constant(record: Record, channel: str) -> bool:
+    values = record.values[channel]
+    return bool(np.nanmax(values) - np.nanmin(values) <= 1e-9)
+
+
+def _should_move(link: Link, record: Record, belief: Belief, channel: str) -> bool:
+    """Whether a constant channel is elsewhere than the belief has it, at some time."""
+    if link.with_room:
+        return False
+    try:
+        predicted = link.predict(record, belief, link.readings[0])[channel]
+    except (SimulationError, ValueError):
+        return False
+    off = np.abs(predicted - record.filled(channel))
+    return float(off.max()) > STEADY * max(float(np.abs(predicted).max()), 1e-9)
 
 
 def _best_known(link: Link, record: Record) -> str:
@@ -62,7 +87,7 @@ def uncovered(effects: Sequence[EffectType], links: Sequence[Link], belief: Beli
         # without a record of what drives a room no effect of its own can be thought of
         is_lacking = belief.room is not None and belief.inputs is None and effect.stage in ROOM_STAGES
         if effect.stage not in covered and (is_lacking or not effect.hindrance(belief)):
-            yield Untestable(effect.name, f"no channel shows the {effect.stage}: record {needed(effect.stage)}")
+            yield Untestable(effect.name, f"{UNSHOWN} the {effect.stage}: record {needed(effect.stage)}")
 
 
 def needed(stage: str) -> str:
@@ -135,6 +160,19 @@ def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]
             if clipped != neutral[name]:
                 yield {**values, name: clipped}
     yield from effect.starts(believed)
+
+
+def doubtful_noise(record: Record, links: Sequence[Link]) -> Iterator[str]:
+    """Yield what to say of judged channels whose noise is told from samples so far apart that it may be none."""
+    if record.interval_s < FAR_APART_S:
+        return
+    for channel in dict.fromkeys(channel for link in links for channel in link.judged):
+        noise, usual = record.noise[channel], CHANNELS[channel].noise
+        if channel not in record.stated_noise and usual and noise > DOUBTFUL * usual:
+            yield (
+                f"{channel}: a noise of {noise:.2g} is told from samples {record.interval_s:g} s apart and may be what "
+                "happened between them; [noise] of dataset.toml can state it"
+            )
 
 
 def next_measurements(
