@@ -281,6 +281,16 @@ def test_an_oven_that_runs_for_one_sample_and_short_pulses_of_flow_are_no_faults
     assert not told(reread(good, cooked), "set to missing")
 
 
+def test_few_short_pulses_and_two_sunny_hours_are_no_faults(good: Path) -> None:
+    def mild(data: pd.DataFrame) -> pd.DataFrame:
+        data["flow_L_h"], data["solar_gain_W"] = 0.0, 8.0
+        data.loc[[100, 300, 500, 700, 900, 1100, 1300], "flow_L_h"] = [100.0, 95.0, 80.0, 40.0, 35.0, 30.0, 20.0]
+        data.loc[[400, 1000], "solar_gain_W"] = 130.0
+        return data
+
+    assert not told(reread(good, mild), "set to missing")
+
+
 @pytest.mark.parametrize("noise", [0.001, 0.01, 0.03])
 def test_a_level_whose_noise_is_not_cut_off_is_cut_off(good: Path, noise: float) -> None:
     random = np.random.default_rng(4)
@@ -316,6 +326,32 @@ def test_a_signal_that_runs_on_is_left_as_it_is(good: Path) -> None:
     slow = lambda data: 0.5 + 0.5 * np.sin(np.arange(len(data)) / 40.0)  # noqa: E731
     read = reread(good, lambda data: data.assign(control_output=slow(data), heating_signal=slow(data)))
     np.testing.assert_allclose(read.values["heating_signal"], slow(read.values), atol=1e-9)
+
+
+def test_pulses_shorter_than_a_sample_keep_their_heat(good: Path) -> None:
+    pulses = lambda data: np.where(np.arange(len(data)) % 4 == 0, 0.6, 0.0) + (np.arange(len(data)) % 50 > 40)  # noqa: E731
+    read = reread(good, lambda data: data.drop(columns="control_output").assign(heating_signal=pulses(data).clip(0, 1)))
+    assert read.values["heating_signal"].mean() == pytest.approx(pulses(read.values).clip(0, 1).mean(), abs=0.01)
+
+
+def test_a_switch_beside_a_gap_is_not_known(good: Path) -> None:
+    def lost(data: pd.DataFrame) -> pd.DataFrame:
+        data.loc[500, "heating_signal"] = 0.4
+        data.loc[501:700, "heating_signal"] = np.nan
+        return data
+
+    assert np.isnan(reread(good, lost).values["heating_signal"].iloc[500])
+
+
+def test_an_output_that_is_often_between_is_left_with_its_signal(good: Path) -> None:
+    """A controller of high gain in samples of half an hour: nearly every sample between stands alone."""
+
+    def steep(data: pd.DataFrame) -> pd.DataFrame:
+        output = means_at_switches(data["control_output"])
+        return data.assign(control_output=output, heating_signal=output)
+
+    read = reread(good, steep)
+    assert (read.values["heating_signal"] == 0.37).sum() == (read.values["control_output"] == 0.37).sum() > 3
 
 
 def test_the_output_before_a_modulator_may_be_anything_between(good: Path) -> None:

@@ -48,6 +48,10 @@ def stamps(change: Callable[[list[str]], list[str]]) -> Frame:
     return lambda data: data.assign(time=change(list(data["time"])))
 
 
+def german(times: list[str]) -> list[str]:
+    return [f"{s[8:10]}.{s[5:7]}.{s[:4]} {s[11:16]}" for s in times]
+
+
 # what is done to a good data.csv -> what the message says
 DATA: dict[str, tuple[Frame, str]] = {
     "no time": (lambda d: d.drop(columns="time"), r"data\.csv: time: there is no such column"),
@@ -57,7 +61,7 @@ DATA: dict[str, tuple[Frame, str]] = {
     "a stamp that is none": (at(4, "time", "yesterday"), r'data\.csv:6: time = "yesterday": cannot be read'),
     "a missing stamp": (at(4, "time", None), r"data\.csv:6: time.*: missing"),
     "German stamps without a format": (
-        stamps(lambda t: [f"{s[8:10]}.{s[5:7]}.{s[:4]} {s[11:16]}" for s in t]),
+        stamps(german),
         r"say \[dataset\] time_format = ",
     ),
     "a stamp of long ago": (at(0, "time", "0001-01-01T00:00:00"), "is not within the years 1900 to 2200"),
@@ -87,11 +91,19 @@ DATA: dict[str, tuple[Frame, str]] = {
     "a level far below 0": (changed(displacement=lambda x: x - 1.0), "displacement: goes down to -1"),
     "a motor that is open without current": (
         changed(heating_signal=lambda x: 1.0 - x),
-        "heating_signal, displacement: run against each other: displacement is low where .*scale = -1",
+        "heating_signal: is turned: displacement is low where heating_signal has long been high.*scale = -1",
     ),
     "a pin that is out when the valve is closed": (
         changed(displacement=lambda x: 1.0 - x),
-        "displacement, flow_L_h: run against each other",
+        "displacement: is turned: displacement is low where heating_signal",
+    ),
+    "a stroke with an offset": (
+        changed(displacement=lambda x: x - 0.25),
+        r"displacement: reaches from -0.25 to 0.75, .*scale = 1, offset = 0.25 }",
+    ),
+    "a footer": (
+        lambda d: pd.concat([stamps(german)(d), pd.DataFrame({"time": ["Max. Wert"]})]),
+        r'time_format = "%d.%m.%Y %H:%M"',
     ),
     "a mark of thousands": (
         changed(solar_gain_W=lambda x: (x + 2000.0).map("{:,.1f}".format)),
@@ -222,6 +234,14 @@ def test_a_bad_description_is_refused_at_its_line(what: str, good: Path) -> None
     message = said(good)
     assert re.search(reason, message)
     assert re.match(r"(dataset\.toml:\d+|data\.csv)", message)
+
+
+def test_signal_and_opening_that_are_swapped_are_seen_in_samples_of_five_minutes(good: Path) -> None:
+    description = (good / "dataset.toml").read_text(encoding="utf-8")
+    (good / "dataset.toml").write_text(description.replace("interval_s = 60", "interval_s = 300"), encoding="utf-8")
+    data = swapped("heating_signal", "displacement")(pd.read_csv(good / "data.csv").iloc[4::5])
+    data.to_csv(good / "data.csv", index=False)
+    assert "heating_signal, displacement: look swapped" in said(good)
 
 
 def test_all_problems_are_told_at_once(good: Path) -> None:

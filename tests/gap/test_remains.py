@@ -148,6 +148,12 @@ def test_what_stands_although_it_should_move_can_be_judged() -> None:
         assert errors.gap() > 0.1
 
 
+def test_a_controller_that_asks_for_nothing_shows_nothing_of_it() -> None:
+    seen, believed, cut = ready()
+    off = replace(seen, values={**seen.values, "control_output": np.zeros(len(seen))})
+    assert too_short(link_at("controller", cut), off, believed) == "control_output never changes in this record"
+
+
 def test_a_link_of_a_few_cycles_or_days_cannot_be_judged() -> None:
     seen, believed, cut = ready()
     short = replace(seen, values={name: each[:2000] for name, each in seen.values.items()})
@@ -180,7 +186,7 @@ def test_a_noise_that_is_told_from_hourly_samples_is_doubted_unless_it_is_stated
     wild = {**seen.values, "flow_L_h": 60.0 + 50.0 * np.random.default_rng(2).normal(size=len(seen))}
     valve = [link_at("valve", cut)]
     (said,) = doubtful_noise(replace(hourly, values=wild), valve)
-    assert said.startswith("flow_L_h: a noise of ")
+    assert said.startswith("flow_L_h: its noise was estimated as ")
     assert list(doubtful_noise(replace(hourly, values=wild, stated_noise={"flow_L_h": 50.0}), valve)) == []
     assert list(doubtful_noise(replace(seen, values=wild), valve)) == []
 
@@ -390,7 +396,9 @@ def test_the_record_s_own_figures_are_those_of_its_reality() -> None:
 def test_cycles_are_counted_by_what_the_open_valve_gives_not_by_what_it_should() -> None:
     seen, believed = perfect("IDEAL")
     throttled = replace(seen, values={**seen.values, "flow_L_h": 0.4 * seen.values["flow_L_h"]})
-    assert recorded(throttled, believed).cycles == recorded(seen, believed).cycles
+    assert recorded(throttled, believed).cycles == recorded(seen, believed).cycles > 0.0
+    leaking = replace(seen, values={**seen.values, "flow_L_h": np.maximum(seen.values["flow_L_h"], 10.0)})
+    assert recorded(leaking, believed).cycles == recorded(seen, believed).cycles
 
 
 def test_a_shift_beyond_what_is_looked_for_is_no_figure() -> None:

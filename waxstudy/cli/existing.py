@@ -20,20 +20,19 @@ class Existing(click.Path):
         try:
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
-            if near := _nearest(Path(value)):
+            if near := self._nearest(Path(value)):
                 raise click.BadParameter(f"{error.message} Did you mean '{near}'?", ctx, param) from None
             raise
 
+    def _nearest(self, path: Path) -> Path | None:
+        from waxstudy.plugin.registry import nearest
 
-def _nearest(path: Path) -> Path | None:
-    from waxstudy.plugin.registry import nearest
-
-    if os.path.exists(path):
-        return None
-    try:
-        beside = sorted(path.parent.iterdir(), key=lambda each: each.suffix == path.suffix)
-    except OSError:  # no such folder, or not to be looked into
-        return None
-    # without their endings, which alone make short names alike; the same ending comes last, and wins
-    by_stem = {each.stem: each for each in beside}
-    return by_stem.get(nearest(path.stem, by_stem))
+        if os.path.exists(path):
+            return None
+        try:
+            beside = [each for each in path.parent.iterdir() if (self.dir_okay if each.is_dir() else self.file_okay)]
+        except OSError:  # no such folder, or not to be looked into
+            return None
+        # without their endings, which alone make short names alike; the same ending comes last, and wins
+        by_stem = {each.stem: each for each in sorted(beside, key=lambda each: each.suffix == path.suffix)}
+        return by_stem.get(nearest(path.stem, by_stem))

@@ -8,6 +8,7 @@ import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS, Quantity
 from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.plausible import LEVEL_NOISE
 from waxstudy.plugin import FloatArray
 
 if TYPE_CHECKING:
@@ -27,9 +28,10 @@ BOUNDS: dict[Quantity, tuple[float, float]] = {
 FEW = 0.05  # share of impossible samples that may be faults; more of them are another quantity
 # a single sample that differs from both of its neighbours by more is a fault [K]; water may rush for a minute
 SPIKES_K: dict[Quantity, float] = {"indoor": 4.0, "outdoor": 10.0, "water": 25.0}
-# a single sample so many times what all but a few reach is one too; an oven may run for one sample
-SPIKES_TIMES: dict[Quantity, float] = {"flow": 1.5, "gain": 10.0}
-LEVEL_FAULT = 0.15  # beyond 0 to 1, from which a level is no noise
+# a single sample so many times what all but a few reach, and as large, is one too; an oven may run for one sample
+PEAKS: dict[Quantity, tuple[float, float]] = {"flow": (1.5, 0.0), "gain": (20.0, 5000.0)}
+FAR_ABOVE = 10.0  # times all other flows or gains, from which a code above them is one
+USUALLY = 20  # samples that reach half of what is usual
 RARE, RAREST = 1e-3, 3  # samples that may be faults: share, and at least
 HOUR_S = 3600.0
 STUCK_H, STUCK_COARSE_H = 6.0, 24.0
@@ -46,57 +48,62 @@ def without_faults(values: Values, times: pd.DatetimeIndex, notes: Notes) -> Val
     for name in values.columns:
         quantity = CHANNELS[name].quantity
         _discard(cleaned, name, _codes(cleaned[name].to_numpy(), quantity), "a code for a missing sample", notes)
-        if quantity in SPIKES_TIMES:
-            _without_peaks(cleaned, name, SPIKES_TIMES[quantity], notes)
-        if quantity == "level":
+        if quantity in PEAKS:
+            _without_peaks(cleaned, name, *PEAKS[quantity], notes)
+        elif quantity == "level":
             _without_strays(cleaned, name, notes)
-        if quantity not in BOUNDS:
-            continue
-        low, high = BOUNDS[quantity]
-        outside = ((cleaned[name] < low) | (cleaned[name] > high)).to_numpy()
-        if outside.sum() <= FEW * cleaned[name].count():
-            _discard(cleaned, name, outside, f"outside {low:g} to {high:g} C, which is impossible", notes)
-            limit_K = SPIKES_K[quantity] * (1.0 + usual_s / HOUR_S)
-            spikes = _spikes(cleaned[name].to_numpy(), limit_K)
-            _discard(cleaned, name, spikes, f"more than {limit_K:.3g} K off both neighbours", notes)
+        else:
+            _without_wild_temperatures(cleaned, name, usual_s, notes)
     return cleaned
 
 
 def _codes(x: FloatArray, quantity: Quantity) -> np.ndarray:
-    if quantity not in SPIKES_TIMES:
+    if quantity not in PEAKS:
         return np.isin(x, (*CODES, *CODES_ABOVE))
     others = x[np.isfinite(x) & ~np.isin(x, CODES_ABOVE)]
-    is_far_above = len(others) > 0 and min(CODES_ABOVE) > SPIKES_TIMES["gain"] * float(np.max(others))
+    is_far_above = len(others) > 0 and min(CODES_ABOVE) > FAR_ABOVE * float(np.max(others))
     return np.isin(x, (*CODES, *CODES_ABOVE) if is_far_above else CODES)
 
 
-def _without_peaks(values: Values, name: str, times: float, notes: Notes) -> None:
+def _without_wild_temperatures(values: Values, name: str, usual_s: float, notes: Notes) -> None:
+    """Set to missing what is impossible, if it is little, and single samples that jump away and back."""
+    quantity = CHANNELS[name].quantity
+    low, high = BOUNDS[quantity]
+    outside = ((values[name] < low) | (values[name] > high)).to_numpy()
+    if outside.sum() <= FEW * values[name].count():
+        _discard(values, name, outside, f"outside {low:g} to {high:g} C, which is impossible", notes)
+        limit_K = SPIKES_K[quantity] * (1.0 + usual_s / HOUR_S)
+        spikes = _spikes(values[name].to_numpy(), limit_K)
+        _discard(values, name, spikes, f"more than {limit_K:.3g} K off both neighbours", notes)
+
+
+def _without_peaks(values: Values, name: str, times: float, least: float, notes: Notes) -> None:
     """Set to missing what stands alone, far above all but a few samples."""
     x = values[name].to_numpy()
     known = np.sort(x[np.isfinite(x)])
     few = max(RAREST, round(RARE * len(known)))
-    if len(known) <= few or known[-1 - few] <= 0.0:
+    usual = float(known[-1 - few]) if len(known) > few else 0.0
+    if usual <= 0.0 or np.count_nonzero(known > 0.5 * usual) < USUALLY:
         return
-    usual = float(known[-1 - few])
-    peaks = _spikes(x, 0.5 * times * usual) & (x > times * usual)
+    peaks = _spikes(x, 0.5 * times * usual) & (x > max(times * usual, least))
     _discard(values, name, peaks, f"more than {times:g} times the usual {usual:.3g}, and alone", notes)
 
 
 def _without_strays(values: Values, name: str, notes: Notes) -> None:
     """Set to missing the few samples of a level that no level can have."""
     x = values[name].to_numpy()
-    strays = (x < -LEVEL_FAULT) | (x > 1.0 + LEVEL_FAULT)
+    strays = (x < -LEVEL_NOISE) | (x > 1.0 + LEVEL_NOISE)
     if strays.sum() <= max(RAREST, RARE * len(x)):
         _discard(values, name, strays, "beyond 0 to 1, which is impossible", notes)
 
 
-def _spikes(x: FloatArray, limit_K: float) -> np.ndarray:
+def _spikes(x: FloatArray, limit: float) -> np.ndarray:
     """Return single samples that jump away and back."""
     found = np.zeros(len(x), dtype=bool)
     if len(x) > 2:
         before, after = x[1:-1] - x[:-2], x[1:-1] - x[2:]
         with np.errstate(invalid="ignore"):
-            away = (np.minimum(np.abs(before), np.abs(after)) > limit_K) & (np.sign(before) == np.sign(after))
+            away = (np.minimum(np.abs(before), np.abs(after)) > limit) & (np.sign(before) == np.sign(after))
         found[1:-1] = away
     return found
 

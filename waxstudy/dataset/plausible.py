@@ -38,6 +38,7 @@ FLOW_UNITS = {"m3/h": 1000.0, "L/min": 60.0, "L/s": 3600.0}
 AGREES = 1.6  # factor within which a flow in another unit agrees with the room's
 OPEN = 0.8  # signal or opening from which a valve is taken for open
 LOW_GAIN_W = 5.0
+LEVEL_NOISE = 0.15  # beyond 0 to 1, from which it is none
 USUAL_HIGH = (10.0, 100.0)  # of a level in volts and in per cent
 
 
@@ -97,6 +98,10 @@ def _level(name: str, x: pd.Series, notes: Notes) -> None:
         _too_high(name, x, low, high, notes)
     elif low < -0.5:
         notes.refuse(name, f"goes down to {low:.3g}, but is a level from 0 to 1: are columns swapped?")
+    elif high > 1.0 + LEVEL_NOISE or low < -LEVEL_NOISE:
+        scale = 1.0 / (high - low)
+        mend = f"[columns] with {{ column = ..., scale = {scale:.4g}, offset = {-low * scale:.4g} }} mends it"
+        notes.refuse(name, f"reaches from {low:.3g} to {high:.3g}, but is a level from 0 to 1", allowed=mend)
     elif high > 1.05 or low < -0.05:
         notes.warn(f"{name} reaches from {low:.3g} to {high:.3g}, but is a level from 0 to 1")
 

@@ -135,15 +135,13 @@ def _record(
         return None
     rows = without_empty(without_faults(channels, times, notes), notes)
     look_at_units(rows, full_L_h, notes)
-    has_modulator = "modulator" in described.nominal
-    if notes.problems:
-        return None
-    record = on_grid(as_levels(rows, has_modulator, notes), times, described.about, notes)
+    record = None if notes.problems else on_grid(rows, times, described.about, notes)
     if record is None:
         return None
     values, interval_s = without_empty(record[0], notes), record[1]  # on the grid a nearer row may have taken a place
+    has_modulator = "modulator" in described.nominal
     _look(values, interval_s, has_modulator, notes)
-    return values, interval_s
+    return without_empty(as_levels(values, has_modulator, notes), notes), interval_s
 
 
 def _look(values: pd.DataFrame, interval_s: float, has_modulator: bool, notes: Notes) -> None:

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 YEARS = (1900, 2200)
 ISO = "expected ISO 8601, as 2020-01-31T12:00:00"
-ZONED = r"(?:Z|[+-][0-9]{2}:?[0-9]{2}|:[0-9.,]+ *[+-][0-9]{2}) *\Z"  # so written, pandas looks for it in compiled code
+# so written, pandas looks for it in compiled code
+ZONED = r"(?:Z|[+-][0-9]{2}:?[0-9]{2}|(?:T|:)[0-9.,]+ *[+-][0-9]{2}) *\Z"
 DAY_FIRST = r"\s*\d{1,2}([./-])\d{1,2}\1\d{4}"
 
 
@@ -65,7 +66,7 @@ def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.Dat
             return _standard(written, time_format, notes)
         try:
             times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce")
-        except ValueError as error:
+        except (ValueError, re.error) as error:
             _no_format(time_format, error, notes)
             return None
     return _all_read(written, times, time_format, notes)
@@ -77,7 +78,7 @@ def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.D
 
     try:
         times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce", utc=True)
-    except ValueError as error:
+    except (ValueError, re.error) as error:
         _no_format(time_format, error, notes)
         return None
     read = _all_read(written, times, time_format, notes)
@@ -92,7 +93,10 @@ def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.D
     return read.tz_convert(None) + pd.Timedelta(minutes=least)
 
 
-def _no_format(time_format: str | None, error: ValueError, notes: Notes) -> None:
+def _no_format(time_format: str | None, error: Exception, notes: Notes) -> None:
+    if time_format is None:
+        notes.refuse(TIME, "cannot be read as date and time", allowed=ISO)
+        return
     directive = re.search(r"'(.)' is a bad directive", str(error))
     wrong = f"%{directive[1]} means nothing in a format of dates" if directive else "is no format of dates"
     notes.refuse("time_format", wrong, value=shown(time_format), allowed="such as %d.%m.%Y %H:%M:%S")
@@ -121,7 +125,7 @@ def _all_read(written: pd.Series, times: pd.Series, time_format: str | None, not
 
 def _days_first(written: pd.Series, between: str) -> bool:
     """Whether the first of the numbers may be the day: the second is never more than twelve."""
-    second = written.astype(str).str.split(between).str[1]
+    second = written.astype(str).str.extract(rf"^\s*\d{{1,2}}{re.escape(between)}(\d{{1,2}})")[0].dropna()
     return bool((second.astype(float) <= 12.0).all())
 
 

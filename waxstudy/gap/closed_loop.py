@@ -20,7 +20,7 @@ from waxstudy.simulation.recorded import recorded_room, weather_of
 STEP_S = 10.0
 JOULES_PER_KWH = 3.6e6
 OPEN = 0.05  # of full flow
-USUAL = 0.9  # quantile of a flow that the open valve gives
+RANGE = (0.01, 0.999)  # quantiles of a flow between which the valve takes it
 SHIFT_K, HALVINGS = 2.0, 6  # how far a setpoint shift is looked for, and how finely
 
 
@@ -52,8 +52,8 @@ class FreeRun:
         """Starts of flow a day, of whatever flows when the valve is open."""
         if not self.has_flow:
             return float("nan")
-        flowing = self.flow[self.flow > OPEN]
-        on = self.flow > 0.5 * (np.quantile(flowing, USUAL) if len(flowing) else 1.0)
+        least, most = (float(np.quantile(self.flow, share)) for share in RANGE)
+        on = self.flow > max(OPEN, 0.5 * (least + most))
         return float(np.sum(on[1:] & ~on[:-1])) / (len(on) * self.interval_s / DAY_S)
 
 

@@ -17,7 +17,10 @@ SIGNALS = ("heating_signal", "control_output")
 
 def signal_of(record: Record) -> str:
     """Return the channel that tells what an actuator got, "" where none does: an output may go through a modulator."""
-    return next((name for name in SIGNALS if name in record.binary), "heating_signal" * record.has("heating_signal"))
+    switching = [name for name in SIGNALS if name in record.binary]
+    if not switching and record.has("heating_signal"):
+        return "heating_signal"
+    return switching[0] if switching else ""
 
 
 def is_covered(fitter: Fitter, current: Fitted, fitted: Fitted) -> bool:

@@ -54,8 +54,11 @@ def _is_constant(record: Record, channel: str) -> bool:
 
 
 def _should_move(link: Link, record: Record, belief: Belief, channel: str) -> bool:
-    """Whether a constant channel is elsewhere than the belief has it, at some time."""
-    if link.with_room:
+    """Whether a constant channel is elsewhere than the belief has it, at some time.
+
+    A controller that asks for nothing may have been told to: that shows nothing of it.
+    """
+    if link.with_room or {"sensor", "controller"} & set(link.stages):
         return False
     try:
         predicted = link.predict(record, belief, link.readings[0])[channel]
@@ -170,8 +173,8 @@ def doubtful_noise(record: Record, links: Sequence[Link]) -> Iterator[str]:
         noise, usual = record.noise[channel], CHANNELS[channel].noise
         if channel not in record.stated_noise and usual and noise > DOUBTFUL * usual:
             yield (
-                f"{channel}: a noise of {noise:.2g} is told from samples {record.interval_s:g} s apart and may be what "
-                "happened between them; [noise] of dataset.toml can state it"
+                f"{channel}: its noise was estimated as {noise:.2g} from samples {record.interval_s:g} s apart; that "
+                "may be real change between them, and hide a gap: state it in [noise] of dataset.toml"
             )
 
 
