@@ -100,7 +100,7 @@ def _level(name: str, x: pd.Series, notes: Notes) -> None:
         notes.refuse(name, f"goes down to {low:.3g}, but is a level from 0 to 1: are columns swapped?")
     elif high > 1.0 + LEVEL_NOISE or low < -LEVEL_NOISE:
         scale = 1.0 / (high - low)
-        mend = f"[columns] with {{ column = ..., scale = {scale:.4g}, offset = {-low * scale:.4g} }} mends it"
+        mend = f"[columns] with {{ column = ..., scale = {scale:.4g}, offset = {0.0 - low * scale:.4g} }} mends it"
         notes.refuse(name, f"reaches from {low:.3g} to {high:.3g}, but is a level from 0 to 1", allowed=mend)
     elif high > 1.05 or low < -0.05:
         notes.warn(f"{name} reaches from {low:.3g} to {high:.3g}, but is a level from 0 to 1")
