@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 
 from tests.cli.folders import contents
 from waxstudy.results.atomic import whole_file, whole_folder
-from waxstudy.results.run import CaseFolder, Ladder, Run, RunError, finish, is_finished, run_folder
+from waxstudy.results.run import CaseFolder, Run, RunError, finish, is_finished, run_folder
+from waxstudy.study.model import Ladder
 
 FILES = ("run.json", "kpis.csv", "cases/*/kpis.csv", "cases/*/durations.parquet", "cases/*/traces.parquet")
 

@@ -9,7 +9,8 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from waxstudy.plugin import FloatArray
-from waxstudy.results.run import Ladder, Run
+from waxstudy.results.run import Run
+from waxstudy.study.model import Ladder
 
 CONFIDENCE = 0.95
 

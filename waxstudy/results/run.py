@@ -26,6 +26,7 @@ import pandas as pd
 import tomli_w
 
 from waxstudy.results.atomic import PARTIAL, sole_use, whole_file, whole_folder
+from waxstudy.study.model import Ladder
 
 FORMAT = 1
 MANIFEST = "run.json"
@@ -58,13 +59,6 @@ class CaseResult:
     kpis: pd.DataFrame
     durations: pd.DataFrame
     traces: pd.DataFrame
-
-
-@dataclass(frozen=True)
-class Ladder:
-    name: str
-    reference: str
-    cases: Sequence[str]
 
 
 @contextmanager

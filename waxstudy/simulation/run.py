@@ -31,7 +31,7 @@ from waxstudy.plugin import (
 from waxstudy.plugin.registry import PluginError, described, installed, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
-from waxstudy.results.run import CaseFolder, CaseResult, Ladder, finish, is_finished, run_folder, write_case
+from waxstudy.results.run import CaseFolder, CaseResult, finish, is_finished, run_folder, write_case
 from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import DAY_S, Loop, Start, Week
@@ -154,7 +154,6 @@ def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | No
     progress = progress or Progress()
     plan = prepare(study, jit)
     jobs = plan.jobs()
-    ladders = [Ladder(ladder.name, ladder.reference, list(ladder.cases)) for ladder in study.ladders.values()]
     with run_folder(folder):
         progress.total(len(jobs))
         missing = [job for job in jobs if not is_finished(folder, job, study.ensemble.members)]
@@ -162,7 +161,7 @@ def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | No
             if job not in missing:
                 progress.done(job, False)
         _compute(plan, missing, folder, progress)
-        finish(folder, study.described(), ladders, list(plan.driven), jobs, provenance(plan, jobs))
+        finish(folder, study.described(), list(study.ladders.values()), list(plan.driven), jobs, provenance(plan, jobs))
     return plan
 
 

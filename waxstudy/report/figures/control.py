@@ -10,7 +10,7 @@ import pandas as pd
 from waxstudy.report.content import Content
 from waxstudy.report.figures.places import DAY_S, HOUR_S, between, first_week, hours, rises, trace
 from waxstudy.report.figures.style import BLACK, COLOURS, panels, styled
-from waxstudy.results.run import Ladder
+from waxstudy.study.model import Ladder
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -19,7 +19,7 @@ from waxstudy.report.figures.places import (
     trace,
 )
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_under, panels, styled
-from waxstudy.results.run import Ladder
+from waxstudy.study.model import Ladder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,7 @@ from waxstudy.report.content import Content
 from waxstudy.report.figures.places import Lacking, cumulative, first_week, trace
 from waxstudy.report.figures.style import DASHED, GREY, legend_under, look, panels, styled
 from waxstudy.results.kpis import DURATION_PERCENT
-from waxstudy.results.run import Ladder
+from waxstudy.study.model import Ladder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

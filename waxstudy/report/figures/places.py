@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from waxstudy.plugin import FloatArray
 from waxstudy.report.comparison import member_values
 from waxstudy.report.content import Content
-from waxstudy.results.run import Ladder
+from waxstudy.study.model import Ladder
 
 DAY_S, HOUR_S = 86400.0, 3600.0
 
