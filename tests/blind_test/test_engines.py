@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,13 +10,15 @@ import numpy as np
 import pytest
 
 from tests.blind_test.conftest import DATA
+from tests.conftest import Waxstudy
 from waxstudy.blind_test.draw import Case, Measured
-from waxstudy.blind_test.plan import Plan, available, causes_of
+from waxstudy.blind_test.plan import Plan, available, causes_of, left_out
 from waxstudy.blind_test.record import write_record
 from waxstudy.blind_test.truth import Size, sizes
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import Dataset, read_dataset
-from waxstudy.plugin import STAGES
+from waxstudy.plugin import STAGES, trial
+from waxstudy.plugin.registry import PluginError
 from waxstudy.plugin.trial import Cause, Staged, Unmakeable, engine_of, engines
 
 SIMULATED = ("fast-room", "other-plant", "thin-floor-plant")
@@ -198,3 +201,42 @@ def test_channels_that_a_cause_changes_are_channels_of_a_dataset() -> None:
     assert set(staged.without[0]) <= sources
     assert "flow_L_h" in staged.without[0]
     assert "control_output" not in staged.without[0]
+
+
+# --- engines of strangers ---------------------------------------------------------------------------
+
+
+def stranger(place: Path, package: str, source: str, points: str) -> None:
+    """Install a one-module package with entry points."""
+    about = place / f"{package}-1.0.dist-info"
+    about.mkdir(parents=True)
+    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text(points)
+    (place / f"{package}.py").write_text(source)
+
+
+@pytest.fixture
+def broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A stranger's engine that fails when it is imported."""
+    place = tmp_path / "strangers"
+    stranger(place, "dear", "raise RuntimeError('no licence')", "[waxstudy.engines]\ndear = dear:Dear\n")
+    monkeypatch.syspath_prepend(place)
+    trial.installed_engines.cache_clear()
+    yield
+    trial.installed_engines.cache_clear()
+
+
+@pytest.mark.usefixtures("broken")
+def test_an_engine_that_cannot_be_loaded_is_told_and_left_out() -> None:
+    assert "no licence" in left_out(is_judged=False)["dear"]
+    assert set(available(is_judged=False)) >= {"fast-room", "other-plant"}
+    assert "dear" not in engines()
+    with pytest.raises(PluginError, match=r"engine 'dear' is broken: .*no licence"):
+        engine_of("dear")
+
+
+def test_two_baselines_of_one_name_are_refused(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    place = tmp_path / "strangers"
+    stranger(place, "mine", "def rules(dataset): return {}", "[waxstudy.baselines]\nrules = mine:rules\n")
+    asked = waxstudy("blind-test", "baseline", "rules", place, env={"PYTHONPATH": str(place)})
+    assert (asked.returncode, "two baselines are called 'rules'" in asked.stderr) == (4, True)

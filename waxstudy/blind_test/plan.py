@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from waxstudy.blind_test.key import Key
-from waxstudy.plugin.trial import Engine, engine_of, engines
+from waxstudy.plugin.trial import Engine, broken_engines, engine_of, engines
 
 Kind = Literal["null", "single", "pair", "family"]
 LEAST_OVER = 2.0  # true gap over its noise floor, in the goal strata
@@ -59,7 +59,8 @@ def available(is_judged: bool) -> tuple[str, ...]:
 
 def left_out(is_judged: bool) -> Mapping[str, str]:
     """Return the engines that take no part here, with the reason."""
-    return {name: reason for name, engine in _wanted(is_judged).items() if (reason := engine.hindrance())}
+    hindered = {name: reason for name, engine in _wanted(is_judged).items() if (reason := engine.hindrance())}
+    return {**broken_engines(), **hindered}
 
 
 def _wanted(is_judged: bool) -> dict[str, type[Engine]]:

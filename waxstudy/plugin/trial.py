@@ -102,22 +102,39 @@ class Engine:
 
 
 @cache
-def engines() -> Mapping[str, type[Engine]]:
-    """Return the installed engines by name; raise `PluginError` for one that cannot be loaded."""
+def installed_engines() -> tuple[dict[str, type[Engine]], dict[str, str]]:
+    """Return the engines that can be used, and the others with the reason, by name."""
     found: dict[str, type[Engine]] = {}
+    broken: dict[str, str] = {}
     for point in sorted(entry_points(group=GROUP), key=lambda each: each.name):
-        with told(f"engine '{point.name}'"):
-            engine = point.load()
+        try:
+            with told():
+                engine = point.load()
+        except PluginError as error:
+            broken[point.name] = str(error)
+            continue
         if not (isinstance(engine, type) and issubclass(engine, Engine)):
-            raise PluginError(f"engine '{point.name}' is {engine!r:.60}, no class derived from Engine")
-        if found.setdefault(engine.name, engine) is not engine:
-            raise PluginError(f"two engines are called '{engine.name}': uninstall one of their packages")
-    return found
+            broken[point.name] = f"it is {engine!r:.60}, no class derived from Engine"
+        elif found.setdefault(engine.name, engine) is not engine:
+            broken[engine.name] = "two engines have this name: uninstall one of their packages"
+    return {name: engine for name, engine in found.items() if name not in broken}, broken
+
+
+def engines() -> Mapping[str, type[Engine]]:
+    """Return the installed engines by name, but for those that cannot be loaded."""
+    return installed_engines()[0]
+
+
+def broken_engines() -> Mapping[str, str]:
+    """Return the engines that cannot be loaded, with the reason."""
+    return installed_engines()[1]
 
 
 def engine_of(name: str) -> type[Engine]:
     """Return an engine; raise `PluginError` naming the nearest one and what is installed."""
-    known = engines()
+    known, broken = installed_engines()
+    if name in broken:
+        raise PluginError(f"engine '{name}' is broken: {broken[name]}")
     if name not in known:
         near = nearest(name, known)
         hint = f"; did you mean '{near}'?" if near else ""
