@@ -18,8 +18,11 @@ from hypothesis import strategies as st
 from tests.conftest import ROOT
 from tests.dataset.conftest import SETPOINT_C, Simulated, described, written
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.levels import only_switches
 from waxstudy.dataset.measure import Instruments, measure
 from waxstudy.dataset.read import Dataset, read_dataset
+from waxstudy.plugin import Choice
+from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 
 DATA = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data"))
@@ -343,15 +346,42 @@ def test_a_switch_beside_a_gap_is_not_known(good: Path) -> None:
     assert np.isnan(reread(good, lost).values["heating_signal"].iloc[500])
 
 
-def test_an_output_that_is_often_between_is_left_with_its_signal(good: Path) -> None:
-    """A controller of high gain in samples of half an hour: nearly every sample between stands alone."""
+def averaged(data: pd.DataFrame) -> pd.DataFrame:
+    output = means_at_switches(data["control_output"])
+    return data.assign(control_output=output, heating_signal=output)
 
-    def steep(data: pd.DataFrame) -> pd.DataFrame:
-        output = means_at_switches(data["control_output"])
-        return data.assign(control_output=output, heating_signal=output)
 
-    read = reread(good, steep)
+def test_output_and_signal_of_a_controller_that_switches_are_on_or_off(good: Path) -> None:
+    before = read_dataset(good).values
+    read = reread(good, averaged)
+    for name in ("control_output", "heating_signal"):
+        pd.testing.assert_series_equal(read.values[name], before["control_output"].rename(name))
+
+
+def test_output_and_signal_of_another_controller_may_be_anything_between(good: Path) -> None:
+    """One of high gain in samples of half an hour: nearly every sample between stands alone."""
+    description = good / "dataset.toml"
+    text = description.read_text(encoding="utf-8")
+    description.write_text(re.sub(r'use = "on-off"\n.*', 'use = "pi"\ngain = 100.0', text), encoding="utf-8")
+    read = reread(good, averaged)
+    assert read.nominal["controller"].component.name == "pi"
     assert (read.values["heating_signal"] == 0.37).sum() == (read.values["control_output"] == 0.37).sum() > 3
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "switches"),
+    [
+        ("on-off", {}, True),
+        ("on-off", {"dead_band_K": 2.0}, True),
+        ("pi", {}, False),
+        ("pi", {"gain": 100.0}, False),
+    ],
+)
+def test_a_controller_tells_by_what_it_gives_whether_it_only_switches(
+    name: str, values: dict[str, float], switches: bool
+) -> None:
+    controller = Choice.of(installed().get("controller", name), values)
+    assert only_switches(controller) is switches
 
 
 def test_the_output_before_a_modulator_may_be_anything_between(good: Path) -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.notes import Notes
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import CHAIN, Choice, FloatArray, SimulationError
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.interpreted import checked
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -16,27 +19,42 @@ if TYPE_CHECKING:
 NEAR = 0.05  # of an end: what an instrument may add to it, or a channel of volts may lack
 MOST_BETWEEN = 0.35  # share of a signal's samples that may fall upon its switches
 FEW, FEWEST = 0.1, 3  # share of those, and count, that may be faults; more are pulses shorter than a sample
+SWEEP_K, SWEEP_S = np.geomspace(1e-4, 3.0, 100), 60.0  # control errors of both signs, and how long each lasts
 TOLD = 1e-3  # beyond an end, from which it is worth a word
 
 
-def as_levels(values: pd.DataFrame, has_modulator: bool, notes: Notes) -> pd.DataFrame:
+def as_levels(values: pd.DataFrame, nominal: Mapping[str, Choice], notes: Notes) -> pd.DataFrame:
     """Return the samples on their grid with levels cut off at 0 and 1, and signals on or off where they can be.
 
-    The output before a believed modulator may be anything between; so may output and signal without one, if they are
-    more than a fault now and then. The user is told what was changed.
+    What a believed modulator gives is a signal, and without one what a believed controller gives that only switches.
+    What any other controller gives is none. The user is told what was changed.
     """
     found = values.copy()
     for name in values.columns:
         if CHANNELS[name].quantity == "level":
             found[name] = _within(name, values[name].to_numpy(dtype=float), notes)
-    if "control_output" in found and not has_modulator:
-        output = found["control_output"].to_numpy()
-        found["control_output"] = _as_signal("control_output", output, notes, is_mean=False)
-    runs_on = "control_output" in found and not has_modulator and not _is_binary(found["control_output"].to_numpy())
-    if "heating_signal" in found:
-        signal = found["heating_signal"].to_numpy()
-        found["heating_signal"] = _as_signal("heating_signal", signal, notes, is_mean=not runs_on)
+    for name in _signals(nominal):
+        if name in found:
+            found[name] = _as_signal(name, found[name].to_numpy(), notes)
     return found
+
+
+def _signals(nominal: Mapping[str, Choice]) -> tuple[str, ...]:
+    if "modulator" in nominal or "controller" not in nominal:
+        return ("heating_signal",)
+    return ("control_output", "heating_signal") if only_switches(nominal["controller"]) else ()
+
+
+def only_switches(controller: Choice) -> bool:
+    """Whether a controller gives nothing but on and off, from far too warm to far too cold."""
+    chain, place = Chain({"controller": controller}, SWEEP_S), CHAIN.index("controller")
+    block, plain, state = chain.blocks[place], chain.plain[place], chain.start()[place]
+    assert block
+    step, errors_K = checked(block), (*-SWEEP_K[::-1], *SWEEP_K)
+    try:
+        return all(step(plain, state, u, n * SWEEP_S, SWEEP_S) in (0.0, 1.0) for n, u in enumerate(errors_K))
+    except SimulationError:  # which a diagnosis tells of
+        return False
 
 
 def _within(name: str, x: FloatArray, notes: Notes) -> FloatArray:
@@ -46,15 +64,11 @@ def _within(name: str, x: FloatArray, notes: Notes) -> FloatArray:
     return np.clip(x, 0.0, 1.0)
 
 
-def _is_binary(x: FloatArray) -> bool:
-    return bool(np.isin(x[np.isfinite(x)], (0.0, 1.0)).all())
-
-
-def _as_signal(name: str, level: FloatArray, notes: Notes, *, is_mean: bool) -> FloatArray:
+def _as_signal(name: str, level: FloatArray, notes: Notes) -> FloatArray:
     """Return a signal exactly on or off; as it is where it runs on, or pulses within its samples.
 
-    A sample between off and on is the mean of an interval in which it switched, if means are logged: its end is what
-    follows. One between two of the same is a fault, and one beside a gap says nothing.
+    A sample between off and on is the mean of an interval in which it switched: its end is what follows. One between
+    two of the same is a fault, and one beside a gap says nothing.
     """
     between = (level > NEAR) & (level < 1.0 - NEAR)
     if not (level >= 1.0 - NEAR).any() or between.sum() > MOST_BETWEEN * np.isfinite(level).sum():
@@ -62,8 +76,7 @@ def _as_signal(name: str, level: FloatArray, notes: Notes, *, is_mean: bool) -> 
     ends = np.where(between, np.nan, np.round(level))
     before, after = np.concatenate(([np.nan], ends[:-1])), np.concatenate((ends[1:], [np.nan]))
     switches = between & (np.abs(after - before) == 1.0)
-    odd = np.count_nonzero(between & ~switches) if is_mean else np.count_nonzero(between)
-    if odd > max(FEWEST, FEW * between.sum() if is_mean else 0):
+    if np.count_nonzero(between & ~switches) > max(FEWEST, FEW * between.sum()):
         return level
     _tell(name, level, between, ends, notes)
     return np.where(between, np.where(switches | (after == before), after, np.nan), ends)

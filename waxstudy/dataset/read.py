@@ -139,9 +139,8 @@ def _record(
     if record is None:
         return None
     values, interval_s = without_empty(record[0], notes), record[1]  # on the grid a nearer row may have taken a place
-    has_modulator = "modulator" in described.nominal
-    _look(values, interval_s, has_modulator, notes)
-    return without_empty(as_levels(values, has_modulator, notes), notes), interval_s
+    _look(values, interval_s, "modulator" in described.nominal, notes)
+    return without_empty(as_levels(values, described.nominal, notes), notes), interval_s
 
 
 def _look(values: pd.DataFrame, interval_s: float, has_modulator: bool, notes: Notes) -> None:
