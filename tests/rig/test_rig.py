@@ -159,7 +159,7 @@ def test_flow_follows_the_valve_s_curve() -> None:
         (("--actuator", "variable-time"), "no actuator 'variable-time'; did you mean 'variable-times'?"),
         (("--valve", "lineal"), "no valve 'lineal'; did you mean 'linear'?"),
         (("--bench", "nois_mm=1"), "--bench nois_mm: the bench has no such parameter; did you mean 'noise_mm'?"),
-        (("--bench", "noise_mm=-1"), "--bench noise_mm: Input should be greater than or equal to 0"),
+        (("--bench", "noise_mm=-1"), "--bench noise_mm: must be at least 0"),
         (("--bench", "noise_mm"), "'noise_mm' is not a parameter, '=' and a value"),
         (("--set", "fall_s=-1"), "actuator 'variable-times': fall_s"),
     ],
