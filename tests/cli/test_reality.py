@@ -95,7 +95,7 @@ def test_a_place_that_cannot_be_written_is_told(entry: Entry, small_study: Path)
 EFFECTS = {
     "unknown effect": (["--effect", "let-bu"], USAGE, "no effect 'let-bu'; did you mean 'let-by'?"),
     "unknown parameter": (["--effect", "let-by", "--set", "fractoin=1"], USAGE, "did you mean 'fraction'?"),
-    "out of bounds": (["--effect", "let-by", "--set", "fraction=2"], USAGE, "effect 'let-by': fraction: must be at most 1"),
+    "out of bounds": (["--effect", "let-by", "--set", "fraction=2"], USAGE, "'let-by': fraction: must be at most 1"),
     "no number": (["--effect", "let-by", "--set", "fraction=a"], USAGE, "'fraction=a' is not a parameter, '='"),
     "a parameter of none": (["--set", "fraction=0.1"], USAGE, "no parameter 'fraction'"),
     "twice": (["--effect", "let-by", "--effect", "let-by"], USAGE, "effect 'let-by' is asked for twice"),
