@@ -390,6 +390,18 @@ def test_the_output_before_a_modulator_may_be_anything_between(good: Path) -> No
     assert (read.values["control_output"] == 0.4).sum() > 20
 
 
+def test_a_code_in_a_column_that_is_scaled_is_found_before_it_is_scaled(good: Path) -> None:
+    def per_cent(data: pd.DataFrame) -> pd.DataFrame:
+        opening = 100.0 * data.pop("displacement")
+        return data.assign(travel=opening.where(data.index % 90 != 50, -999.0))
+
+    read = reread(good, per_cent, '\n[columns]\ndisplacement = { column = "travel", scale = 0.01 }\n')
+    assert told(read, "displacement", "32 samples are a code for a missing sample", "the first is -999")
+    opening = read.values["displacement"]
+    assert opening.isna().sum() >= 32
+    assert opening.dropna().between(0.0, 1.0).all()
+
+
 def test_a_stuck_sensor_is_told_and_left_as_it_is(good: Path) -> None:
     def stuck(data: pd.DataFrame) -> pd.DataFrame:
         data.loc[600:1200, "air_temperature_C"] = 21.3

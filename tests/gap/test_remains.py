@@ -21,6 +21,7 @@ from waxstudy.gap.result import FoundEffect, Interval, Untestable
 from waxstudy.gap.select import Selection, select
 from waxstudy.gap.stray import is_covered, opening, stray_s
 from waxstudy.gap.testable import clear, doubtful_noise, next_measurements, separating, too_short, uncovered, unshown
+from waxstudy.gap.trust import reaching_belief
 from waxstudy.gap.unexplained import unexplained
 from waxstudy.plugin import Belief, FloatArray, Inputs
 
@@ -289,6 +290,17 @@ def test_what_was_never_excited_asks_for_more_days() -> None:
     seen, _, cut = ready()
     unseen = [Untestable("let-by", "nothing in this record would look different with it")]
     assert list(next_measurements(cut, [], unseen, {}, seen.interval_s))[-1].splits == ["let-by"]
+
+
+@pytest.mark.parametrize(("low", "is_told"), [(0.71, True), (1.02, False)])
+def test_an_effect_whose_interval_holds_what_is_believed_is_said_to(low: float, is_told: bool) -> None:
+    _, believed, _ = ready()
+    slow = EFFECTS["slow-actuator"]
+    one, factor = Interval(1.0, 1.0, 1.0), {"factor": Interval(1.05, low, 1.1)}
+    found = FoundEffect(
+        slow.name, "actuator", "", (slow.name,), factor, 1.0, 0.0025, "displacement", 5.0, 1.0, 1.0, one
+    )
+    assert len(list(reaching_belief([found], [slow], believed))) == is_told
 
 
 # --- regimes ---------------------------------------------------------------------------------------------

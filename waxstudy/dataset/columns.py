@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 TIME = "time"
 UNREADABLE_SHARE = 0.5  # of the cells of a column that are no numbers: beyond, it is another column
 WORDS = {"on": 1.0, "true": 1.0, "open": 1.0, "off": 0.0, "false": 0.0, "closed": 0.0}
+# what loggers write where they have no value
+CODES = (-99999.0, -9999.0, -999.0, -99.0, -127.0, -32768.0)
+CODES_ABOVE = (9999.0, 99999.0, 32767.0, 65535.0)  # a flow or gain may be as large
+NEVER_NEGATIVE = ("level", "flow", "gain")  # a temperature in tenths may be -127
 THOUSANDS = re.compile(r"\d,\d{3}\b.*\.|\d\.\d{3}\b.*,")
 NAMED = 20  # columns that a message lists
 
@@ -64,13 +68,26 @@ def _value(channel: str, column: Column, table: pd.DataFrame, notes: Notes) -> p
             continue
         numbers = numbers_of(channel, table[part.column], notes)
         if numbers is not None:
-            parts.append(part.scale * numbers)
+            parts.append(part.scale * _without_codes(channel, numbers, column, part.scale, notes))
     if len(parts) < len(column.parts):
         return None
     total = sum(parts[1:], parts[0])
     if column.mean is not None:
         total = total / len(parts)
     return total if (column.scale, column.offset) == (1.0, 0.0) else column.scale * total + column.offset
+
+
+def _without_codes(channel: str, numbers: pd.Series, column: Column, scale: float, notes: Notes) -> pd.Series:
+    """Return a column that is scaled without its codes, which nobody could tell afterwards."""
+    is_scaled = (scale, column.scale, column.offset) != (1.0, 1.0, 0.0) or len(column.parts) > 1
+    if not is_scaled or CHANNELS[channel].quantity not in NEVER_NEGATIVE:
+        return numbers
+    codes = numbers.isin(CODES)
+    if count := int(codes.sum()):
+        are = "sample is" if count == 1 else "samples are"
+        first = f"the first is {numbers[codes].iloc[0]:g}"
+        notes.warn(f"{channel}: {count} {are} a code for a missing sample ({first}): set to missing")
+    return numbers.mask(codes)
 
 
 def numbers_of(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None:

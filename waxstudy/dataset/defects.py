@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS, Quantity
+from waxstudy.dataset.columns import CODES, CODES_ABOVE
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.plausible import LEVEL_NOISE
 from waxstudy.plugin import FloatArray
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
 
     Values = pd.DataFrame
 
-# what loggers write where they have no value
-CODES = (-99999.0, -9999.0, -999.0, -99.0, -127.0, -32768.0)
-CODES_ABOVE = (9999.0, 99999.0, 32767.0, 65535.0)  # a flow or gain may be as large
 # what no such temperature is [C]
 BOUNDS: dict[Quantity, tuple[float, float]] = {
     "indoor": (-30.0, 60.0),

@@ -30,6 +30,7 @@ from waxstudy.gap.result import (
 from waxstudy.gap.select import Selection
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.testable import UNSHOWN, doubtful_noise, next_measurements, separating, uncovered, unshown
+from waxstudy.gap.trust import reaching_belief
 from waxstudy.gap.unexplained import stage_of, unexplained
 from waxstudy.plugin import STAGES, Belief
 
@@ -71,7 +72,12 @@ def assembled(
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
         next_measurements=list(next_measurements(cut, found, untestable, stages, work.record.interval_s)),
-        warnings=[*work.dataset.warnings, *doubtful_noise(work.record, cut), *_warned(selections)],
+        warnings=[
+            *work.dataset.warnings,
+            *doubtful_noise(work.record, cut),
+            *_warned(selections),
+            *reaching_belief(found, work.effects, work.belief),
+        ],
         assumptions=[*work.dataset.assumptions, *_readings(selections), *_needless(selections)],
         departures=_departures(selections),
         parts=_parts(work, selections),

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 from waxstudy.gap.candidate import explained
 from waxstudy.gap.claim import EXPLAINED
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
 from waxstudy.gap.links import ROOM_STAGES, Link
+from waxstudy.gap.result import FoundEffect
 from waxstudy.gap.room import ROOM_FORM_K
+from waxstudy.gap.space import EffectType
+from waxstudy.plugin import Belief
 
 CONFIRMED = 0.25  # of the square of a gap that an effect must take away on days that nobody looked at
 MUCH = 0.25  # of what a room was missed by, that effects may leave and still be trusted
@@ -42,3 +47,13 @@ def is_late(link: Link, errors: Errors, floor: Floor) -> bool:
     last, before = errors.gap(SHRINK), max(errors.gap(FIT), errors.gap(SELECT))
     form_K = ROOM_FORM_K.get(errors.channel, 0.0) if link.with_room else 0.0
     return last > max(LATE * before, EXPLAINED * floor.plain[errors.channel], form_K)
+
+
+def reaching_belief(found: Sequence[FoundEffect], effects: Sequence[EffectType], belief: Belief) -> Iterator[str]:
+    """Yield what to say of effects of which every interval holds what is believed."""
+    types = {effect.name: effect for effect in effects}
+    for each in found:
+        neutral = types[each.name].neutral(belief) or {}
+        known = [(each.parameters[name], value) for name, value in neutral.items() if name in each.parameters]
+        if known and all(interval.low <= value <= interval.high for interval, value in known):
+            yield f"{each.name}: its intervals reach to what is believed; it may be slight, or something else"
