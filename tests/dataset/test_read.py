@@ -346,6 +346,15 @@ def test_a_switch_beside_a_gap_is_not_known(good: Path) -> None:
     assert np.isnan(reread(good, lost).values["heating_signal"].iloc[500])
 
 
+def test_a_controller_that_cannot_start_is_no_fault_of_reading() -> None:
+    class Broken(installed().get("controller", "on-off")):  # type: ignore[misc]
+        @staticmethod
+        def start(p: object, dt: float) -> object:
+            raise RuntimeError("no licence")
+
+    assert only_switches(Choice.of(Broken, {})) is False
+
+
 def averaged(data: pd.DataFrame) -> pd.DataFrame:
     output = means_at_switches(data["control_output"])
     return data.assign(control_output=output, heating_signal=output)

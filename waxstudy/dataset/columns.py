@@ -23,6 +23,7 @@ WORDS = {"on": 1.0, "true": 1.0, "open": 1.0, "off": 0.0, "false": 0.0, "closed"
 # what loggers write where they have no value
 CODES = (-99999.0, -9999.0, -999.0, -99.0, -127.0, -32768.0)
 CODES_ABOVE = (9999.0, 99999.0, 32767.0, 65535.0)  # a flow or gain may be as large
+CODE = "a code for a missing sample"
 NEVER_NEGATIVE = ("level", "flow", "gain")  # a temperature in tenths may be -127
 THOUSANDS = re.compile(r"\d,\d{3}\b.*\.|\d\.\d{3}\b.*,")
 NAMED = 20  # columns that a message lists
@@ -83,10 +84,7 @@ def _without_codes(channel: str, numbers: pd.Series, column: Column, scale: floa
     if not is_scaled or CHANNELS[channel].quantity not in NEVER_NEGATIVE:
         return numbers
     codes = numbers.isin(CODES)
-    if count := int(codes.sum()):
-        are = "sample is" if count == 1 else "samples are"
-        first = f"the first is {numbers[codes].iloc[0]:g}"
-        notes.warn(f"{channel}: {count} {are} a code for a missing sample ({first}): set to missing")
+    notes.lost(channel, numbers[codes].to_numpy(), CODE)
     return numbers.mask(codes)
 
 

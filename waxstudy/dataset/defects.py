@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS, Quantity
-from waxstudy.dataset.columns import CODES, CODES_ABOVE
+from waxstudy.dataset.columns import CODE, CODES, CODES_ABOVE
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.plausible import LEVEL_NOISE
 from waxstudy.plugin import FloatArray
@@ -45,7 +45,7 @@ def without_faults(values: Values, times: pd.DatetimeIndex, notes: Notes) -> Val
     usual_s = float(np.median(np.diff(times.as_unit("ns").asi8))) / 1e9
     for name in values.columns:
         quantity = CHANNELS[name].quantity
-        _discard(cleaned, name, _codes(cleaned[name].to_numpy(), quantity), "a code for a missing sample", notes)
+        _discard(cleaned, name, _codes(cleaned[name].to_numpy(), quantity), CODE, notes)
         if quantity in PEAKS:
             _without_peaks(cleaned, name, *PEAKS[quantity], notes)
         elif quantity == "level":
@@ -107,12 +107,8 @@ def _spikes(x: FloatArray, limit: float) -> np.ndarray:
 
 
 def _discard(values: Values, name: str, bad: np.ndarray, what: str, notes: Notes) -> None:
-    count = int(bad.sum())
-    if count:
-        first = values[name].to_numpy()[int(np.argmax(bad))]
-        are = "sample is" if count == 1 else "samples are"
-        notes.warn(f"{name}: {count} {are} {what} (the first is {first:g}): set to missing")
-        values.loc[bad, name] = np.nan
+    notes.lost(name, values[name].to_numpy()[bad], what)
+    values.loc[bad, name] = np.nan
 
 
 def look_at_samples(values: Values, interval_s: float, notes: Notes) -> None:

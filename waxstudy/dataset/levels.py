@@ -10,6 +10,7 @@ import numpy as np
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.notes import Notes
 from waxstudy.plugin import CHAIN, Choice, FloatArray, SimulationError
+from waxstudy.plugin.registry import PluginError
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.interpreted import checked
 
@@ -47,13 +48,14 @@ def _signals(nominal: Mapping[str, Choice]) -> tuple[str, ...]:
 
 def only_switches(controller: Choice) -> bool:
     """Whether a controller gives nothing but on and off, from far too warm to far too cold."""
-    chain, place = Chain({"controller": controller}, SWEEP_S), CHAIN.index("controller")
-    block, plain, state = chain.blocks[place], chain.plain[place], chain.start()[place]
-    assert block
-    step, errors_K = checked(block), (*-SWEEP_K[::-1], *SWEEP_K)
+    place, errors_K = CHAIN.index("controller"), (*-SWEEP_K[::-1], *SWEEP_K)
     try:
+        chain = Chain({"controller": controller}, SWEEP_S)
+        block, plain, state = chain.blocks[place], chain.plain[place], chain.start()[place]
+        assert block
+        step = checked(block)
         return all(step(plain, state, u, n * SWEEP_S, SWEEP_S) in (0.0, 1.0) for n, u in enumerate(errors_K))
-    except SimulationError:  # which a diagnosis tells of
+    except (SimulationError, PluginError):  # which a diagnosis tells of
         return False
 
 

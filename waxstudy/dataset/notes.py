@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from waxstudy.plugin import FloatArray
 from waxstudy.study.problems import Problem
 
 
@@ -28,6 +29,12 @@ class Notes:
 
     def warn(self, sentence: str) -> None:
         self.warnings.append(sentence)
+
+    def lost(self, channel: str, bad: FloatArray, what: str) -> None:
+        """Tell of samples that were set to missing, if there are any."""
+        if len(bad):
+            are = "sample is" if len(bad) == 1 else "samples are"
+            self.warn(f"{channel}: {len(bad)} {are} {what} (the first is {bad[0]:g}): set to missing")
 
     def assume(self, sentence: str) -> None:
         self.assumptions.append(sentence)

@@ -51,7 +51,7 @@ def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.Dat
     import pandas as pd
 
     if pd.api.types.is_datetime64_any_dtype(written):
-        times: pd.Series = written
+        times: pd.Series | None = written
     elif pd.api.types.is_numeric_dtype(written):
         notes.refuse(TIME, "is a number, not a date and time", line=2, value=shown(written.iloc[0]), allowed=ISO)
         return None
@@ -64,11 +64,7 @@ def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.Dat
             return None
         if zoned.any():
             return _standard(written, time_format, notes)
-        try:
-            times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce")
-        except (ValueError, re.error) as error:
-            _no_format(time_format, error, notes)
-            return None
+        times = _read(written, time_format, notes)
     return _all_read(written, times, time_format, notes)
 
 
@@ -76,12 +72,7 @@ def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.D
     """Return stamps with offsets from UTC in the smallest of their offsets: standard time, not summer time."""
     import pandas as pd
 
-    try:
-        times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce", utc=True)
-    except (ValueError, re.error) as error:
-        _no_format(time_format, error, notes)
-        return None
-    read = _all_read(written, times, time_format, notes)
+    read = _all_read(written, _read(written, time_format, notes, utc=True), time_format, notes)
     if read is None:
         return None
     offsets = written.str.extract(r"([+-])(\d\d)(?::?(\d\d))?\s*$")
@@ -93,6 +84,18 @@ def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.D
     return read.tz_convert(None) + pd.Timedelta(minutes=least)
 
 
+def _read(written: pd.Series, time_format: str | None, notes: Notes, utc: bool = False) -> pd.Series | None:
+    """Return the stamps, missing where they cannot be read; None where the format is none, which is noted."""
+    import pandas as pd
+
+    try:
+        times: pd.Series = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce", utc=utc)
+    except (ValueError, re.error) as error:
+        _no_format(time_format, error, notes)
+        return None
+    return times
+
+
 def _no_format(time_format: str | None, error: Exception, notes: Notes) -> None:
     if time_format is None:
         notes.refuse(TIME, "cannot be read as date and time", allowed=ISO)
@@ -102,9 +105,13 @@ def _no_format(time_format: str | None, error: Exception, notes: Notes) -> None:
     notes.refuse("time_format", wrong, value=shown(time_format), allowed="such as %d.%m.%Y %H:%M:%S")
 
 
-def _all_read(written: pd.Series, times: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
+def _all_read(
+    written: pd.Series, times: pd.Series | None, time_format: str | None, notes: Notes
+) -> pd.DatetimeIndex | None:
     import pandas as pd
 
+    if times is None:
+        return None
     bad = times.isna().to_numpy()
     if not bad.any():
         return pd.DatetimeIndex(times)

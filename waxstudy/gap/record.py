@@ -161,7 +161,8 @@ class Record:
             start = end
             while start >= 0 and missing[start]:
                 start -= 1
-            if filled[max(start, 0)] != filled[end + 1] if is_binary else end - start > long:
+            has_switched, is_long = filled[max(start, 0)] != filled[end + 1], end - start > long
+            if has_switched if is_binary else is_long:
                 changed[max(start, 0) : end + 1 + after] = True
         return missing | changed
 

@@ -17,10 +17,8 @@ SIGNALS = ("heating_signal", "control_output")
 
 def signal_of(record: Record) -> str:
     """Return the channel that tells what an actuator got, "" where none does: an output may go through a modulator."""
-    switching = [name for name in SIGNALS if name in record.binary]
-    if not switching and record.has("heating_signal"):
-        return "heating_signal"
-    return switching[0] if switching else ""
+    otherwise = "heating_signal" if record.has("heating_signal") else ""
+    return next((name for name in SIGNALS if name in record.binary), otherwise)
 
 
 def is_covered(fitter: Fitter, current: Fitted, fitted: Fitted) -> bool:
