@@ -15,9 +15,10 @@ test: .venv/installed-dev  ## set up, check style, types and imports, run every 
 	$(BIN)/lint-imports
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-golden: .venv/installed-dev  ## compute the golden results and the study file's schema again
+golden: .venv/installed-dev  ## compute the golden results, the study file's schema and the tables of judged runs again
 	$(BIN)/python -m tests.golden.regenerate
 	$(BIN)/python -m tests.study.regenerate_schema
+	$(BIN)/python -m tests.blind_test.regenerate_tables
 
 bench: .venv/installed-dev  ## measure speed and memory
 	$(BIN)/python -m benchmarks

@@ -1,0 +1,148 @@
+"""Write the tables of judged runs again from their scores: `python -m tests.blind_test.regenerate_tables`."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from tests.conftest import ROOT
+
+RUNS = ROOT / "results" / "blind_test"
+WHERE = ("fast room", "other physics")
+BASELINES = ("refit", "rules", "forward", "random")
+FEW = 10
+# name in the README; name of the goal of the fast room; of other physics
+SUMMARY = (
+    ("right group", "right group", "right group"),
+    ("… of those beyond what is unknown of the room", "right group, beyond what is unknown of the room", ""),
+    ("effect named alone, where it could be", *["top-1 effect, where it could be named"] * 2),
+    ("right stage", "right stage", "right stage"),
+    ("false alarms on nulls", "false alarms on nulls", "false alarms on nulls"),
+    ("misdiagnosis", "misdiagnosis", "misdiagnosis"),
+    ("unknown found", "unknown found", "unknown found"),
+    ("unknown falsely claimed", "unknown falsely claimed", "unknown falsely claimed"),
+    ("leave-one-out answered honestly", "leave-one-out answered honestly", ""),
+    ("both of two effects", "both of two effects found", "both of two effects found"),
+    ("median true shrinkage", *["median true shrinkage, held-out days"] * 2),
+    ("coverage of 95 % intervals", "coverage of 95 % intervals", "coverage of 95 % intervals"),
+    ("measured house: right or untestable", "", "semi-real: right group or untestable"),
+)
+
+Score = Mapping[str, Any]
+Goal = Mapping[str, Any]
+
+
+def scores() -> dict[str, Score]:
+    """Every judged run by its number."""
+    packed = {path.parent.name: path.read_bytes() for path in RUNS.glob("*/score.json.gz")}
+    return {name: json.loads(gzip.decompress(packed[name])) for name in sorted(packed, key=int)}
+
+
+def pages() -> dict[Path, str]:
+    """Every page that shows figures of judged runs, as it should be."""
+    every = scores()
+    newest = list(every.values())[-1]
+    wanted = {RUNS / name / "README.md": [_run(score, where) for where in WHERE] for name, score in every.items()}
+    wanted[RUNS / "README.md"] = [_over_runs(every, where) for where in WHERE]
+    wanted[ROOT / "README.md"] = [_summary(newest)]
+    return {page: _with(page.read_text(encoding="utf-8"), tables) for page, tables in wanted.items()}
+
+
+def _with(text: str, tables: Iterable[str]) -> str:
+    """Return a page with each table in the place of the one whose heading begins alike."""
+    for table in tables:
+        start = re.escape(table[: table.index("| goal |")])
+        text, found = re.subn(rf"^{start}\| goal \|.*\n(\|.*\n)*", lambda _, new=table: new, text, flags=re.M)
+        assert found == 1, f"a page should have one table that begins with {start}"
+    return text
+
+
+def _run(score: Score, where: str) -> str:
+    """One run: ours with intervals, whether the goal is met, the baselines that were asked."""
+    asked = [name for name in BASELINES if name in score["diagnosers"]]
+    rows = [["", "goal", "ours, 95 % interval, records", "met", *asked]]
+    for name, goal in _goals(score, "ours", where).items():
+        if goal["of"]:
+            beside = [_value(_goals(score, other, where)[name]) for other in asked]
+            rows.append([name, _wanted(goal), _with_interval(goal), _met(goal), *beside])
+    rows[0][0] = where
+    return _table(rows)
+
+
+def _over_runs(every: Mapping[str, Score], where: str) -> str:
+    goals = {run: _goals(score, "ours", where) for run, score in every.items()}
+    newest = list(goals.values())[-1]
+    rows = [[where, "goal", *(f"run {run}" for run in goals)]]
+    for name, goal in newest.items():
+        if goal["of"]:
+            rows.append([name, _wanted(goal), *(_value(run[name]) + _star(run[name]) for run in goals.values())])
+    return _table(rows)
+
+
+def _summary(score: Score) -> str:
+    """The README's: ours with intervals and two baselines, the fast room beside other physics."""
+    beside = ("rules", "random")
+    rows = [["", "goal", "fast room", *beside, "goal", "other physics", *beside]]
+    for label, *names in SUMMARY:
+        row = [label]
+        for where, name in zip(WHERE, names, strict=True):
+            row += _summary_cells(score, where, name, beside)
+        rows.append(row)
+    return _table(rows)
+
+
+def _summary_cells(score: Score, where: str, name: str, beside: Sequence[str]) -> list[str]:
+    if not name:
+        return ["", *["-"] * (1 + len(beside))]
+    goal = _goals(score, "ours", where)[name]
+    wanted = "" if goal["wanted"] is None else f"{'≤ ' if goal['at_most'] else ''}{goal['wanted']:.2f}"
+    others = [_value(_goals(score, other, where)[name]) for other in beside]
+    return [wanted, _briefly(goal) + _star(goal), *others]
+
+
+def _goals(score: Score, diagnoser: str, where: str) -> dict[str, Goal]:
+    return {goal["name"]: goal for goal in score["diagnosers"][diagnoser]["goals"] if goal["where"] == where}
+
+
+def _wanted(goal: Goal) -> str:
+    if goal["wanted"] is None:
+        return "report"
+    if goal["where"] == "fast room" and goal["name"].startswith("coverage"):
+        return f"holds {goal['wanted']:.2f}"
+    return f"{'at most' if goal['at_most'] else 'at least'} {goal['wanted']:.2f}"
+
+
+def _met(goal: Goal) -> str:
+    return {True: "yes", False: "**no**", None: ""}[goal["met"]]
+
+
+def _star(goal: Goal) -> str:
+    return r" \*" if goal["met"] is False else ""
+
+
+def _value(goal: Goal) -> str:
+    return f"{goal['value']:.2f}" if goal["of"] else "-"
+
+
+def _with_interval(goal: Goal) -> str:
+    return f"{goal['value']:.2f} ({goal['low']:.2f} to {goal['high']:.2f}; {goal['of']})"
+
+
+def _briefly(goal: Goal) -> str:
+    if goal["count"] is not None and goal["of"] < FEW:
+        return f"{goal['count']} of {goal['of']}"
+    return f"{goal['value']:.2f} ({goal['low']:.2f} to {goal['high']:.2f})" if goal["of"] else "-"
+
+
+def _table(rows: Sequence[Sequence[str]]) -> str:
+    lines = [f"| {' | '.join(row)} |".replace("|  |", "| |") for row in rows]
+    return "".join(f"{line}\n" for line in [lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
+
+
+if __name__ == "__main__":
+    for page, text in pages().items():
+        page.write_text(text, encoding="utf-8", newline="\n")
