@@ -22,6 +22,7 @@ CAPTION = (
 BAR, SHIFT = 0.34, 0.19  # height of a bar, and its distance from the middle of its row
 FREE, NOT_RESOLVED = COLOURS[1], "white"
 HATCH = "/////"
+TICKS = 5  # more of them run into each other
 
 
 @styled
@@ -30,7 +31,7 @@ def figure_shares(found: OrderFree) -> Figure:
     figures = [figure for figure in WORDS if figure != HEAT]
     most = max(len(of.subsets.steps) for of in found.attributions)
     rows = len(found.attributions)
-    drawn, axes = panels(rows, len(figures), 0.7 + rows * (0.9 + 0.36 * most))
+    drawn, axes = panels(rows, len(figures), 0.7 + rows * (1.1 + 0.36 * most))
     first: dict[tuple[str, str], Axes] = {}
     for row, of in zip(axes, found.attributions, strict=True):
         for panel, figure in zip(row, figures, strict=True):
@@ -38,9 +39,9 @@ def figure_shares(found: OrderFree) -> Figure:
             if panel is not one_scale:
                 panel.sharex(one_scale)  # before anything is drawn, so that all that is drawn fits
             _bars(panel, of, figure)
+            panel.set_xlabel(f"{WORDS[figure][0]}, {WORDS[figure][1]}")
+            panel.locator_params(axis="x", nbins=TICKS)
         row[0].set_title(name(of))
-    for panel, figure in zip(axes[-1], figures, strict=True):
-        panel.set_xlabel(f"{WORDS[figure][0]}, {WORDS[figure][1]}")
     _legend(drawn)
     return drawn
 

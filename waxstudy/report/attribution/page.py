@@ -46,6 +46,6 @@ def _of_heat(of: Attribution) -> str:
     moved = sum(bool(is_resolved(share.of_its_place)) for share in heat.shares)
     return (
         f"{name(of)[0].upper()}{name(of)[1:]}: all steps together change the heat by {heat.total.mean:+.1f} %; "
-        f"{resolved} of {len(heat.shares)} shares are resolved, and {moved} differ from the ladder's order by a "
-        "resolved amount."
+        f"resolved are {resolved} of {len(heat.shares)} shares and {moved} of {len(heat.shares)} differences from the "
+        "ladder's order."
     )
