@@ -413,6 +413,46 @@ def test_cycles_are_counted_by_what_the_open_valve_gives_not_by_what_it_should()
     assert recorded(leaking, believed).cycles == recorded(seen, believed).cycles
 
 
+@pytest.mark.parametrize("case", ["IDEAL", "REAL"])
+def test_a_day_that_nobody_recorded_counts_for_nothing(case: str) -> None:
+    seen, believed = perfect(case)
+    day = len(seen) // 4
+    lost = (np.arange(len(seen)) >= day) & (np.arange(len(seen)) < 2 * day)
+    holed = replace(seen, values={name: np.where(lost, np.nan, each) for name, each in seen.values.items()})
+    own, whole = recorded(holed, believed), free_run(believed, SETPOINT_C)
+    flow = seen.values["flow_L_h"][~lost]
+    assert own.open_h == pytest.approx(24.0 * np.mean(flow > 0.05 * flow.max()), rel=1e-3)
+    assert own.cycles == pytest.approx(np.sum(np.diff((flow > 61.0).astype(int)) == 1) / 3.0, abs=0.34)
+    rest = whole.while_seen(own)
+    steps = np.arange(len(whole.flow)) * whole.interval_s // (day * seen.interval_s)
+    assert np.array_equal(np.isnan(rest.flow), steps == 1)
+    found = closed_loop(holed, believed, believed)
+    assert found["heat_kWh_m2"].before == pytest.approx(found["heat_kWh_m2"].measured, rel=0.1)
+    assert abs(found["setpoint_shift_K"].before) < 0.1
+
+
+def test_a_gap_of_a_stage_is_nothing_where_the_record_shows_nothing() -> None:
+    seen, believed, cut = ready()
+    link = link_at("actuator", cut)
+    modelled = link.predict(seen, believed)["displacement"]
+    lost = np.arange(len(seen)) < len(seen) // 2
+    values = {**seen.values, "displacement": np.where(lost, np.nan, modelled)}
+    assert impact(replace(seen, values=values), believed, link, modelled) == {"heat_percent": 0.0, "air_K": 0.0}
+
+
+def test_a_setpoint_shift_is_told_to_thousandths() -> None:
+    seen, believed = perfect("IDEAL")
+    warm, warmer = (
+        closed_loop(
+            replace(seen, values={**seen.values, "air_temperature_C": seen.values["air_temperature_C"] + up}),
+            believed,
+            believed,
+        )
+        for up in (0.3, 0.31)
+    )
+    assert warmer["setpoint_shift_K"].before - warm["setpoint_shift_K"].before == pytest.approx(0.01, abs=0.006)
+
+
 def test_a_shift_beyond_what_is_looked_for_is_no_figure() -> None:
     seen, believed = perfect("IDEAL")
     hot = replace(seen, values={**seen.values, "air_temperature_C": seen.values["air_temperature_C"] + 9.0})

@@ -1,9 +1,12 @@
-"""The loop left to itself, as believed and with the effects found: its figures beside those of the record."""
+"""The loop left to itself, as believed and with the effects found: its figures beside those of the record.
+
+Nothing counts of the time at which the record shows nothing.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,12 +24,12 @@ STEP_S = 10.0
 JOULES_PER_KWH = 3.6e6
 OPEN = 0.05  # of full flow
 RANGE = (0.01, 0.999)  # quantiles of a flow between which the valve takes it
-SHIFT_K, HALVINGS = 2.0, 6  # how far a setpoint shift is looked for, and how finely
+SHIFT_K, NEAR_K = 2.0, 0.001  # how far a setpoint shift is looked for, and how finely
 
 
 @dataclass(frozen=True)
 class FreeRun:
-    """A simulated or recorded loop: air temperature, flow and heat of the water (n,), at one interval."""
+    """A simulated or recorded loop: air temperature, flow and heat of the water (n,), at one interval; NaN unknown."""
 
     interval_s: float
     air_C: FloatArray
@@ -45,16 +48,30 @@ class FreeRun:
     @property
     def open_h(self) -> float:
         """Hours a day with the valve open."""
-        return 24.0 * float(np.mean(self.flow > OPEN)) if self.has_flow else float("nan")
+        return 24.0 * float(np.mean(self._known_flow > OPEN)) if self.has_flow else float("nan")
 
     @property
     def cycles(self) -> float:
         """Starts of flow a day, of whatever flows when the valve is open."""
         if not self.has_flow:
             return float("nan")
-        least, most = (float(np.quantile(self.flow, share)) for share in RANGE)
-        on = self.flow > max(OPEN, 0.5 * (least + most))
+        least, most = (float(np.quantile(self._known_flow, share)) for share in RANGE)
+        on = self._known_flow > max(OPEN, 0.5 * (least + most))
         return float(np.sum(on[1:] & ~on[:-1])) / (len(on) * self.interval_s / DAY_S)
+
+    @property
+    def _known_flow(self) -> FloatArray:
+        return self.flow[np.isfinite(self.flow)]
+
+    def while_seen(self, other: FreeRun) -> FreeRun:
+        """Return what of this run, channel by channel, falls into the time that another of the same length knows."""
+        place = (np.arange(len(self.air_C)) * self.interval_s // other.interval_s).astype(int)
+
+        def of(own: FloatArray, others: FloatArray) -> FloatArray:
+            return own if np.isnan(others).all() else np.where(np.isnan(others[place]), np.nan, own)
+
+        heat_W = self.heat_W if self.heat_W is None or other.heat_W is None else of(self.heat_W, other.heat_W)
+        return replace(self, air_C=of(self.air_C, other.air_C), flow=of(self.flow, other.flow), heat_W=heat_W)
 
 
 def closed_loop(record: Record, before: Belief, after: Belief) -> Mapping[str, BeforeAfter]:
@@ -65,13 +82,13 @@ def closed_loop(record: Record, before: Belief, after: Belief) -> Mapping[str, B
     the record's mean air temperature.
     """
     setpoint_C = float(np.nanmedian(record.filled("setpoint_C")))
+    seen = recorded(record, before)
     try:
-        runs = [free_run(belief, setpoint_C) for belief in (before, after)]
-        shifts = [_shift_K(record, belief, setpoint_C) for belief in (before, after)]
+        runs = [free_run(belief, setpoint_C).while_seen(seen) for belief in (before, after)]
+        shifts = [_shift_K(seen, belief, setpoint_C) for belief in (before, after)]
     except (SimulationError, ValueError):
         return {}
     area_m2 = built(before.room).floor_area_m2 if before.room else float("nan")
-    seen = recorded(record, before)
     rows = {
         "heat_kWh_m2": [run.heat_kWh_m2(area_m2) for run in (seen, *runs)],
         "air_mean_C": [float(np.nanmean(run.air_C)) for run in (seen, *runs)],
@@ -98,11 +115,11 @@ def recorded(record: Record, belief: Belief) -> FreeRun:
     air_C = record.values[record.air_channel]
     if not record.has("flow_L_h"):
         return FreeRun(record.interval_s, air_C, np.full(len(record), np.nan), None)
-    flow = record.filled("flow_L_h")
+    flow = record.values["flow_L_h"]
     heat_W = None
     if belief.room and record.has("return_temperature_C") and record.has("supply_temperature_C"):
         drop_K = record.filled("supply_temperature_C") - record.filled("return_temperature_C")
-        heat_W = np.where(flow > 0.0, flow / 3600.0 * built(belief.room).water_J_L_K * drop_K, 0.0)
+        heat_W = np.where(flow <= 0.0, 0.0, flow / 3600.0 * built(belief.room).water_J_L_K * drop_K)
     return FreeRun(record.interval_s, air_C, flow / full, heat_W)
 
 
@@ -124,14 +141,15 @@ def loop_of(belief: Belief) -> Loop:
     return Loop(Chain(belief.blocks, step_s), driven, limit_C=-99.0)
 
 
-def _shift_K(record: Record, belief: Belief, setpoint_C: float) -> float:
+def _shift_K(seen: FreeRun, belief: Belief, setpoint_C: float) -> float:
     """Return the setpoint shift with which the loop has the record's mean air temperature; NaN beyond 2 K."""
-    wanted_C = float(np.nanmean(record.values[record.air_channel]))
-    low, high = -SHIFT_K, SHIFT_K
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        if float(np.mean(free_run(belief, setpoint_C + middle).air_C)) < wanted_C:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high) if low > -SHIFT_K and high < SHIFT_K else float("nan")
+    from scipy.optimize import brentq
+
+    wanted_C = float(np.nanmean(seen.air_C))
+
+    def off_K(shift_K: float) -> float:
+        return float(np.nanmean(free_run(belief, setpoint_C + shift_K).while_seen(seen).air_C)) - wanted_C
+
+    if off_K(-SHIFT_K) * off_K(SHIFT_K) > 0.0:
+        return float("nan")
+    return float(brentq(off_K, -SHIFT_K, SHIFT_K, xtol=NEAR_K))

@@ -19,15 +19,15 @@ BEHIND = tuple(shown for kind, shown in SHOWN.items() if kind != "sensor")  # ch
 def impact(record: Record, belief: Belief, link: Link, modelled: FloatArray) -> Mapping[str, float]:
     """Return what a modelled output of a chain's link does to heat [%] and air [K, RMS], compared with the measured.
 
-    Both run through the believed stages behind it and the fitted room; nothing where the room cannot be run.
+    Both run through the believed stages behind it and the fitted room; nothing where the room cannot be run. While
+    nothing was recorded both are the modelled one.
     """
     channel = link.judged[-1]
     if belief.room is None or belief.inputs is None or channel not in BEHIND:
         return {}
     try:
-        heat, air = zip(
-            *(_response(record, belief, channel, signal) for signal in (record.filled(channel), modelled)), strict=True
-        )
+        measured = np.where(np.isnan(record.values[channel]), modelled, record.filled(channel))
+        heat, air = zip(*(_response(record, belief, channel, signal) for signal in (measured, modelled)), strict=True)
     except (SimulationError, ValueError):
         return {}
     measured_W, modelled_W = (float(np.mean(each)) for each in heat)
