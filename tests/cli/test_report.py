@@ -158,6 +158,12 @@ def test_a_folder_without_a_run_is_said_to_be_one(entry: Entry, tmp_path: Path) 
     assert ended.stderr == "error: .: holds no run (no run.json)\n"
 
 
+def test_a_folder_of_runs_is_answered_with_their_names(entry: Entry, small_run: Path) -> None:
+    ended = entry("report", ".")
+    assert_clear(ended, INVALID)
+    assert ended.stderr == "error: .: holds no run (no run.json); runs in it: run\n"
+
+
 # --- published figures and other runs ---------------------------------------------------------------
 
 

@@ -232,7 +232,9 @@ def _manifest(folder: Path) -> dict[str, Any]:
         raise RunError(f"{folder}: no such run folder")
     if not path.is_file():
         if not (folder / CASES).is_dir():
-            raise RunError(f"{folder}: holds no run (no {MANIFEST})")
+            below = sorted(path.parent.name for path in folder.glob(f"*/{MANIFEST}"))
+            runs = f"; runs in it: {', '.join(below)}" if below else ""
+            raise RunError(f"{folder}: holds no run (no {MANIFEST}){runs}")
         n = sum(1 for _ in folder.glob(f"{CASES}/[!.]*"))
         raise RunError(
             f"{folder}: this run has not finished ({n} cases computed so far); "
