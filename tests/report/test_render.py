@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import csv
+import doctest
 import io
 import json
+from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 
+from waxstudy.plugin import Finding, PublishedRow, Reference
+from waxstudy.report import render
+from waxstudy.report.against import Published, published
 from waxstudy.report.comparison import COLUMNS
 from waxstudy.report.content import Content
-from waxstudy.report.render import as_csv, as_json, as_markdown, as_terminal, tables
+from waxstudy.report.render import all_notes, as_csv, as_json, as_markdown, as_terminal, tables
 
 
 @pytest.mark.parametrize("width", [60, 80, 120, 200])
@@ -40,3 +46,53 @@ def test_csv_has_the_columns_of_table_5_each_with_its_spread(bare: Content) -> N
 def test_no_table_has_a_row_of_another_length(small: Content) -> None:
     for title, headings, rows in tables(small):
         assert {len(row) for row in rows} <= {len(headings)}, title
+
+
+class Book(Reference):
+    """Figures of one case in one week."""
+
+    name = "book"
+    description = "made up"
+
+    @classmethod
+    def rows(cls) -> Sequence[PublishedRow]:
+        return [PublishedRow("rough", "cold", 0.5, 0.6, 2.5, 5.7)]
+
+
+class Other(Book):
+    """Figures of nothing that the small study has."""
+
+    @classmethod
+    def rows(cls) -> Sequence[PublishedRow]:
+        return [PublishedRow("elsewhere", "cold", 0.5, 0.6, 2.5, 5.7)]
+
+
+def test_weeks_without_a_published_figure_have_no_empty_columns_and_a_note_says_why(small: Content) -> None:
+    shown = {}
+    for reference in (Book, Other):
+        against = replace(small, against=published(reference, small.run, small.rows, small.members))
+        shown[reference] = [headings.count("book") for _, headings, _ in tables(against)[:2]], all_notes(against)[-2:]
+    lacking = (
+        "cases of which book has no figures: precise, usual, pulsed, motor",
+        "weeks of which book has no figures: sunny",
+    )
+    assert shown[Book] == ([4, 0], list(lacking))
+    assert shown[Other] == ([0, 0], [lacking[0].replace("precise", "rough, precise"), lacking[1]])
+
+
+def test_the_terminal_shows_three_figures_of_a_finding_and_says_where_the_others_are(small: Content) -> None:
+    finding = Finding("X", "many", "held", "1 K; 2 K; 3 K; 4 K; 5 K")
+    against = replace(small, against=Published("book", (), (), [finding]))
+    text = as_terminal(against, 200, colour=False)
+    assert "1 K; 2 K; 3 K; 2 more in --format html" in text
+    assert "`not resolved`: single runs spread beyond a limit of the finding" in text
+    assert "1 K; 2 K; 3 K; 4 K; 5 K" in as_markdown(against)
+    assert doctest.testmod(render).failed == 0
+
+
+def test_titles_say_what_counts_by_the_week_and_the_study_s_actuators_are_marked(small: Content) -> None:
+    shown = {title: rows for title, _, rows in tables(small)}
+    assert sum(title.endswith("; heat and cycles per week") for title in shown) == 2
+    actuators = next(rows for title, rows in shown.items() if title.endswith("; * in this study"))
+    assert [row[0] for row in actuators if row[0].endswith("*")] == ["variable-times, product B *"]
+    assert len(actuators) > 1

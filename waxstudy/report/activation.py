@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import logging
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +32,7 @@ class Activation:
     off_min: FloatArray
     opening_s: FloatArray
     flow_s: FloatArray
+    in_study: bool = False  # else an example of its package
 
 
 def activations(study: Study) -> list[Activation]:
@@ -42,10 +43,11 @@ def activations(study: Study) -> list[Activation]:
     reference = next(iter(study.ladders.values())).reference
     valve = study.cases[reference].blocks.get("valve")
     examples = list(_examples(study))
+    used = [case.blocks.get("actuator") for case in study.cases.values()]
     found = []
     for label, choice in (*examples, *_own(study, [choice for _, choice in examples])):
         try:
-            found.append(activation(label, choice, valve))
+            found.append(replace(activation(label, choice, valve), in_study=choice in used))
         except Exception:  # an actuator that fails here and not in the run is none of this study's
             log.info("no activation curve of %s", label, exc_info=True)
     return found

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from operator import attrgetter
 from typing import Any, ClassVar
 
-from waxstudy.plugin import Finding, Reference
+from waxstudy.plugin import Finding, PublishedRow, Reference
 from waxstudy.plugin.registry import PluginError, one_line, told
 from waxstudy.plugin.shapes import findings_problems, rows_problems
 from waxstudy.report.comparison import Row
@@ -109,6 +110,7 @@ class Published(Against):
     """A registered reference: one published run per case, and findings; `lacking` says why there are none."""
 
     lacking: str = ""
+    missing: Sequence[str] = ()
 
     csv_suffixes = ("published", "published_difference")
     reading = (
@@ -129,7 +131,7 @@ class Published(Against):
 
     @property
     def notes(self) -> Sequence[str]:
-        return [self.lacking] if self.lacking else []
+        return [*self.missing, *([self.lacking] if self.lacking else [])]
 
     def csv_figures(self, cell: Cell) -> tuple[str, str]:
         published, difference = (
@@ -142,7 +144,7 @@ class Published(Against):
 
     def tables(self) -> list[Table]:
         rows = [[f.id, f.statement, f.verdict, f.figure] for f in self.findings]
-        title = f"findings: {self._verdicts()}"
+        title = f"findings: {self._verdicts()}; `not resolved`: single runs spread beyond a limit of the finding"
         return [*super().tables(), (title, ["id", "finding", "verdict", "our figure"], rows)]
 
     def _verdicts(self) -> str:
@@ -156,14 +158,22 @@ def published(reference: type[Reference], run: Run, rows: Sequence[Row], members
     with told(f"reference '{name}': rows failed"):
         figures = list(reference.rows())
     _keeps_its_contract(name, rows_problems(figures))
-    paired = cells(rows, figures, members)
+    paired, missing = cells(rows, figures, members), list(_missing(name, rows, figures))
     try:
         with told(f"reference '{name}': findings failed", ValueError):
             found = list(reference.findings(run))
     except ValueError as error:
-        return Published(name, paired, scores(paired), lacking=one_line(str(error)))
+        return Published(name, paired, scores(paired), lacking=one_line(str(error)), missing=missing)
     _keeps_its_contract(name, findings_problems(found))
-    return Published(name, paired, scores(paired), found)
+    return Published(name, paired, scores(paired), found, missing=missing)
+
+
+def _missing(name: str, rows: Sequence[Row], figures: Sequence[PublishedRow]) -> Iterator[str]:
+    """Say of which of our cases and weeks nothing was published."""
+    for what, of in (("cases", attrgetter("case")), ("weeks", attrgetter("week"))):
+        known = set(map(of, figures))
+        if alone := [word for word in dict.fromkeys(map(of, rows)) if word not in known]:
+            yield f"{what} of which {name} has no figures: {', '.join(alone)}"
 
 
 def _keeps_its_contract(reference: str, problems: Iterable[str]) -> None:

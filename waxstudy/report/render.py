@@ -16,6 +16,7 @@ from waxstudy.report.content import Content
 from waxstudy.report.words import HEADINGS, Table, counted, decimals, with_spread
 
 WIDEST = 1000  # columns that no comparison needs
+FIGURES = 3  # of a finding, in the terminal
 TEXT_HEADINGS = (
     *("finding", "verdict", "our figure", "week", "resolved"),
     *("coefficient", "95 % interval", "model", "meaning", "left out"),
@@ -62,6 +63,7 @@ def as_json(content: Content) -> str:
         "activation": [
             {
                 "actuator": a.actuator,
+                "in_study": a.in_study,
                 "off_min": a.off_min.tolist(),
                 "full_opening_s": a.opening_s.tolist(),
                 "flow_90_percent_s": a.flow_s.tolist(),
@@ -111,21 +113,29 @@ def _filled(content: Content) -> list[Table]:
 
 def _comparison_table(content: Content, week: str) -> Table:
     columns = [f"{name} {unit}" for name, unit, _ in HEADINGS.values()]
-    if content.against:
-        columns = [text for column in columns for text in (column, content.against.name)]
+    against = _beside(content, week)
+    if against:
+        columns = [text for column in columns for text in (column, against.name)]
     headings = ["case", *columns, "resolved", "cycles"]
-    rows = [_comparison_row(content, row) for row in content.rows if row.week == week]
+    rows = [_comparison_row(row, against) for row in content.rows if row.week == week]
     spread = "mean ± standard deviation of single runs" if content.members > 1 else "one run"
-    return f"{week}: {counted(content.members, 'member')}, {spread}", headings, rows
+    title = f"{week}: {counted(content.members, 'member')}, {spread}; heat and cycles per week"
+    return title, headings, rows
 
 
-def _comparison_row(content: Content, row: Row) -> list[str]:
-    other = content.against.of(row) if content.against else {}
+def _beside(content: Content, week: str) -> Against | None:
+    """The other side, if it has any figure of this week."""
+    against = content.against
+    return against if against and any(cell.week == week for cell in against.cells) else None
+
+
+def _comparison_row(row: Row, against: Against | None) -> list[str]:
+    other = against.of(row) if against else {}
     texts = [row.case]
     for column, (_, _, digits) in HEADINGS.items():
         is_own = column == "heat_vs_most_detailed_percent" and row.resolved is None
         texts.append("0" if is_own else _figure(getattr(row, column), digits))
-        if content.against:
+        if against:
             texts.append(_figure(other[column].theirs, digits) if column in other else "")
     return [*texts, resolved_word(row), f"{row.cycles_per_week.mean:.1f}"]
 
@@ -140,8 +150,9 @@ def _activation_tables(content: Content) -> list[Table]:
     rows = []
     for a in content.activations:
         index = [int(i) for minutes in picked for i in range(len(a.off_min)) if a.off_min[i] == minutes]
-        rows.append([a.actuator, *(f"{_seconds(a.opening_s[i])} / {_seconds(a.flow_s[i])}" for i in index)])
-    title = "seconds to full opening / to 90 % of full flow, by time off before"
+        name = f"{a.actuator} *" if a.in_study else a.actuator
+        rows.append([name, *(f"{_seconds(a.opening_s[i])} / {_seconds(a.flow_s[i])}" for i in index)])
+    title = "seconds to full opening / to 90 % of full flow, by time off before; * in this study"
     shares = [[s.case, str(s.starts), str(s.over_300_s), f"{100 * s.share:.0f} %"] for s in content.starts]
     second = "starts from a closed valve that reach full opening, and those of them that take over 300 s"
     return [(title, headings, rows), (second, ["case", "starts", "over 300 s", "share"], shares)]
@@ -172,7 +183,27 @@ def _pipes(texts: Sequence[str]) -> str:
 
 def as_terminal(content: Content, width: int, colour: bool) -> str:
     published = content.against.name if content.against else None
-    return terminal(_filled(content), all_notes(content), width, colour, published)
+    return terminal([_shortened(table) for table in _filled(content)], all_notes(content), width, colour, published)
+
+
+def _shortened(table: Table) -> Table:
+    """A finding may rest on dozens of figures: the terminal shows the first of them, every other format all."""
+    title, headings, rows = table
+    return (
+        title,
+        headings,
+        [[_first(t) if h == "our figure" else t for h, t in zip(headings, row, strict=True)] for row in rows],
+    )
+
+
+def _first(text: str) -> str:
+    """
+    >>> _first("1 K; 2 K; 3 K"), _first("1 K; 2 K; 3 K; 4 K; 5 K")
+    ('1 K; 2 K; 3 K', '1 K; 2 K; 3 K; 2 more in --format html')
+    """
+    figures = text.split("; ")
+    more = len(figures) - FIGURES
+    return text if more <= 0 else "; ".join([*figures[:FIGURES], f"{more} more in --format html"])
 
 
 def terminal(
@@ -191,7 +222,7 @@ def terminal(
     console = Console(file=out, width=WIDEST, force_terminal=colour, highlight=False, markup=False, emoji=False)
     for title, headings, rows in tables:
         console.print(title, style="bold", width=width)
-        grid = RichTable(box=box.SIMPLE_HEAD, pad_edge=False)
+        grid = RichTable(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
         for i, heading in enumerate(headings):
             grid.add_column(
                 heading,

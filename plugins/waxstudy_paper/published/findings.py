@@ -1,11 +1,13 @@
 """The paper's findings as checks on a run of its eleven cases.
 
 Each check has one figure per ensemble member and a range that the finding asks for. It is not resolved where the
-standard deviation of single runs is larger than the distance of the mean to the nearest limit.
+standard deviation of single runs is larger than the distance of the mean to the nearest limit. The figures that make
+the verdict come first, all others after them with their own.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -15,6 +17,7 @@ from waxstudy.plugin import Finding, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.report.activation import activation, valve_flow
 from waxstudy.report.comparison import differences_percent, member_values
+from waxstudy.report.words import with_spread
 from waxstudy.results.run import Run
 from waxstudy.study.model import Choice
 
@@ -23,6 +26,7 @@ ON_OFF = ("O_0", "O_CP", "O_D", "O_VC", "O_WM")
 PI = ("P_0", "P_CP", "P_D", "P_VC", "P_MC", "P_WM")
 HELD, NOT_HELD, NOT_RESOLVED = "held", "not held", "not resolved"
 INF = float("inf")
+MOST_DECIMALS = 4
 
 
 @dataclass(frozen=True)
@@ -46,10 +50,21 @@ class Check:
         return HELD if self.low <= mean <= self.high else NOT_HELD
 
     def __str__(self) -> str:
-        text = f"{self.label} {float(np.mean(self.values)):.3g}"
-        if len(self.values) > 1 and np.ptp(self.values) > 0.0:
-            text += f" ± {float(np.std(self.values, ddof=1)):.2g}"
-        return f"{text} {self.unit}".rstrip()
+        mean = float(np.mean(self.values))
+        spread = float(np.std(self.values, ddof=1)) if len(self.values) > 1 else np.nan
+        if not spread >= 0.5 * 10.0**-MOST_DECIMALS:  # it would be shown as zero
+            return f"{self.label} {with_spread(mean, np.nan, _decimals(mean, 3))} {self.unit}".rstrip()
+        return f"{self.label} {with_spread(mean, spread, _decimals(spread, 2))} {self.unit}".rstrip()
+
+
+def _decimals(value: float, figures: int) -> int:
+    """Decimals that show so many significant figures.
+
+    >>> _decimals(0.36, 2), _decimals(1.1, 2), _decimals(361.0, 3), _decimals(0.0, 3), _decimals(2e-6, 2)
+    (2, 1, 0, 2, 4)
+    """
+    leading = math.floor(math.log10(abs(value))) if value else 0
+    return min(max(figures - 1 - leading, 0), MOST_DECIMALS)
 
 
 def exact(label: str, value: float, low: float, high: float, unit: str = "") -> Check:
@@ -98,10 +113,10 @@ def _finding(name: str, statement: str, checks: Iterable[Check]) -> Finding:
     checks = list(checks)
     verdicts = [check.verdict for check in checks]
     worst = next((verdict for verdict in (NOT_HELD, NOT_RESOLVED) if verdict in verdicts), HELD)
-    telling = [check for check, verdict in zip(checks, verdicts, strict=True) if verdict == worst]
-    shown = "; ".join(str(check) for check in telling[:3])
-    more = f"; and {len(telling) - 3} more" if len(telling) > 3 else ""
-    return Finding(name, statement, worst, shown + more)
+    judged = list(zip(checks, verdicts, strict=True))
+    telling = [str(check) for check, verdict in judged if verdict == worst]
+    others = [f"{check} ({verdict})" for check, verdict in judged if verdict != worst]
+    return Finding(name, statement, worst, "; ".join([*telling, *others]))
 
 
 def wax_motor_changes_heat_little(f: Figures) -> Iterable[Check]:
@@ -165,9 +180,9 @@ def sun_dominates_february(f: Figures) -> Iterable[Check]:
     for case in (*ON_OFF, *PI):
         more = f.mae(case, "february") - f.mae(case, "january")
         yield Check(f"{case}, February less January MAE", more, 0.0, INF, "K")
-        yield Check(f"{case}, highest in February", f.of(case, "february", "operative_max_C"), 24.0, INF, "C")
+        yield Check(f"{case}, highest in February", f.of(case, "february", "operative_max_C"), 24.0, INF, "°C")
     shares = np.mean([f.of(case, "february", "over_setpoint_1K_share") for case in (*ON_OFF, *PI)], axis=0)
-    yield Check("share over 22 C in February", shares, 0.15, 0.25)
+    yield Check("share over 22 °C in February", shares, 0.15, 0.25)
 
 
 def wax_motor_in_february(f: Figures) -> Iterable[Check]:

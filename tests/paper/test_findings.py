@@ -1,0 +1,41 @@
+"""What the paper's findings say of the figures that they rest on."""
+
+from __future__ import annotations
+
+import doctest
+
+import numpy as np
+import pytest
+
+from waxstudy_paper.published import findings
+from waxstudy_paper.published.findings import Check, _finding
+
+
+@pytest.mark.parametrize(
+    ("mean", "spread", "shown"),
+    [
+        (5.2304, 0.3612, "5.23 ± 0.36 %"),
+        (3.98, 3.2, "4.0 ± 3.2 %"),
+        (-0.892, 1.13, "-0.9 ± 1.1 %"),
+        (1.0, 1.1, "1.0 ± 1.1 %"),
+        (-0.00103, 0.00089, "-0.0010 ± 0.0009 %"),
+        (-0.0706, 2.6e-6, "-0.0706 %"),
+        (361.0, 0.0, "361 %"),
+    ],
+)
+def test_a_figure_and_its_spread_have_the_same_decimals(mean: float, spread: float, shown: str) -> None:
+    values = mean + spread / np.sqrt(2.0) * np.array([-1.0, 1.0])
+    assert str(Check("x", values, 0.0, 1.0, "%")) == f"x {shown}"
+
+
+def test_every_figure_is_told_and_first_those_that_make_the_verdict() -> None:
+    clear, open_ = np.array([5.2, 5.3]), np.array([2.0, 5.0])
+    checks = [Check("january", clear, 3.0, 8.0, "%"), Check("february", open_, 3.0, 8.0, "%")]
+    found = _finding("F0", "statement", checks)
+    assert found.verdict == "not resolved"
+    assert found.figure == "february 3.5 ± 2.1 %; january 5.250 ± 0.071 % (held)"
+
+
+def test_the_examples_in_the_docstrings_hold() -> None:
+    result = doctest.testmod(findings)
+    assert (result.attempted, result.failed) == (1, 0)
