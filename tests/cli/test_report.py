@@ -37,6 +37,25 @@ def test_every_format_is_printed_or_written_to_a_file(entry: Entry, small_run: P
     assert (small_run.parent / "report.txt").read_text(encoding="utf-8") == printed.stdout
 
 
+@pytest.mark.parametrize(
+    ("name", "options", "form"),
+    [
+        ("page.html", (), "html"),
+        ("table.CSV", (), "csv"),
+        ("a.json", (), "json"),
+        ("a.md", (), "md"),
+        ("a.txt", (), "table"),
+        ("a.html", ("--format", "csv"), "csv"),
+        ("a.csv", ("--json",), "json"),
+    ],
+)
+def test_the_suffix_of_out_says_the_format_unless_it_is_given(
+    entry: Entry, small_run: Path, name: str, options: tuple[str, ...], form: str
+) -> None:
+    assert entry("report", "run", "--out", name, *options).code == 0
+    assert Path(name).read_text().startswith(STARTS_WITH[form])
+
+
 def test_a_pipe_or_device_is_written_to_and_not_replaced(entry: Entry, small_run: Path) -> None:
     pipe = small_run.parent / "pipe"
     os.mkfifo(pipe)

@@ -21,11 +21,12 @@ if TYPE_CHECKING:
     from waxstudy.study.model import Study
 
 FORMATS = ("table", "csv", "md", "html", "json")
+WHAT = "What to print  [default: what the suffix of --out says, else table]"
 
 
 @click.command("report", cls=Command)
 @click.argument("run_folder", metavar="RUN", type=Existing(file_okay=False))
-@click.option("--format", "form", type=click.Choice(FORMATS), default="table", show_default=True, help="What to print.")
+@click.option("--format", "form", type=click.Choice(FORMATS), help=WHAT)
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
 @click.option("--against", help="What to put beside the run: published figures, e.g. `paper`, or a run folder.")
 @click.option(
@@ -36,13 +37,19 @@ FORMATS = ("table", "csv", "md", "html", "json")
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write to a file instead of printing.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 def command(
-    run_folder: Path, form: str, as_json: bool, against: str | None, attribution: bool, out: Path | None, quiet: bool
+    run_folder: Path,
+    form: str | None,
+    as_json: bool,
+    against: str | None,
+    attribution: bool,
+    out: Path | None,
+    quiet: bool,
 ) -> None:
     """Print the comparison of a run again, or what each step of its ladders adds whatever their order.
 
     The cases that --attribution computes are kept in the run folder; those that it holds are not computed again.
     """
-    form = "json" if as_json else form
+    form = "json" if as_json else form or _by_suffix(out)
     if attribution and against is not None:
         raise click.UsageError("--attribution stands in place of the comparison and goes with no --against")
     if attribution:
@@ -53,6 +60,11 @@ def command(
         print_out(text)
     else:
         _write(out, text)
+
+
+def _by_suffix(out: Path | None) -> str:
+    suffix = out.suffix[1:].lower() if out else ""
+    return suffix if suffix in FORMATS else "table"
 
 
 def _write(out: Path, text: str) -> None:
