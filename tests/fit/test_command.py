@@ -98,6 +98,12 @@ def test_the_page_tells_what_json_and_summary_tell(fits: Path) -> None:
         assert rows[record["name"]][-2] == f"{record['mae']:.3f}"
 
 
+def test_where_a_given_authority_comes_from_is_said_below_the_table(fits: Path) -> None:
+    told = (fits / "valve.txt").read_text()
+    assert re.search(r"authority +0\.097 +given +authority of the valve", told)
+    assert "note: the authority is from pressure drops of 2.9 kPa in the valve and 30 kPa of the pump\n" in told
+
+
 def test_one_product_of_several_can_be_asked_for(entry: Entry, fits: Path) -> None:
     done = entry("fit", "actuator", fits / "bench", "--product", "A", "--out", "a.toml", "--json")
     assert done.code == 0
@@ -192,6 +198,8 @@ def test_what_is_wrong_with_a_fragment_or_the_authority_is_told(entry: Entry, fi
     assert (both.code, "give one of them" in both.stderr) == (2, True)
     larger = entry("fit", "valve", flow, "--actuator", motor, "--pressure-drops", "30", "2.9")
     assert (larger.code, "cannot take more than the pump gives" in larger.stderr) == (2, True)
+    pascal = entry("fit", "valve", flow, "--actuator", motor, "--pressure-drops", "2900", "30000")
+    assert (pascal.code, "in kPa, at most 1000" in pascal.stderr) == (2, True)
     wrong = entry("fit", "valve", flow, "--actuator", fits / "valve.toml")
     assert (wrong.code, "the file describes no actuator" in wrong.stderr) == (3, True)
     Path("odd.toml").write_text('[actuator]\nuse = "variable-times"\nproduct = "B"\nfall_s = -3.0\n')

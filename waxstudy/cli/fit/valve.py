@@ -29,6 +29,7 @@ OUT = "TOML file that a study can take its valve from; a page and all figures as
 DROPS = "Pressure drop of the open valve and of the pump [kPa], which give the authority."
 SHARE = click.FloatRange(0.0, 1.0, min_open=True)
 DROP = click.FloatRange(0.0, min_open=True)
+MOST_KPA = 1000.0  # ten bar: no heating circuit has as much
 
 
 @click.command("valve", cls=Command)
@@ -74,6 +75,8 @@ def _authority(authority: float | None, drops: tuple[float, float] | None) -> tu
         return authority, "given"
     if drops is None:
         return None, "fitted"
+    if max(drops) > MOST_KPA:
+        raise CommandError(f"--pressure-drops: they are in kPa, at most {MOST_KPA:g}; 1000 Pa are 1 kPa", USAGE)
     if drops[0] > drops[1]:
         raise CommandError("--pressure-drops: the valve cannot take more than the pump gives", USAGE)
     from waxstudy.identification.valve import authority_of

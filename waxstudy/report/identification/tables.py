@@ -112,7 +112,7 @@ def interval(value: Value, digits: int) -> str:
 def valve_tables(found: ValveFit) -> list[Table]:
     rows = []
     for name, value in found.values.items():
-        taken = found.how_authority if value.low == value.high else "not told: at the bound"
+        taken = "given" if value.low == value.high else "not told: at the bound"
         shown = interval(value, 3) if value.told else taken
         rows.append([name, f"{value.value:.3f}", shown, MEANING[name]])
     title = f"curve of the valve: MAE {100.0 * found.mae:.2f} % of full flow over {int(found.considered.sum())} samples"
@@ -121,4 +121,5 @@ def valve_tables(found: ValveFit) -> list[Table]:
 
 def valve_notes(found: ValveFit) -> list[str]:
     told = [SIMULATED] if found.is_simulated else []
-    return [*told, f"full flow is {found.full_flow:.4g} {found.record.unit}", *found.warnings]
+    authority = [] if found.how_authority in ("given", "fitted") else [f"the authority is {found.how_authority}"]
+    return [*told, *authority, f"full flow is {found.full_flow:.4g} {found.record.unit}", *found.warnings]
