@@ -46,6 +46,7 @@ MISTAKES = {
     "duplicate id": ('id = "O_CP"', 'id = "O_0"', "there is a case of this name in line 16"),
     "no reference": ('[ladder.on-off]\nreference = "O_WM"', "[ladder.on-off]", "reference: missing: the case that"),
     "wrong reference": ('reference = "O_WM"', 'reference = "O_MW"', "is no case of this ladder; did you mean 'O_WM'?"),
+    "misspelt steps": ("steps = [", "step = [", "[ladder.on-off] step: unknown key; did you mean 'steps'?"),
     "name with a path": (
         'name = "small"',
         'name = "../small"',

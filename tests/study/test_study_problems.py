@@ -177,6 +177,11 @@ CHANGES = {
         'reference = "D_1"',
         "x.toml:9: [ladder.a] reference = \"D_1\": is no case of this ladder; did you mean 'C_1'? (cases: C_0, C_1)",
     ),
+    "a reference among steps under a misspelt key": (
+        "steps =",
+        "step =",
+        "x.toml:11: [ladder.a] step: unknown key; did you mean 'steps'? (allowed: reference, start, steps)",
+    ),
     "no reference": (
         'reference = "C_1"\n',
         "",

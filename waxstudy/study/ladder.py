@@ -16,6 +16,7 @@ from waxstudy.study.spots import RawTable, Spot
 
 START = 'must be a table such as { id = "...", controller = { use = "..." } }'
 STEP = 'must be a table such as { id = "...", sensor = { use = "..." } }'
+KEYS = ("reference", "start", "steps")
 STEPS = "must be a list of tables: [ { id = ... }, ... ]"
 
 
@@ -39,7 +40,7 @@ def read_ladder(check: Check, name: str) -> RawLadder:
     """Return a ladder's cases, each with all of its blocks; note what is wrong with its form."""
     spot = Spot.table("ladder", name)
     table = check.table(spot) or {}
-    check.unknown_keys(spot, table, ("reference", "start", "steps"))
+    check.unknown_keys(spot, table, KEYS)
     cases: list[RawCase] = []
     blocks: dict[str, RawTable] = {}
     for place, values in _entries(check, spot, table):
@@ -109,7 +110,12 @@ def _reference(check: Check, ladder: Spot, table: Mapping[str, Any], cases: list
     spot, allowed = ladder.at("reference"), f"cases: {listed(ids)}"
     if reference is None:
         check.problem(spot, "missing: the case that the others are compared with", allowed=allowed)
-    elif cases and reference not in ids:
+    elif cases and reference not in ids and not _lacks_steps(table):
         near = nearest(str(reference), ids)
         check.problem(spot, "is no case of this ladder", value=reference, near=near, allowed=allowed)
     return str(reference)
+
+
+def _lacks_steps(table: Mapping[str, Any]) -> bool:
+    """Whether the steps may stand under a misspelt key, which is then the only problem to tell."""
+    return "steps" not in table and any(key not in KEYS for key in table)
