@@ -131,7 +131,7 @@ def test_a_foreign_file_is_the_same_record(good: Path, separator: str, decimal: 
     for name in theirs.values:
         np.testing.assert_allclose(theirs.values[name], ours.values[name], atol=1e-9)
     assert theirs.time.equals(ours.time)
-    assert any("1 columns of the data file" in sentence for sentence in theirs.assumptions)
+    assert any("1 column of the data file" in sentence for sentence in theirs.assumptions)
 
 
 def test_a_parquet_file_is_read_as_well(good: Path) -> None:

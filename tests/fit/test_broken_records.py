@@ -215,7 +215,7 @@ RIGHT: dict[str, tuple[Callable[[Frame], str | bytes | Frame], str]] = {
     "codes for missing samples": (codes, "3 samples are a code for a missing sample"),
     "a cell that is no number": (
         lambda f: with_rows(f.drop(index=3999), 4000, "4000.0,error,0.0"),
-        'displacement: 1 cells are no numbers (the first is "error" in line 4001): missing',
+        'displacement: 1 cell is no number (it is "error" in line 4001): missing',
     ),
     "a gap": (gap, "in gaps; cycles that touch one are left out"),
     "a sensor that gets stuck": (stuck, "the sensor is stuck at"),

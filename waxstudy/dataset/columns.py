@@ -112,7 +112,10 @@ def numbers_of(channel: str, written: pd.Series, notes: Notes) -> pd.Series | No
         notes.refuse(channel, wrong, line=row + 2, value=example, allowed=hint)
         return None
     line = notes.line_of(row + 2)
-    notes.warn(f"{channel}: {bad.sum()} cells are no numbers (the first is {example} in line {line}): missing")
+    cells, first = (
+        ("1 cell is no number", "it") if bad.sum() == 1 else (f"{bad.sum()} cells are no numbers", "the first")
+    )
+    notes.warn(f"{channel}: {cells} ({first} is {example} in line {line}): missing")
     return numbers
 
 
@@ -129,7 +132,8 @@ def _tell_others(table: pd.DataFrame, found: Mapping[str, Column], time: str, is
     used = {part.column for column in found.values() for part in column.parts} | {time}
     others = [name for name in table.columns if name not in used]
     if is_mapped and others:
-        notes.assume(f"{len(others)} columns of the data file that [columns] does not name are not read.")
+        columns = "1 column" if len(others) == 1 else f"{len(others)} columns"
+        notes.assume(f"Not read: {columns} of the data file that [columns] does not name.")
     for name in () if is_mapped else others:
         near = nearest(name, CHANNELS)
         hint = f"; did you mean '{near}'?" if near else ""

@@ -103,7 +103,8 @@ def values_of(table: pd.DataFrame, wanted: str, named: Named, notes: Notes) -> F
     values = numbers.to_numpy(dtype=float, copy=True)
     codes = np.isin(values, (*CODES, *CODES_ABOVE))
     if codes.any():
-        notes.warn(f"{named.column}: {int(codes.sum())} samples are a code for a missing sample: taken as missing")
+        samples = "1 sample is" if codes.sum() == 1 else f"{codes.sum()} samples are"
+        notes.warn(f"{named.column}: {samples} a code for a missing sample: taken as missing")
         values[codes] = np.nan
     if np.isnan(values).all():
         notes.refuse(named.column, "holds no value at all")

@@ -112,7 +112,8 @@ def _spans(data: Data, product: int, untold: list[str]) -> bool:
     name = data.products[product]
     what = "overheating" if data.name == "hold" else "undercooling"
     if len(before) < FEWEST:
-        untold.append(f"{data.name} time of {name}: {len(before)} cycles are too few for a curve (at least {FEWEST})")
+        cycles = "1 cycle is" if len(before) == 1 else f"{len(before)} cycles are"
+        untold.append(f"{data.name} time of {name}: {cycles} too few for a curve (at least {FEWEST})")
         return False
     low, high = before[ENOUGH - 1], before[-ENOUGH]
     if high < SPAN * max(low, 1.0):

@@ -154,9 +154,9 @@ def _rows(p: EpwParameters, stamps: Sequence[Stamp]) -> list[int]:
     rows = range(starts[0] - 1, starts[0] + 24 * p.days)
     whole_year = _follows(stamps[0], stamps[-1])
     if not whole_year and (rows[0] < 0 or rows[-1] >= len(stamps)):
+        days = "a day" if p.days == 1 else f"{p.days} days"
         raise ValueError(
-            f"{p.path}: holds {stamps[0]} to {stamps[-1]}, which is less than {p.days} days from {p.start} "
-            "and the hour before"
+            f"{p.path}: holds {stamps[0]} to {stamps[-1]}, which is less than {days} from {p.start} and the hour before"
         )
     return [row % len(stamps) for row in rows]
 
