@@ -286,6 +286,7 @@ def test_effects_that_are_the_same_thing_are_one_group() -> None:
     (found,) = searched(link, leaking, believed, more=[twin]).found
     assert {"let-by", "seeping"} <= set(found.group)
     assert found.group[0] == found.effect.name
+    assert tuple(each.effect.name for each in found.others) == found.group[1:]
     assert found.inclusion > 0.9
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.gap.result import (
+    Alternative,
     BeforeAfter,
     Diagnosis,
     FoundEffect,
@@ -209,7 +210,13 @@ MOTOR_FOUND = FoundEffect(
     0.0118,
     Interval(0.923, 0.81, 1.04),
 )
-TOGETHER = replace(LET_BY, group=("let-by", "stuck-open"))
+STUCK = Alternative(
+    "stuck-open",
+    "actuator",
+    "The valve never closes beyond 3.2 % of its travel.",
+    {"opening": Interval(0.0321, math.nan, math.nan)},
+)
+TOGETHER = replace(LET_BY, group=("let-by", "stuck-open"), alternatives=(STUCK,))
 GROUP = replace(
     EFFECT,
     verdict="group",

@@ -15,9 +15,22 @@ import pandas as pd
 import pytest
 
 from tests.conftest import ROOT
-from tests.report.diagnoses import ALL, EFFECT, GROUP, LET_BY, MOTOR_FOUND, NONE, ROOM, UNKNOWN, UNTESTABLE, VALVE
+from tests.report.diagnoses import (
+    ALL,
+    EFFECT,
+    GROUP,
+    LET_BY,
+    MOTOR_FOUND,
+    NONE,
+    ROOM,
+    STUCK,
+    UNKNOWN,
+    UNTESTABLE,
+    VALVE,
+)
 from tests.report.test_page import Page, browse, needs_browser
 from waxstudy.gap.result import Diagnosis, Untestable
+from waxstudy.gap.told import told
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
 from waxstudy.report.diagnosis.page import as_html
@@ -134,7 +147,7 @@ def test_the_first_two_lines_say_dataset_verdict_and_what_it_means(diagnosis: Di
 
 
 def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> None:
-    for told in (
+    for part in (
         "valve: flow is off by 5.23 L/h, 4.8 times its noise floor; as believed, heat is off by +6.8 %, air by 0.23 K",
         "2 other channels judged: off by at most 1.2 times the noise floor",
         "let-by: fraction 0.0712 (0.0688 to 0.0741).",
@@ -147,13 +160,34 @@ def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> No
         "return_temperature_C at the circuit; it would settle supply-offset, floor-cover",
         "flow_L_h: 0.3 % of the samples are missing.",
     ):
-        assert told in flat(EFFECT)
+        assert part in flat(EFFECT)
 
 
 def test_members_of_a_group_are_told_as_such() -> None:
     assert "effects found that this record cannot tell apart" in flat(GROUP)
-    assert "This record cannot tell it from stuck-open." in flat(GROUP)
+    assert "let-by: fraction 0.0712 (0.0688 to 0.0741). This record cannot tell it from stuck-open (fitted: " in flat(
+        GROUP
+    )
+    assert "(fitted: opening 0.0321)." in flat(GROUP)
     assert "This record cannot tell it from constant-times." in flat(GROUP)
+    assert "let-by or stuck-open" in Page(as_html(GROUP)).headings
+    rows = [tuple(row) for row in Page(as_html(GROUP)).texts]
+    assert ("stuck-open", "opening", "0.0321") in rows
+    assert "only of let-by intervals were looked for" in page_text(as_html(GROUP))
+
+
+def test_every_member_of_a_group_has_its_say_and_of_a_long_one_the_first_three() -> None:
+    (together, _) = GROUP.effects
+    both = (
+        "Either the valve lets 7.1 % of its flow through when it is closed, or the valve never closes beyond 3.2 % of"
+    )
+    assert told(together) == f"{both} its travel."
+    assert both in page_text(as_html(GROUP))
+    more = [replace(STUCK, name=name, sentence=f"PI {name}.") for name in ("b", "c", "d", "e")]
+    long = replace(together, group=("let-by", *(each.name for each in more)), alternatives=more)
+    assert told(long).endswith("when it is closed, or PI b, or PI c, or one of: d, e.")
+    assert told(replace(long, group=("let-by", "b", "c", "d"))).endswith(", or PI c, or d.")
+    assert told(LET_BY) == LET_BY.sentence
 
 
 def test_a_gap_without_a_cause_claims_none() -> None:
@@ -337,7 +371,7 @@ def keys(value: Any) -> Iterator[str]:
 
 def test_the_page_on_diagnoses_names_every_key_of_the_json_and_every_verdict() -> None:
     page = (ROOT / "docs" / "diagnose.md").read_text(encoding="utf-8")
-    free = {*EFFECT.departures, *EFFECT.closed_loop, *LET_BY.parameters, *MOTOR_FOUND.parameters}
+    free = {*EFFECT.departures, *EFFECT.closed_loop, *LET_BY.parameters, *MOTOR_FOUND.parameters, *STUCK.parameters}
     data = json.loads(json_text(GROUP.described()))
     assert [key for key in dict.fromkeys(keys(data)) if key not in free and f"`{key}`" not in page] == []
     assert all(f"| `{verdict}` | {words} |" in page for verdict, words in VERDICT_WORDS.items())

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.read import Dataset
+from waxstudy.gap.candidate import Candidate
 from waxstudy.gap.closed_loop import closed_loop
 from waxstudy.gap.impact import impact
 from waxstudy.gap.interval import parameter_intervals, shrink
@@ -17,9 +18,11 @@ from waxstudy.gap.links import Link
 from waxstudy.gap.record import Record
 from waxstudy.gap.regimes import regimes
 from waxstudy.gap.result import (
+    Alternative,
     BeforeAfter,
     Diagnosis,
     FoundEffect,
+    Interval,
     StageGap,
     Step,
     Tried,
@@ -30,6 +33,7 @@ from waxstudy.gap.result import (
 from waxstudy.gap.select import Selection
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.testable import UNSHOWN, doubtful_noise, next_measurements, separating, uncovered, unshown
+from waxstudy.gap.told import told
 from waxstudy.gap.trust import reaching_belief
 from waxstudy.gap.unexplained import stage_of, unexplained
 from waxstudy.plugin import STAGES, Belief
@@ -109,7 +113,14 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             noise_floor=floor,
             shrink=shrink(before, after, floor, random),
             is_held_out=bool((before.part == SHRINK).any()),
+            alternatives=[_alternative(each) for each in found.others],
         )
+
+
+def _alternative(candidate: Candidate) -> Alternative:
+    effect, values = candidate.effect, dict(candidate.fitted.effects)[candidate.effect]
+    parameters = {name: Interval(value, np.nan, np.nan) for name, value in values.items()}
+    return Alternative(effect.name, effect.stage, effect.sentence(effect.Parameters(**values)), parameters)
 
 
 def _stages(work: Work, selection: Selection, selections: Sequence[Selection]) -> Iterator[StageGap]:
@@ -190,7 +201,7 @@ def _summary(
     verdict: Verdict, found: Sequence[FoundEffect], remains: Sequence[Unexplained], untestable: Sequence[Untestable]
 ) -> str:
     if verdict in ("effect", "group"):
-        return " ".join(effect.sentence for effect in found)
+        return " ".join(told(effect) for effect in found)
     if verdict == "unknown":
         places = ", ".join(dict.fromkeys(each.stage for each in remains if each.is_finding))
         return f"Something that no known effect explains lies at: {places}."

@@ -66,6 +66,16 @@ def in_floors(gap: float, floor: float) -> float:
 
 
 @dataclass(frozen=True)
+class Alternative:
+    """Another member of a group, at the values that it was chosen with; nobody looked for their intervals."""
+
+    name: str
+    stage: str
+    sentence: str
+    parameters: Mapping[str, Interval]  # without bounds
+
+
+@dataclass(frozen=True)
 class FoundEffect:
     """An effect that the record shows, or the best of a group that it cannot tell apart."""
 
@@ -82,6 +92,7 @@ class FoundEffect:
     noise_floor: float
     shrink: Interval  # on days that its fit has not seen
     is_held_out: bool = True  # whether these took no part in choosing it either
+    alternatives: Sequence[Alternative] = ()  # the rest of its group
 
 
 @dataclass(frozen=True)

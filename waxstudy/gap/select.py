@@ -44,6 +44,7 @@ class Found:
     candidate: Candidate
     group: tuple[str, ...]
     inclusion: float
+    others: tuple[Candidate, ...] = ()  # of its group
 
     @property
     def effect(self) -> EffectType:
@@ -260,7 +261,9 @@ class _Search:
 
     def found(self, best: Candidate, candidates: Sequence[Candidate], current: Fitted) -> Found:
         group = alike(best, candidates)
-        return Found(best, group, inclusion(group, candidates, current, self.random))
+        others = {c.effect.name: c for c in candidates}
+        often = inclusion(group, candidates, current, self.random)
+        return Found(best, group, often, tuple(others[name] for name in group[1:]))
 
 
 def is_enough(fitter: Fitter, best: Candidate) -> bool:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from waxstudy.gap.result import Diagnosis
+from waxstudy.gap.told import told
 from waxstudy.report.diagnosis import tables
 from waxstudy.report.diagnosis.figures import FIGURES, Plot
-from waxstudy.report.diagnosis.summary import VERDICTS, alternatives, how_sure, lines
+from waxstudy.report.diagnosis.summary import VERDICTS, how_sure, lines
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import svg_element
 from waxstudy.report.page import PageFigure, PageTable, filled, page_table
@@ -21,7 +22,7 @@ def as_html(diagnosis: Diagnosis) -> str:
         lines=lines(diagnosis),
         figures={plot.id: _drawn(diagnosis, plot) for plot in FIGURES},
         effects=[
-            (effect, how_sure(effect), alternatives(effect), page_table(tables.parameters(effect)))
+            (effect, told(effect), how_sure(effect), page_table(tables.parameters(effect)))
             for effect in diagnosis.effects
         ],
         tables={name: table for name, table in _tables(diagnosis).items() if table.rows},

@@ -6,7 +6,7 @@ import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from waxstudy.gap.result import BeforeAfter, Diagnosis, FoundEffect, Measurement, StageGap, Unexplained
+from waxstudy.gap.result import BeforeAfter, Diagnosis, FoundEffect, Interval, Measurement, StageGap, Unexplained
 from waxstudy.report.diagnosis.focus import by_reason, main_stages, other_stages, unit_left
 from waxstudy.report.diagnosis.words import (
     OF_LOOP,
@@ -88,16 +88,22 @@ def _others(diagnosis: Diagnosis) -> list[str]:
 
 
 def _cause(effect: FoundEffect) -> str:
-    values = [f"{named(name)[0]} {interval(v, named(name)[1])}" for name, v in effect.parameters.items()]
-    words = f"{effect.name}: {', '.join(values)}." if values else f"{effect.name}: {effect.sentence}"
+    values = parameter_words(effect.parameters)
+    words = f"{effect.name}: {values}." if values else f"{effect.name}: {effect.sentence}"
     if others := alternatives(effect):
         words += f" This record cannot tell it from {' or '.join(others)}."
     return f"{words} {how_sure(effect)}"
 
 
+def parameter_words(parameters: Mapping[str, Interval]) -> str:
+    return ", ".join(f"{named(name)[0]} {interval(value, named(name)[1])}" for name, value in parameters.items())
+
+
 def alternatives(effect: FoundEffect) -> list[str]:
-    """The other members of an effect's group."""
-    return [name for name in effect.group if name != effect.name]
+    """The other members of an effect's group, with fitted values as far as they are told."""
+    fitted = {each.name: parameter_words(each.parameters) for each in effect.alternatives[:MOST_NAMES]}
+    names = [name for name in effect.group if name != effect.name]
+    return [f"{name} (fitted: {fitted[name]})" if fitted.get(name) else name for name in names]
 
 
 def how_sure(effect: FoundEffect) -> str:

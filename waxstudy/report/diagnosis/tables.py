@@ -67,9 +67,17 @@ def regimes(diagnosis: Diagnosis) -> Table:
 
 
 def parameters(effect: FoundEffect) -> Table:
-    """Fitted parameters of a found effect with their 95 % intervals."""
-    rows = [[named(name)[0], interval(value, named(name)[1])] for name, value in effect.parameters.items()]
-    return "fitted parameters, with 95 % intervals", ["parameter", "value"], rows
+    """Fitted parameters of a found effect with their 95 % intervals, and those of its group without."""
+    members = {effect.name: effect.parameters, **{each.name: each.parameters for each in effect.alternatives}}
+    several = len(members) > 1
+    rows = [
+        [*([member] if several else []), named(name)[0], interval(value, named(name)[1])]
+        for member, parameters in members.items()
+        for name, value in parameters.items()
+    ]
+    of_first = f"; only of {effect.name} intervals were looked for" if several else ""
+    headings = [*(["effect"] if several else []), "parameter", "value"]
+    return f"fitted parameters, with 95 % intervals{of_first}", headings, rows
 
 
 def found(diagnosis: Diagnosis) -> Table:
