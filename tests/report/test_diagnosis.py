@@ -190,6 +190,16 @@ def test_every_member_of_a_group_has_its_say_and_of_a_long_one_the_first_three()
     assert told(LET_BY) == LET_BY.sentence
 
 
+def test_a_quick_look_says_so_before_anything_else_and_where_the_cause_is_told() -> None:
+    quick = replace(EFFECT, is_quick=True)
+    assert "quick look" not in dict(lines(EFFECT))
+    (label, text), *_ = lines(quick)
+    assert (label, "not all alternatives were compared" in text) == ("quick look", True)
+    assert "compared" not in page_text(as_html(EFFECT))
+    cause = as_html(quick).partition('<section id="cause">')[2].partition("</section>")[0]
+    assert "Not all alternatives were compared" in cause
+
+
 def test_a_gap_without_a_cause_claims_none() -> None:
     assert "gap without a known cause" in flat(UNKNOWN)
     assert "emitter and room: air temperature 0.421 K, floor 0.0711, p = 0.0025" in flat(UNKNOWN)

@@ -6,7 +6,7 @@ from waxstudy.gap.result import Diagnosis
 from waxstudy.gap.told import told
 from waxstudy.report.diagnosis import tables
 from waxstudy.report.diagnosis.figures import FIGURES, Plot
-from waxstudy.report.diagnosis.summary import VERDICTS, how_sure, lines
+from waxstudy.report.diagnosis.summary import QUICK, VERDICTS, how_sure, lines
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import svg_element
 from waxstudy.report.page import PageFigure, PageTable, filled, page_table
@@ -19,6 +19,7 @@ def as_html(diagnosis: Diagnosis) -> str:
         "diagnosis.html.j2",
         diagnosis=diagnosis,
         verdict=VERDICTS[diagnosis.verdict],
+        quick=QUICK,
         lines=lines(diagnosis),
         figures={plot.id: _drawn(diagnosis, plot) for plot in FIGURES},
         effects=[

@@ -33,6 +33,7 @@ VERDICTS = {
     "untestable": "not testable with this record",
     "none": "no effect found",
 }
+QUICK = "not all alternatives were compared: another effect may explain as much; the full run takes longer and tells"
 Line = tuple[str, str]  # label, text
 MOST_NAMES = 3
 MOST_LINES = 3  # of one label
@@ -47,6 +48,7 @@ def lines(diagnosis: Diagnosis) -> list[Line]:
 
 
 def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
+    yield "quick look", [QUICK] if diagnosis.is_quick else []
     yield "where", [*(_where(stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
