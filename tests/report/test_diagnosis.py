@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -32,6 +33,7 @@ from tests.report.test_page import Page, browse, needs_browser
 from waxstudy.gap.result import Diagnosis, Untestable
 from waxstudy.gap.told import told
 from waxstudy.report.diagnosis import words
+from waxstudy.report.diagnosis.figures.traces import course
 from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
 from waxstudy.report.diagnosis.page import as_html
 from waxstudy.report.diagnosis.summary import VERDICTS as VERDICT_WORDS
@@ -269,6 +271,16 @@ def test_a_day_of_a_few_samples_is_not_shown() -> None:
 def test_a_record_of_one_day_shows_that_day_once() -> None:
     (day,) = shown_days(replace(EFFECT, traces=EFFECT.traces.iloc[:1440]), "flow_L_h")
     assert day.what == "only day"
+
+
+def test_a_line_is_broken_where_nothing_is_known_and_goes_on_between_rare_samples() -> None:
+    times = pd.date_range("2024-01-15 00:01", periods=1440, freq="min")
+    seen = pd.Series(1.0, index=times)
+    hours, values = course(seen[(times.hour < 6) | (times.hour >= 12)])
+    (place,) = np.flatnonzero(np.isnan(values))
+    assert (hours[place - 1] < 6.0, hours[place + 1]) == (True, 12.0)
+    for whole in (seen, seen[::15], seen.drop(seen.index[[100, 101]]), seen[:1], seen[:0]):
+        assert len(course(whole)[1]) == len(whole)
 
 
 # --- the page ----------------------------------------------------------------------------------------

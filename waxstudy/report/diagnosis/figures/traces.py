@@ -24,7 +24,7 @@ TITLE = "The worst and a typical day"
 CAPTION = (
     "Measured, as believed, and with the effects found, if any, on the day on which what is believed misses the first "
     "channel most, and on a typical day (the middle of all days, ordered by that). Each channel is driven by what was "
-    "measured before it in the loop."
+    "measured before it in the loop; lines are broken where nothing is known, as a return without flow."
 )
 LOOKS: Mapping[str, tuple[str, Any]] = {
     "measured": ("measured", {"color": BLACK, "linewidth": 0.9}),
@@ -32,6 +32,7 @@ LOOKS: Mapping[str, tuple[str, Any]] = {
     "after": ("with the effects found", {"color": COLOURS[1], "linewidth": 1.5}),
 }
 LEVELS = 2  # values of a channel that only switches
+BREAK = 3.5  # times what usually lies between two samples: a line through more would be made up
 
 
 @styled
@@ -75,7 +76,17 @@ def _draw(panel: Axes, day: Day, channel: str) -> None:
             continue
         known = day.traces[f"{channel}_{what}"].dropna()
         steps = "steps-pre" if known.nunique() <= LEVELS else "default"
-        panel.plot(_hours(known), known.to_numpy(), label=label, drawstyle=steps, **look)
+        panel.plot(*course(known), label=label, drawstyle=steps, **look)
+
+
+def course(known: pd.Series[float]) -> tuple[FloatArray, FloatArray]:
+    """Hours and values of a line, which is broken where nothing was recorded or modelled for long."""
+    hours, values = _hours(known), known.to_numpy(dtype=float)
+    if len(hours) < 2:
+        return hours, values
+    steps = np.diff(hours)
+    breaks = 1 + np.flatnonzero(steps > BREAK * np.median(steps))
+    return np.insert(hours, breaks, np.nan), np.insert(values, breaks, np.nan)
 
 
 def _hours(known: pd.Series[float]) -> FloatArray:
