@@ -81,7 +81,7 @@ def _draw(panel: Axes, day: Day, channel: str) -> None:
 
 def course(known: pd.Series[float]) -> tuple[FloatArray, FloatArray]:
     """Hours and values of a line, which is broken where nothing was recorded or modelled for long."""
-    hours, values = _hours(known), known.to_numpy(dtype=float)
+    hours, values = _hours(known), np.asarray(known, dtype=float)
     if len(hours) < 2:
         return hours, values
     steps = np.diff(hours)
