@@ -14,8 +14,10 @@ import pytest
 
 from tests.gap.realities import dataset, rows
 from waxstudy.dataset.read import read_dataset
-from waxstudy.gap.diagnose import diagnose
+from waxstudy.gap.assembly import Work, _parts
+from waxstudy.gap.diagnose import diagnose, record_of
 from waxstudy.gap.result import Diagnosis, FoundEffect
+from waxstudy.plugin import Belief
 
 DATA = Path(os.environ.get("WAXSTUDY_DATA", Path(__file__).parents[3] / "shared" / "data"))
 REALITIES = DATA / "realities"
@@ -66,6 +68,14 @@ def test_what_was_put_in_is_named_and_measured(record: str, name: str, parameter
 @pytest.mark.parametrize("record", ["r02", "r03"])
 def test_the_gap_shrinks_by_four_fifths_on_days_that_took_no_part(record: str):
     assert only(record).shrink.value >= 0.8
+
+
+def test_midnight_ends_the_last_day_of_a_part():
+    times = pd.date_range("2021-01-01 00:01", periods=7 * 1440, freq="min")
+    made = dataset(pd.DataFrame({"time": times, "air_temperature_C": 21.0}), "WAX")
+    work = Work(made, record_of(made), Belief(made.nominal, made.room), [], 1, 1.0)
+    parts = _parts(work, [])
+    assert (parts["fit"][0], parts["shrinkage"][1]) == ("2021-01-01", "2021-01-07")
 
 
 # --- records that hold too little --------------------------------------------------------------------

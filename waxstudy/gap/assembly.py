@@ -282,7 +282,7 @@ def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence
     """Return first and last day of each part, as the chain has them; a room alone has days in turn."""
     has_chain = any(not selection.fitter.link.with_room for selection in selections)
     part = parts_of(work.record, days_in_turn=not has_chain)
-    days = work.dataset.time.strftime("%Y-%m-%d")
+    days = (work.dataset.time - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")  # midnight ends a day
     found = {}
     for name, number in (("fit", FIT), ("select", SELECT), ("shrinkage", SHRINK)):
         chosen = np.flatnonzero(part == number)
