@@ -53,6 +53,9 @@ def test_it_prints_the_summary_and_writes_three_files(dataset: Path, entry: Entr
     page = Path("found/here/report.html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
     assert untraced(done.stdout, told) + untraced(page_text(page), told) == []
+    named = {name for effect in told["effects"] for name in effect["group"]}
+    assert named
+    assert all(bool(each["why"]) is (each["name"] not in named) for each in told["tried"])
     traces = pd.read_parquet("found/here/traces.parquet")
     assert len(traces) == len(pd.read_csv(dataset / "data.csv"))
     judged = {stage["channel"] for stage in told["stages"]}

@@ -235,6 +235,7 @@ def test_an_actuator_within_what_real_ones_stray_is_not_called_another() -> None
     slow = next(each for each in selection.tried if each.effect.name == "slow-actuator")
     assert slow.is_seen
     assert slow.is_covered
+    assert slow.why_not == "real motors stray as much"
     assert selection.found == ()
 
 
@@ -316,6 +317,20 @@ def test_the_same_seed_gives_the_same_selection() -> None:
         (c.effect.name, c.gain, c.p, c.share) for c in other.tried
     ]
     assert [(f.group, f.inclusion) for f in one.found] == [(f.group, f.inclusion) for f in other.found]
+
+
+def test_an_effect_that_may_not_be_claimed_says_which_condition_it_fails() -> None:
+    tried = of_planted(effects(slow_actuator={"factor": 2.0}), "actuator").tried
+    claimed = next(each for each in tried if each.effect.name == "slow-actuator")
+    assert claimed.why_not == ""
+    for fails, why in (
+        ({"p": 0.5}, "may be chance"),
+        ({"gain": 1.0}, "hardly better than without"),
+        ({"over": 1.0}, "the gap is within noise"),
+        ({"is_worth_naming": False}, "too slight to be named"),
+        ({"share": 0.1}, "explains too little"),
+    ):
+        assert replace(claimed, **fails).why_not == why  # type: ignore[arg-type]
 
 
 def test_of_two_that_leave_only_noise_the_one_with_fewer_parameters_is_named() -> None:

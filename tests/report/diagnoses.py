@@ -150,6 +150,8 @@ REST = [
     ("thermal-mass", "room", 5.1, 0.16, 0.05),
     ("infiltration", "room", 4.0, 0.21, -0.41),
 ]
+CHANNELS = {"valve": "flow_L_h", "actuator": "displacement"}
+WHY = {"slow-actuator": "explains too little", "max-flow": "may be chance"}
 NO_PUMP = "the supply was at one temperature throughout"
 EFFECT = Diagnosis(
     dataset="room-7",
@@ -164,7 +166,7 @@ EFFECT = Diagnosis(
         Untestable("floor-cover", "return_temperature_C was not recorded"),
         Untestable("neighbour-heat", "neighbour_temperature_C was not recorded"),
     ),
-    tried=tuple(Tried(*each) for each in REST),
+    tried=tuple(Tried(*each, CHANNELS.get(each[1], ""), WHY.get(each[0], "")) for each in REST),
     closed_loop={
         "heat_kWh_m2": BeforeAfter(2.312, 2.071, 2.304),
         "air_mean_C": BeforeAfter(21.113, 20.987, 21.104),

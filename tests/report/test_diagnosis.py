@@ -30,9 +30,10 @@ from tests.report.diagnoses import (
     VALVE,
 )
 from tests.report.test_page import Page, browse, needs_browser
-from waxstudy.gap.result import Diagnosis, Untestable
+from waxstudy.gap.result import Diagnosis, Tried, Untestable
 from waxstudy.gap.told import told
 from waxstudy.report.diagnosis import words
+from waxstudy.report.diagnosis.figures.ranking import figure_ranking
 from waxstudy.report.diagnosis.figures.traces import course
 from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
 from waxstudy.report.diagnosis.page import as_html
@@ -321,14 +322,25 @@ def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
     rows = [tuple(row) for row in Page(as_html(GROUP)).texts]
     assert ("valve", "flow", "5.23 L/h", "1.08 L/h", "4.8", "1.32 L/h", "+6.8 %", "0.23 K", "0.97") in rows
     assert ("valve", "flow", "undercool", "16.9 L/h", "16", "83 %") in rows
-    assert ("fraction", "0.0712 (0.0688 to 0.0741)") in rows
+    assert ("let-by", "fraction", "0.0712 (0.0688 to 0.0741)") in rows
     assert ("let-by", "flow", "5.19 L/h", "1.40 L/h", "1.08 L/h", "93 % (90 to 95)", "98 %", "0.0025") in rows
     assert ("heat", "2.31", "2.07", "2.30", "kWh/m² a week") in rows
-    assert ("stuck-open", "valve", "95 %", "20987", "0.0025", "cannot be told from one that was found") in rows
-    assert ("slow-actuator", "actuator", "31 %", "402", "0.013", "not found") in rows
+    assert ("stuck-open", "valve", "flow", "95 %", "20987", "0.0025", "cannot be told from one that was found") in rows
+    slow = "slow-actuator", "actuator", "displacement", "31 %", "402", "0.013", "not found: explains too little"
+    assert slow in rows
     assert ("return_temperature_C was not recorded", "supply-offset, floor-cover") in rows
     assert ("solar gain", "-1.1") in rows
     assert ("shrinkage", "2024-01-25", "2024-01-28") in rows
+
+
+def test_the_ranking_says_why_an_effect_is_not_named_and_of_one_that_stands_twice_the_channel() -> None:
+    twice = [Tried("supply-offset", "emitter", 1.0, 0.2, 0.1, f"{of}_temperature_C") for of in ("return", "supply")]
+    (panel,) = figure_ranking(replace(EFFECT, tried=(*EFFECT.tried, *twice))).axes
+    names = [each.get_text() for each in panel.get_yticklabels()]
+    assert len(names) == len(set(names))
+    assert {"supply-offset  (emitter, return temperature)", "let-by  (valve)"} <= set(names)
+    beside = [each.get_text() for each in panel.texts]
+    assert {"p 0.0025", "p 0.013; explains too little", "p 0.62; may be chance"} <= set(beside)
 
 
 def test_merged_stages_name_the_channel_that_would_tell_them_apart() -> None:

@@ -72,7 +72,7 @@ def assembled(
         effects=found,
         unexplained=remains,
         untestable=untestable,
-        tried=[each for selection in selections for each in _tried(selection)],
+        tried=[each for selection in selections for each in _tried(selection, found)],
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
         next_measurements=list(next_measurements(cut, found, untestable, stages, work.record.interval_s)),
@@ -161,9 +161,22 @@ def _autocorrelation(error: np.ndarray) -> float:
     return float(centred[1:] @ centred[:-1]) / power if power else 0.0
 
 
-def _tried(selection: Selection) -> Iterator[Tried]:
+def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tried]:
+    named = {name for effect in effects for name in effect.group}
     for each in sorted(selection.tried, key=lambda c: -c.gain):
-        yield Tried(each.effect.name, each.effect.stage, each.gain, each.p, each.share)
+        figures = each.gain, each.p, each.share
+        why = "" if each.effect.name in named else _why_not(selection, each)
+        yield Tried(each.effect.name, each.effect.stage, *figures, each.channel, why)
+
+
+def _why_not(selection: Selection, candidate: Candidate) -> str:
+    """Return why an effect that was tried is not named."""
+    name = candidate.effect.name
+    if any(name == found.effect.name for found in selection.withdrawn):
+        return "the last days do not confirm it"
+    if any(name == found.effect.name for found in selection.distrusted):
+        return "too much stays"
+    return candidate.why_not or "another explains more"
 
 
 def _untestable(

@@ -64,6 +64,20 @@ class Candidate:
         is_shared = self.share >= self.needs.share and self.plain_share >= self.needs.plain_share
         return self.is_seen and is_gap and is_shared and self.is_worth_naming and not self.is_covered
 
+    @property
+    def why_not(self) -> str:
+        """Why it may not be claimed, by the first condition that it does not meet; empty where it may."""
+        if self.is_accepted:
+            return ""
+        reasons = {
+            "may be chance": self.p > LEVEL,
+            "hardly better than without": not self.is_seen,
+            "the gap is within noise": self.over < self.needs.gap,
+            "too slight to be named": not self.is_worth_naming,
+            "real motors stray as much": self.is_covered,
+        }
+        return next((reason for reason, holds in reasons.items() if holds), "explains too little")
+
 
 def best_of(candidates: Sequence[Candidate]) -> Candidate:
     """Return the candidate that gains most; of those that gain the same but for rounding, the first by name.

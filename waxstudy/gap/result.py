@@ -129,6 +129,8 @@ class Tried:
     gain: float
     p: float
     share: float  # of the gap above the noise floor
+    channel: str = ""  # of which
+    why: str = ""  # it is not named; empty of what was found and of its group
 
 
 @dataclass(frozen=True)

@@ -121,7 +121,7 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
             continue
         departures = list(clear(effect, believed))
         if departures and not any(_moves_by(selection, effect, values, stills, least) for values in departures):
-            yield Untestable(effect.name, "nothing in this record would look different with it")
+            yield Untestable(effect.name, "nothing in this record would look different with it, unless it were large")
 
 
 def _moves_by(

@@ -117,14 +117,15 @@ def tried(diagnosis: Diagnosis) -> Table:
         [
             each.name,
             stage_words(each.stage),
+            channel_words(each.channel),
             percent(each.share),
             number(each.gain),
             probability(each.p),
-            role(diagnosis, each),
+            f"{role(diagnosis, each)}{f': {each.why}' if each.why else ''}",
         ]
         for each in ranked(diagnosis)
     ]
-    headings = ["effect", "stage", "explains", "gain", "p", "verdict"]
+    headings = ["effect", "stage", "judged by", "explains", "gain", "p", "verdict"]
     return "every effect that was tried, on days that its fit has not seen", headings, rows
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from waxstudy.gap.result import Diagnosis, Tried
-from waxstudy.report.diagnosis.words import percent, probability, stage_words
+from waxstudy.report.diagnosis.words import channel_words, percent, probability, stage_words
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import BLACK, GREY, panels, styled
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 TITLE = "Every effect that was tried"
 CAPTION = (
-    "Share of the gap above the noise floor that each effect explains, alone, on days that its fit has not seen; at "
-    "the bar its p over all effects tried (family-wise). Black: found. Hatched: in the group of one that was found, "
-    "and not to be told from it with this record. White: may be chance, explains too little, or is no more than real "
-    "motors are known to stray. An effect that two measured channels can show stands twice."
+    "Share of the gap above the noise floor that each effect explains, alone and as large as it fits best, on days "
+    "that its fit has not seen; at the bar its p over all effects tried (family-wise). Black: found. Hatched: in the "
+    "group of one that was found, and not to be told from it with this record. White: not named, for the reason beside "
+    "it. An effect that two measured channels can show stands twice, each with its channel."
 )
 MOST = 24
 BEST, ALIKE, OTHER = "found", "cannot be told from one that was found", "not found"
@@ -28,7 +28,8 @@ LOOKS: Mapping[str, Any] = {
     ALIKE: {"facecolor": "white", "edgecolor": BLACK, "hatch": "/////"},
     OTHER: {"facecolor": "white", "edgecolor": GREY},
 }
-RANGE = (-25.0, 125.0)  # %; beyond, the figure at the bar tells
+RANGE = (-25.0, 110.0)  # %; beyond, the figure at the bar tells
+ROOM_FOR_WORDS = 65.0  # % of a scale that is longer than its bars
 
 
 @styled
@@ -42,9 +43,10 @@ def figure_ranking(diagnosis: Diagnosis) -> Figure:
     for place, each in enumerate(shown):
         _bar(panel, place, each, role(diagnosis, each))
     panel.axvline(0.0, color=BLACK, linewidth=0.8)
-    panel.set_yticks(range(len(shown)), [f"{each.name}  ({stage_words(each.stage)})" for each in shown])
+    panel.set_yticks(range(len(shown)), [label(diagnosis, each) for each in shown])
     panel.set_ylim(len(shown) - 0.4, -0.6)
-    panel.set_xlim(*RANGE)
+    panel.set_xlim(RANGE[0], RANGE[1] + ROOM_FOR_WORDS)
+    panel.set_xticks(range(-25, 101, 25))
     panel.grid(axis="y", visible=False)
     panel.set_xlabel("share of the gap above the noise floor that is explained, %")
     _legend(figure, [role(diagnosis, each) for each in shown])
@@ -57,6 +59,13 @@ def ranked(diagnosis: Diagnosis) -> list[Tried]:
     return sorted(diagnosis.tried, key=lambda each: (roles.index(role(diagnosis, each)), -each.share))
 
 
+def label(diagnosis: Diagnosis, tried: Tried) -> str:
+    """An effect with its stage; where it stands twice, also with its channel."""
+    is_twice = sum(each.name == tried.name for each in diagnosis.tried) > 1
+    channel = f", {channel_words(tried.channel)}" if is_twice and tried.channel else ""
+    return f"{tried.name}  ({stage_words(tried.stage)}{channel})"
+
+
 def role(diagnosis: Diagnosis, tried: Tried) -> str:
     """Whether an effect was found, cannot be told from one that was, or neither."""
     if any(tried.name == effect.name for effect in diagnosis.effects):
@@ -65,10 +74,11 @@ def role(diagnosis: Diagnosis, tried: Tried) -> str:
 
 
 def _bar(panel: Axes, place: int, tried: Tried, role: str) -> None:
-    share = min(max(100.0 * tried.share, RANGE[0]), RANGE[1] - 15.0)
+    share = min(max(100.0 * tried.share, RANGE[0]), RANGE[1])
     panel.barh(place, share, 0.66, linewidth=0.9, **LOOKS[role])
     text = f"p {probability(tried.p)}"
     text += "" if share == 100.0 * tried.share else f" (explains {percent(tried.share)})"
+    text += f"; {tried.why}" if tried.why else ""
     panel.annotate(text, (max(share, 0.0), place), (5, 0), textcoords="offset points", va="center", fontsize=9.0)
 
 
