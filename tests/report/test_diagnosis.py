@@ -30,7 +30,7 @@ from tests.report.diagnoses import (
     VALVE,
 )
 from tests.report.test_page import Page, browse, needs_browser
-from waxstudy.gap.result import Diagnosis, Tried, Untestable
+from waxstudy.gap.result import Diagnosis, Measurement, Tried, Untestable
 from waxstudy.gap.told import told
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.figures.ranking import figure_ranking
@@ -151,14 +151,16 @@ def test_the_first_two_lines_say_dataset_verdict_and_what_it_means(diagnosis: Di
 
 def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> None:
     for part in (
-        "valve: flow is off by 5.23 L/h, 4.8 times its noise floor; as believed, heat is off by +6.8 %, air by 0.23 K",
+        "valve: flow is off by 5.23 L/h, 4.8 times its noise floor; by itself this puts heat off by +6.8 %, air by",
         "2 other channels judged: off by at most 1.2 times the noise floor",
         "let-by: fraction 0.0712 (0.0688 to 0.0741).",
         "Found again in 98 % of resampled records; p = 0.0025.",
         "let-by takes away 93 % (90 to 95) of the gap of flow on held-out days; in all 5.19 → 1.40 L/h, floor 1.08",
         "heat off by -10 → -0.35 %",
         "cycles 5.3 → 4.7 a day (measured 4.6)",
-        "actuator: displacement 0.0312, floor 0.0118, p = 0.0025: within the believed model's published uncertainty",
+        "displacement 0.0312, floor 0.0118, p = 0.0025; no finding: within the believed model's published uncertainty",
+        "closed loop (its controller reacts, so that signs may turn): heat off by",
+        "actuator: displacement is off by 0.0312, 2.6 times its noise floor (no finding: see unexplained)",
         "4 effects; supply-offset, floor-cover: return_temperature_C was not recorded",
         "return_temperature_C at the circuit; it would settle supply-offset, floor-cover",
         "flow_L_h: 0.3 % of the samples are missing.",
@@ -212,7 +214,11 @@ def test_a_gap_without_a_cause_claims_none() -> None:
 
 def test_the_form_of_the_room_s_model_is_no_finding() -> None:
     assert "no effect found" in flat(NONE)
-    assert "0.0831 K, floor 0.0711, p = 0.0075: the form of the room's model, alone no finding" in flat(NONE)
+    as_such = "no finding: as much as a model of this form misses where nothing is wrong"
+    assert f"0.0831 K, floor 0.0711, p = 0.0075; {as_such}" in flat(NONE)
+    assert "(no finding: see unexplained)" in dict(lines(NONE))["where"]
+    assert "no finding" not in dict(lines(UNKNOWN))["where"]
+    assert "no finding" not in dict(lines(GROUP))["where"]
 
 
 def test_what_could_not_be_judged_is_not_called_free_of_gaps() -> None:
@@ -220,6 +226,13 @@ def test_what_could_not_be_judged_is_not_called_free_of_gaps() -> None:
     assert "nothing that stands out" not in flat(UNTESTABLE)
     assert "No gap is left" not in page_text(as_html(UNTESTABLE))
     assert "nothing that stands out of the noise" in flat(replace(NONE, unexplained=()))
+
+
+def test_one_measurement_that_settles_two_things_is_told_once() -> None:
+    of_both = [Measurement("record displacement", splits) for splits in (("let-by",), ("actuator+valve", "let-by"))]
+    shown = replace(EFFECT, next_measurements=of_both)
+    assert dict(lines(shown))["measure next"] == "record displacement; it would settle let-by, actuator and valve"
+    assert ("record displacement", "let-by, actuator and valve") in [tuple(row) for row in Page(as_html(shown)).texts]
 
 
 def test_without_days_kept_apart_the_summary_does_not_speak_of_them() -> None:
@@ -325,6 +338,7 @@ def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
     assert ("let-by", "fraction", "0.0712 (0.0688 to 0.0741)") in rows
     assert ("let-by", "flow", "5.19 L/h", "1.40 L/h", "1.08 L/h", "93 % (90 to 95)", "98 %", "0.0025") in rows
     assert ("heat", "2.31", "2.07", "2.30", "kWh/m² a week") in rows
+    assert ("mean air temperature", "21.11", "20.99", "21.10", "°C") in rows
     assert ("stuck-open", "valve", "flow", "95 %", "20987", "0.0025", "cannot be told from one that was found") in rows
     slow = "slow-actuator", "actuator", "displacement", "31 %", "402", "0.013", "not found: explains too little"
     assert slow in rows

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from waxstudy.gap.result import Diagnosis, StageGap, Unexplained, Untestable
+from waxstudy.gap.result import Diagnosis, Measurement, StageGap, Unexplained, Untestable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,6 +60,14 @@ def by_reason(untestable: Sequence[Untestable]) -> list[tuple[str, list[str]]]:
     for each in untestable:
         found.setdefault(each.reason, []).append(each.name)
     return sorted(found.items(), key=lambda item: -len(item[1]))
+
+
+def measurements(diagnosis: Diagnosis) -> list[Measurement]:
+    """What to measure next, each once, with all that it would settle."""
+    found: dict[str, list[str]] = {}
+    for each in diagnosis.next_measurements:
+        found.setdefault(each.what, []).extend(each.splits)
+    return [Measurement(what, list(dict.fromkeys(splits))) for what, splits in found.items()]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from waxstudy.gap.result import BeforeAfter, Diagnosis, FoundEffect, Interval, Measurement, StageGap, Unexplained
-from waxstudy.report.diagnosis.focus import by_reason, main_stages, other_stages, unit_left
+from waxstudy.report.diagnosis.focus import by_reason, left_at, main_stages, measurements, other_stages, unit_left
 from waxstudy.report.diagnosis.words import (
     OF_LOOP,
     channel_words,
@@ -49,12 +49,12 @@ def lines(diagnosis: Diagnosis) -> list[Line]:
 
 def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "quick look", [QUICK] if diagnosis.is_quick else []
-    yield "where", [*(_where(stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
+    yield "where", [*(_where(diagnosis, stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
     yield "unexplained", _few(_left(diagnosis)) or _nothing_left(diagnosis)
     yield "not tested", _not_tested(diagnosis)
-    yield "measure next", _few([_next(each) for each in diagnosis.next_measurements])
+    yield "measure next", _few([_next(each) for each in measurements(diagnosis)])
     yield "warnings", _few(list(diagnosis.warnings))
 
 
@@ -64,11 +64,15 @@ def _few(texts: Sequence[str]) -> list[str]:
     return [*texts[: MOST_LINES - 1], f"and {len(texts) - MOST_LINES + 1} more"]
 
 
-def _where(stage: StageGap) -> str:
+def _where(diagnosis: Diagnosis, stage: StageGap) -> str:
     words = f"{stage_words(stage.stage)}: {channel_words(stage.channel)} is off by "
     words += with_unit(number(stage.gap), stage.unit) or "nothing"
     if stage.noise_floor > 0.0:
         words += f", {times(stage.over_floor)} times its noise floor"
+    left = left_at(diagnosis, stage)
+    is_explained = any(effect.channel == stage.channel for effect in diagnosis.effects)
+    if left and not left.is_finding and not is_explained:
+        words += " (no finding: see unexplained)"
     impact = impact_words(stage)
     return f"{words}; {impact}" if impact else words
 
@@ -76,9 +80,9 @@ def _where(stage: StageGap) -> str:
 def impact_words(stage: StageGap) -> str:
     """What a stage's gap does to heat and air, as far as it was computed."""
     heat, air = stage.impact.get("heat_percent", math.nan), stage.impact.get("air_K", math.nan)
-    told = [f"heat is off by {signed(heat)} %"] if math.isfinite(heat) else []
-    told += [f"air {'' if told else 'is off '}by {rough(air)} K"] if math.isfinite(air) else []
-    return f"as believed, {', '.join(told)}" if told else ""
+    told = [f"heat off by {signed(heat)} %"] if math.isfinite(heat) else []
+    told += [f"air {'' if told else 'off '}by {rough(air)} K"] if math.isfinite(air) else []
+    return f"by itself this puts {', '.join(told)}" if told else ""
 
 
 def _others(diagnosis: Diagnosis) -> list[str]:
@@ -138,7 +142,7 @@ def _loop(diagnosis: Diagnosis) -> list[str]:
         before, after, seen = (number(v, 2) if unit == "°C" else rough(v) for v in values)  # of 21 °C tenths matter
         measured = f" (measured {seen})" if figure.measured else ""
         told.append(f"{words} {before} → {with_unit(after, unit)}{measured}")
-    return [f"closed loop: {', '.join(told)}"]
+    return [f"closed loop (its controller reacts, so that signs may turn): {', '.join(told)}"]
 
 
 def in_order(loop: Mapping[str, BeforeAfter]) -> list[tuple[str, BeforeAfter]]:
@@ -156,7 +160,7 @@ def _left(diagnosis: Diagnosis) -> list[str]:
     told = [_gap_left(diagnosis, left) for left in diagnosis.unexplained if left.is_finding]
     for (_, remark), alike in rest.items():
         more = f" and {counted(len(alike) - 1, 'more channel')}" if len(alike) > 1 else ""
-        told.append(f"{_gap_left(diagnosis, alike[0])}{more}: {remark}")
+        told.append(f"{_gap_left(diagnosis, alike[0])}{more}; {remark}")
     return told
 
 
@@ -168,8 +172,8 @@ def _gap_left(diagnosis: Diagnosis, left: Unexplained) -> str:
 
 def remarks(left: Unexplained) -> list[str]:
     """What keeps an unexplained gap from being a finding."""
-    form = "the form of the room's model, alone no finding"
-    covered = "within the believed model's published uncertainty"
+    form = "no finding: as much as a model of this form misses where nothing is wrong"
+    covered = "no finding: within the believed model's published uncertainty"
     return [words for words, holds in ((form, left.is_room_form), (covered, left.is_covered)) if holds]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from waxstudy.gap.result import Diagnosis, FoundEffect, StageGap
 from waxstudy.report.diagnosis.figures.ranking import ranked, role
-from waxstudy.report.diagnosis.focus import by_reason, unit_left
+from waxstudy.report.diagnosis.focus import by_reason, measurements, unit_left
 from waxstudy.report.diagnosis.summary import held_out, in_order, remarks
 from waxstudy.report.diagnosis.words import (
     channel_words,
@@ -106,6 +106,7 @@ def closed_loop(diagnosis: Diagnosis) -> Table:
         words, unit = loop_words(key)
         values = (figure.measured, figure.before, figure.after)
         places = min((decimals(value) for value in values if value != round(value)), default=0)
+        places = 2 if unit == "°C" else places  # as in the summary: of 21 °C hundredths matter
         rows.append([words, *(number(value, places) for value in values), unit_words(unit)])
     headings = ["figure", "measured", "as believed", "with the effects", "unit"]
     return "the closed loop, running free", headings, rows
@@ -152,7 +153,7 @@ def untestable(diagnosis: Diagnosis) -> Table:
 
 def next_measurements(diagnosis: Diagnosis) -> Table:
     """What to measure next."""
-    rows = [[each.what, ", ".join(map(stage_words, each.splits))] for each in diagnosis.next_measurements]
+    rows = [[each.what, ", ".join(map(stage_words, each.splits))] for each in measurements(diagnosis)]
     return "measurements that would tell more", ["measurement", "what it would settle"], rows
 
 
