@@ -16,6 +16,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 TUTORIAL = ROOT / "docs" / "plugin-tutorial.md"  # has a test and an environment of its own
 MEMBERS = 2
 DIAGNOSIS = ROOT / "docs" / "diagnosis-tutorial.md"  # its output is compared
+WIDTH = {"COLUMNS": "100"}  # as it says
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -60,7 +61,7 @@ def test_the_diagnosis_tutorial_prints_the_verdicts_and_causes_that_it_shows(
     pairs = re.findall(r"^```sh\n(.*?)^```\n```\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     assert len(pairs) == len(blocks(DIAGNOSIS, "sh"))
     for block, expected in pairs:
-        done = [waxstudy(*line.split()[1:]) for line in block.splitlines()]
+        done = [waxstudy(*line.split()[1:], env=WIDTH) for line in block.splitlines()]
         assert [each.returncode for each in done] == [0] * len(done), done[-1].stderr
         assert told("".join(each.stdout for each in done)) == told(expected)
 

@@ -142,7 +142,8 @@ def _loop(diagnosis: Diagnosis) -> list[str]:
         before, after, seen = (number(v, 2) if unit == "°C" else rough(v) for v in values)  # of 21 °C tenths matter
         measured = f" (measured {seen})" if figure.measured else ""
         told.append(f"{words} {before} → {with_unit(after, unit)}{measured}")
-    return [f"closed loop (its controller reacts, so that signs may turn): {', '.join(told)}"]
+    turns = " (its controller reacts, so that signs may turn)" if "heat_percent" in diagnosis.closed_loop else ""
+    return [f"closed loop{turns}: {', '.join(told)}"]
 
 
 def in_order(loop: Mapping[str, BeforeAfter]) -> list[tuple[str, BeforeAfter]]:
