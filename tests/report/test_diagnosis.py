@@ -38,7 +38,7 @@ from waxstudy.report.diagnosis.figures.traces import course
 from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
 from waxstudy.report.diagnosis.page import as_html
 from waxstudy.report.diagnosis.summary import VERDICTS as VERDICT_WORDS
-from waxstudy.report.diagnosis.summary import as_terminal, lines
+from waxstudy.report.diagnosis.summary import as_terminal, impact_words, lines
 from waxstudy.report.render import json_text
 
 VERDICTS = pytest.mark.parametrize("diagnosis", ALL.values(), ids=ALL)
@@ -254,6 +254,12 @@ def test_a_gap_above_no_floor_is_many_times_it_and_none_is_none() -> None:
     assert "flow is off by 5.23 L/h;" in flat(found)
     assert json.loads(json_text(found.described()))["stages"][0]["over_floor"] is None
     assert stages[1].over_floor == 0.0
+
+
+def test_of_a_room_the_air_s_gap_is_told_once_and_beside_other_channels() -> None:
+    only_air = {"air_K": ROOM.gap}
+    assert impact_words(replace(ROOM, impact=only_air)) == ""
+    assert impact_words(replace(ROOM, channel="return_temperature_C", impact=only_air)) == "air is off by 0.083 K"
 
 
 # --- what is shown first -----------------------------------------------------------------------------

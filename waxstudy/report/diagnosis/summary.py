@@ -80,9 +80,10 @@ def _where(diagnosis: Diagnosis, stage: StageGap) -> str:
 def impact_words(stage: StageGap) -> str:
     """What a stage's gap does to heat and air, as far as it was computed."""
     heat, air = stage.impact.get("heat_percent", math.nan), stage.impact.get("air_K", math.nan)
-    told = [f"heat off by {signed(heat)} %"] if math.isfinite(heat) else []
-    told += [f"air {'' if told else 'off '}by {rough(air)} K"] if math.isfinite(air) else []
-    return f"by itself this puts {', '.join(told)}" if told else ""
+    off_K = f"by {rough(air)} K" if math.isfinite(air) else ""
+    if math.isfinite(heat):
+        return f"by itself this puts heat off by {signed(heat)} %" + (f", air {off_K}" if off_K else "")
+    return f"air is off {off_K}" if off_K and stage.channel != "air_temperature_C" else ""
 
 
 def _others(diagnosis: Diagnosis) -> list[str]:
