@@ -72,9 +72,9 @@ class Candidate:
         reasons = {
             "may be chance": self.p > LEVEL,
             "hardly better than without": not self.is_seen,
+            "real motors stray as much": self.is_covered,
             "the gap is within noise": self.over < self.needs.gap,
             "too slight to be named": not self.is_worth_naming,
-            "real motors stray as much": self.is_covered,
         }
         return next((reason for reason, holds in reasons.items() if holds), "explains too little")
 
