@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from waxstudy.cli.errors import USAGE, CommandError
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures, progress, resumable
@@ -22,28 +21,17 @@ from waxstudy.cli.study import load_study
 def command(study_file: Path, out: Path | None, as_json: bool, quiet: bool, no_jit: bool) -> None:
     """Run every case of a study and print the comparison.
 
-    What is already computed in the run folder for the same inputs is not computed again; the run of another study
-    file is never replaced. The last line printed is the run folder.
+    What is already computed in the run folder for the same inputs is not computed again. The last line printed is
+    the run folder.
     """
     study = load_study(study_file)
     folder = out or Path("results") / study.name
-    _refuse_another(folder, study_file)
     with failures(study_file, folder), progress(quiet) as told:
         from waxstudy.simulation.run import run
 
         with resumable():
-            run(study, folder, jit=not no_jit, progress=told, study_file=study_file)
+            run(study, folder, jit=not no_jit, progress=told)
     from waxstudy.cli.report import render
 
     text = render(folder, "json" if as_json else "table", study.against)
     print_out(text if as_json else f"{text}{folder}\n")
-
-
-def _refuse_another(folder: Path, study_file: Path) -> None:
-    """A study file may change and be run again; that of another one would lose its run."""
-    from waxstudy.results.origin import other_study
-
-    if other := other_study(folder, study_file):
-        found = f"{folder}: this folder holds the run of another study file, {other}"
-        choice = "give the study another name, or choose another folder with --out"
-        raise CommandError(f"{found}: {choice}; nothing was written", USAGE)

@@ -1,6 +1,6 @@
 """The run folder, format 1.
 
-    run.json            what was run, of which study file, provenance, and where each case lies; written last
+    run.json            what was run, provenance, and where each case lies; written last
     study.toml          the resolved study, all defaults filled in
     kpis.csv            one row per case, week and member
     cases/CASE_WEEK_KEY/ kpis.csv, durations.parquet, traces.parquet of one case in one week
@@ -26,10 +26,10 @@ import pandas as pd
 import tomli_w
 
 from waxstudy.results.atomic import PARTIAL, sole_use, whole_file, whole_folder
-from waxstudy.results.origin import MANIFEST, RESOLVED, origin
 from waxstudy.study.model import Ladder
 
 FORMAT = 1
+MANIFEST = "run.json"
 CASES = "cases"
 PARQUET_END = b"PAR1"
 AGAIN = "`waxstudy run` the study again"
@@ -130,14 +130,12 @@ def finish(
     weeks: Sequence[str],
     cases: Sequence[CaseFolder],
     provenance: Mapping[str, Any],
-    study_file: Path | None = None,
 ) -> None:
     """Put the finished cases together and publish them by writing the manifest last."""
     frames = [_read_kpis(folder / CASES / case.name / "kpis.csv") for case in cases]
     manifest = {
         "format": FORMAT,
         "study": study["study"]["name"],
-        **({"study_file": origin(folder, study_file)} if study_file else {}),
         "members": study["ensemble"]["members"],
         "ladders": [asdict(ladder) for ladder in ladders],
         "weeks": list(weeks),
@@ -147,7 +145,7 @@ def finish(
     # all are written before the first takes its place, and the manifest, outermost, takes its place last
     with (
         whole_file(folder / MANIFEST) as manifest_path,
-        whole_file(folder / RESOLVED) as study_path,
+        whole_file(folder / "study.toml") as study_path,
         whole_file(folder / "kpis.csv") as kpis_path,
     ):
         manifest_path.write_text(json.dumps(manifest, indent=1) + "\n")
@@ -214,7 +212,7 @@ class Run:
 
     @property
     def study_file(self) -> Path:
-        return self.folder / RESOLVED
+        return self.folder / "study.toml"
 
     def _case(self, case: str, week: str) -> Path:
         return next(self.folder / CASES / c.name for c in self.cases if (c.case, c.week) == (case, week))
@@ -238,9 +236,8 @@ def _manifest(folder: Path) -> dict[str, Any]:
             runs = f"; runs in it: {', '.join(below)}" if below else ""
             raise RunError(f"{folder}: holds no run (no {MANIFEST}){runs}")
         n = sum(1 for _ in folder.glob(f"{CASES}/[!.]*"))
-        cases = "1 case" if n == 1 else f"{n} cases"
         raise RunError(
-            f"{folder}: this run has not finished ({cases} computed so far); "
+            f"{folder}: this run has not finished ({n} cases computed so far); "
             f"`waxstudy run STUDY.toml --out {folder}` goes on from there"
         )
     try:

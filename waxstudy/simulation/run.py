@@ -145,15 +145,8 @@ def _named(table: str, load: Callable[[], Any], week: str = "") -> Any:
         raise InputError(table, one_line(str(error))) from error
 
 
-def run(
-    study: Study,
-    folder: Path,
-    *,
-    jit: bool = True,
-    progress: Progress | None = None,
-    study_file: Path | None = None,
-) -> Plan:
-    """Compute what is missing in the folder and finish it; the folder remembers the study file.
+def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | None = None) -> Plan:
+    """Compute what is missing in the folder and finish it.
 
     Raises what `prepare` raises, `SimulationError` (naming case and week), `RunError` if the folder is in use,
     `OSError`, or `KeyboardInterrupt`; what was finished before that is kept.
@@ -168,8 +161,7 @@ def run(
             if job not in missing:
                 progress.done(job, False)
         _compute(plan, missing, folder, progress)
-        ladders, weeks = list(study.ladders.values()), list(plan.driven)
-        finish(folder, study.described(), ladders, weeks, jobs, provenance(plan, jobs), study_file)
+        finish(folder, study.described(), list(study.ladders.values()), list(plan.driven), jobs, provenance(plan, jobs))
     return plan
 
 
