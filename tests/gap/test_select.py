@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.gap.realities import EFFECTS, Effects, belief, effects, planted, record
+from waxstudy.gap.assembly import _alternative, _why_not
 from waxstudy.gap.candidate import LEVEL, best_of, explained
 from waxstudy.gap.claim import LEAST_GAP, LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP, least_gap
 from waxstudy.gap.fit import Fitter
@@ -211,6 +212,7 @@ def test_an_effect_that_later_days_do_not_confirm_is_withdrawn() -> None:
     assert selection.found == ()
     (withdrawn,) = selection.withdrawn
     assert "let-by" in withdrawn.group
+    assert _why_not(selection, withdrawn.candidate) == "the last days do not confirm it"
 
 
 def test_what_explains_less_than_half_of_a_room_over_the_whole_record_is_not_claimed() -> None:
@@ -227,6 +229,8 @@ def test_what_explains_less_than_half_of_a_room_over_the_whole_record_is_not_cla
         named = selection.found if is_claimed else selection.distrusted
         assert [each.effect.name for each in named] == ["supply-offset"]
         assert bool(selection.found) is is_claimed
+        why = "another explains more" if is_claimed else "too much stays"
+        assert _why_not(selection, named[0].candidate) == why
 
 
 def test_an_actuator_within_what_real_ones_stray_is_not_called_another() -> None:
@@ -288,6 +292,8 @@ def test_effects_that_are_the_same_thing_are_one_group() -> None:
     assert {"let-by", "seeping"} <= set(found.group)
     assert found.group[0] == found.effect.name
     assert tuple(each.effect.name for each in found.others) == found.group[1:]
+    other = next(_alternative(each) for each in found.others if each.effect.name in ("let-by", "seeping"))
+    assert other.parameters["fraction"].value == pytest.approx(0.03, rel=0.1)
     assert found.inclusion > 0.9
 
 
