@@ -160,6 +160,8 @@ def test_a_link_of_a_few_cycles_or_days_cannot_be_judged() -> None:
     short = replace(seen, values={name: each[:2000] for name, each in seen.values.items()})
     assert "2 days" in too_short(link_at("room", cut), short, believed)
     assert "3 are needed" in too_short(link_at("room", cut), short, believed)
+    shorter = replace(seen, values={name: each[:1000] for name, each in seen.values.items()})
+    assert too_short(link_at("room", cut), shorter, believed).startswith("only 1 day of ")
 
 
 def test_samples_lost_one_by_one_are_lost_alone_and_too_many_are_told() -> None:

@@ -33,8 +33,9 @@ def too_short(link: Link, record: Record, belief: Belief) -> str:
     channel = _best_known(link, record)
     blocks = np.unique((record.day if link.with_room else record.cycle)[record.settled & _known(record, channel)])
     if len(blocks) < LEAST_BLOCKS:
-        what = "days" if link.with_room else "cycles"
-        return f"only {len(blocks)} {what} of {channel} are recorded, {LEAST_BLOCKS} are needed"
+        one = "day" if link.with_room else "cycle"
+        found = f"1 {one} of {channel} is" if len(blocks) == 1 else f"{len(blocks)} {one}s of {channel} are"
+        return f"only {found} recorded, {LEAST_BLOCKS} are needed"
     # what stands although it should move shows a dead motor, a signal that is always on one that stands elsewhere
     if _is_constant(record, channel):
         if not _should_move(link, record, belief, channel):
