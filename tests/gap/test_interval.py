@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 from tests.gap.realities import EFFECTS, belief, effects, planted, record
 from waxstudy.gap.fit import Fitter
-from waxstudy.gap.interval import _reaching, parameter_intervals, shrink
+from waxstudy.gap.interval import CLOCK_S, _reaching, _timing, parameter_intervals, shrink
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
 from waxstudy.gap.links import links
 from waxstudy.gap.result import Interval
+from waxstudy.gap.space import Space
 from waxstudy.plugin import FloatArray, Prior
 
 SAMPLES = 2000
@@ -129,6 +130,22 @@ def test_a_parameter_s_interval_covers_it_as_often_as_it_says() -> None:
         widths.append(interval.high - interval.low)
     assert covered >= 18
     assert max(widths) < 0.02
+
+
+@pytest.mark.parametrize("interval_s", [10.0, 60.0])
+def test_a_motor_s_times_are_known_no_better_than_its_switches_nor_than_two_clocks_agree(interval_s: float) -> None:
+    seen = record("IDEAL", days=2, interval_s=interval_s)
+    believed = belief("IDEAL", seen)
+    link = next(each for each in links(seen, believed) if each.stages == ("actuator",))
+    fitter, motor = Fitter(link, seen, believed), EFFECTS["wax-motor"]
+    times = {"dead_time_s": 120.0, "rise_time_s": 100.0, "hold_time_s": 80.0, "fall_time_s": 140.0}
+    fitted = fitter.at([(motor, times)], np.zeros(0), fitter.base.reading)
+    assert fitted
+    for place, name in enumerate(Space(motor).names):
+        prior = motor.priors[name]
+        if not prior.is_log:
+            open_s = _timing(fitter, fitted, motor, place) * (prior.high - prior.low)
+            assert open_s == pytest.approx(max(CLOCK_S, interval_s / 6.0))
 
 
 def test_an_effect_of_a_model_without_parameters_has_no_intervals() -> None:

@@ -14,7 +14,7 @@ from waxstudy.gap.closed_loop import closed_loop
 from waxstudy.gap.impact import impact
 from waxstudy.gap.interval import parameter_intervals, shrink
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, parts_of
-from waxstudy.gap.links import Link
+from waxstudy.gap.links import ROOM_STAGES, Link
 from waxstudy.gap.record import Record
 from waxstudy.gap.regimes import regimes
 from waxstudy.gap.result import (
@@ -276,10 +276,10 @@ def _warned(selections: Sequence[Selection]) -> list[str]:
     told = [f"{name} fitted the first days, but the last days do not confirm it: it is not claimed" for name in names]
     late = [found.effect.name for s in selections if not s.fitter.holds_out for found in s.found]
     told += [f"{name} shows in the last days only: they took part in finding it, none are held out" for name in late]
-    poor = [found.effect.name for selection in selections for found in selection.distrusted]
-    return told + [
-        f"{name} explains a part of what the room is missed by, but too much stays: not claimed" for name in poor
-    ]
+    for effect, channel in ((found.effect, found.channel) for s in selections for found in s.distrusted):
+        missed = "the room" if effect.stage in ROOM_STAGES else channel
+        told.append(f"{effect.name} explains a part of what {missed} is missed by, but too much stays: not claimed")
+    return told
 
 
 def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:

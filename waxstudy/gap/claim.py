@@ -13,8 +13,10 @@ from waxstudy.gap.record import CONTINUOUS
 
 LEAST_GAP = 1.1  # over the floor
 LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP = 1.5, 1.75
+LEAST_OF_TRAVEL = 3.5  # the same of a motor that moves from end to end between two samples
 LEAST_SHARE = 0.5  # of a gap above its floor that an effect must explain
 LEAST_OF_SENSOR = 0.9  # the same of a thermometer, of which little else is to be known
+LEAST_OF_FORM = 0.8  # the same of an effect with several parameters over the whole record: they bend to much
 # the same in whitened errors, of a valve's clear gap: other circuits are in all of its flow, its curve where it moves
 LEAST_OF_VALVE, CLEAR_GAP = 0.15, 3.0
 CLEAR_GAIN = 50.0  # whitened
@@ -60,4 +62,6 @@ def least_gap(fitter: Fitter, channel: str, unit: str) -> float:
     behind = channel in ("displacement", "flow_L_h")
     if runs_on(channel, unit) or (behind and fitter.link.driven_by in CONTINUOUS):
         return LEAST_SMOOTHED_GAP
-    return LEAST_SAMPLED_GAP if behind and fitter.record.interval_s >= LONG_S else LEAST_GAP
+    if not behind or fitter.record.interval_s < LONG_S:
+        return LEAST_GAP
+    return LEAST_OF_TRAVEL if channel == "displacement" else LEAST_SAMPLED_GAP

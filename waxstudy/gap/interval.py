@@ -23,6 +23,7 @@ WIDTH = 0.02  # of a parameter's range, over which slopes are taken
 LEAST_WIDTH = 1e-5  # over which it is seen whether anything changes at all
 RANGE = (2.5, 97.5)
 TIMING = 1.0 / 6.0  # of an interval: standard deviation of a time that switches within it leave open
+CLOCK_S = 2.5  # chosen: the same of what a motor is told and when a logger says so
 
 
 def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, Mapping[str, Interval]]:
@@ -190,13 +191,15 @@ def _timing(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int) -> f
     """Return what the sampling of the switches that drive a link leaves open of a parameter, as a share of its range.
 
     Nobody knows when within an interval each of them was thrown; the judge puts it where it fits best, so that a time
-    may be off by nearly as much as that lets it, and a motor's pace by what moves its opening as much.
+    may be off by nearly as much as that lets it, and a motor's pace by what moves its opening as much. A motor's times
+    are known no better than its clock and the logger's agree, whatever drives it.
     """
-    if fitter.link.driven_by not in fitter.record.binary:
+    is_switched, is_motor = fitter.link.driven_by in fitter.record.binary, effect.stage == "actuator"
+    if not is_switched and not is_motor:
         return 0.0
     space, values = Space(effect), dict(fitted.effects)[effect]
     name, prior = space.names[place], space.priors[place]
-    open_s = TIMING * fitter.record.interval_s
+    open_s = max(TIMING * fitter.record.interval_s if is_switched else 0.0, CLOCK_S if is_motor else 0.0)
     if not name.endswith("_s"):
         return open_s / moved if (moved := _moved_s(fitter, fitted, effect, place)) else 0.0
     return float(

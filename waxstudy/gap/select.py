@@ -16,7 +16,7 @@ from waxstudy.gap.candidate import (
     over_floor,
     shared,
 )
-from waxstudy.gap.claim import CLEAR_GAIN, EXPLAINED, LEAST_SHARE, Needs
+from waxstudy.gap.claim import CLEAR_GAIN, EXPLAINED, LEAST_OF_FORM, LEAST_SHARE, Needs
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
@@ -67,7 +67,7 @@ class Selection:
     tried: tuple[Candidate, ...]  # of the first round
     floor: Floor
     withdrawn: tuple[Found, ...] = ()  # accepted, but not confirmed by the last part
-    distrusted: tuple[Found, ...] = ()  # accepted, but of a room that they do not explain well enough
+    distrusted: tuple[Found, ...] = ()  # accepted, but they leave too much over the whole record
 
     @property
     def is_late(self) -> bool:
@@ -138,11 +138,11 @@ class _Search:
     def distrusted(
         self, found: Sequence[Found], models: Sequence[Fitted], without: Sequence[Fitted], floor: Floor
     ) -> Sequence[Found]:
-        """Return effects of a room that is not understood, and those whose gap its unknowns take half of as well."""
-        pairs = [pair for pair in zip(found, without, strict=True) if pair[0].effect.stage in ROOM_STAGES]
-        if not pairs or is_poor(self.fitter.link, models[0], models[-1]):
-            return [each for each, _ in pairs]
-        return [each for each, before in pairs if kept_share(each.channel, before, models[-1], floor) < LEAST_SHARE]
+        """Return effects of a room that is not understood, and those that explain too little of the whole record."""
+        if is_poor(self.fitter.link, models[0], models[-1]):
+            return [each for each in found if each.effect.stage in ROOM_STAGES]
+        pairs = zip(found, without, strict=True)
+        return [each for each, before in pairs if kept_share(each.channel, before, models[-1], floor) < least(each)]
 
     def models(self, found: Sequence[Found], reading: Reading) -> tuple[tuple[Fitted, ...], tuple[Fitted, ...]]:
         """Return the believed model and those with one more effect each, and the last without each one of them.
@@ -264,6 +264,13 @@ class _Search:
         others = {c.effect.name: c for c in candidates}
         often = inclusion(group, candidates, current, self.random)
         return Found(best, group, often, tuple(others[name] for name in group[1:]))
+
+
+def least(found: Found) -> float:
+    """Return the share of its gap that an effect must explain over the whole record, all else fitted again."""
+    if found.effect.stage in ROOM_STAGES:
+        return LEAST_SHARE
+    return LEAST_OF_FORM if len(found.effect.priors) > 1 else -np.inf
 
 
 def is_enough(fitter: Fitter, best: Candidate) -> bool:
