@@ -62,6 +62,14 @@ LET_BY = cause("let-by", "stuck-open")
 ALONE = cause("let-by")
 
 
+@pytest.mark.parametrize(("true", "is_covered"), [(-12.0, True), (12.0, True), (11.0, False)])
+def test_twelve_hours_later_is_twelve_hours_earlier(true: float, is_covered: bool) -> None:
+    shifted = cause("gain-shift", shift_h=true)
+    shift = effect("gain-shift", stage="room", shift_h=(11.95, 11.8, 12.0))
+    ((_, near, (_, low, high)),) = mark(truth(shifted), shift).parameters
+    assert (low <= near <= high) is is_covered
+
+
 def test_a_group_is_right_if_it_holds_the_truth_and_nothing_outside_its_class() -> None:
     assert mark(truth(LET_BY), effect("stuck-open", "let-by")).right_group
     assert mark(truth(LET_BY), effect("let-by")).right_group

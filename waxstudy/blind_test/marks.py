@@ -10,6 +10,9 @@ from typing import Any
 from waxstudy.blind_test.answer import Answer, Claim
 from waxstudy.plugin.trial import engine_of
 
+DAY_H = 24.0
+FLOW = "_L_h"
+
 
 @dataclass(frozen=True)
 class TrueCause:
@@ -231,7 +234,16 @@ class Mark:
         found = []
         for cause, claim in self.right_claims:
             if claim.name == cause.name:
-                found += [
-                    (f"{cause.name}.{n}", cause.values[n], s) for n, s in claim.parameters.items() if n in cause.values
-                ]
+                told = {n: said for n, said in claim.parameters.items() if n in cause.values}
+                found += [(f"{cause.name}.{n}", turned(n, cause.values[n], said[0]), said) for n, said in told.items()]
         return found
+
+
+def turned(parameter: str, true: float, said: float) -> float:
+    """Return what is true, of an hour of the day as near as may be to what is said: twelve later is twelve earlier.
+
+    >>> turned("shift_h", -12.0, 11.9), turned("from_h", 23.5, 0.5), turned("flow_L_h", 50.0, 20.0)
+    (12.0, -0.5, 50.0)
+    """
+    is_hour = parameter.endswith("_h") and not parameter.endswith(FLOW)
+    return true + DAY_H * round((said - true) / DAY_H) if is_hour else true
