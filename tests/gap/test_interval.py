@@ -133,7 +133,7 @@ def test_a_parameter_s_interval_covers_it_as_often_as_it_says() -> None:
 
 
 @pytest.mark.parametrize("interval_s", [10.0, 60.0])
-def test_a_motor_s_times_are_known_no_better_than_its_switches_nor_than_two_clocks_agree(interval_s: float) -> None:
+def test_a_motor_s_times_are_known_no_better_than_its_switches_nor_than_when_it_was_told(interval_s: float) -> None:
     seen = record("IDEAL", days=2, interval_s=interval_s)
     believed = belief("IDEAL", seen)
     link = next(each for each in links(seen, believed) if each.stages == ("actuator",))

@@ -23,7 +23,7 @@ WIDTH = 0.02  # of a parameter's range, over which slopes are taken
 LEAST_WIDTH = 1e-5  # over which it is seen whether anything changes at all
 RANGE = (2.5, 97.5)
 TIMING = 1.0 / 6.0  # of an interval: standard deviation of a time that switches within it leave open
-CLOCK_S = 2.5  # chosen: the same of what a motor is told and when a logger says so
+CLOCK_S = 3.0  # chosen: the same of when a motor was told, by a controller that looks every ten seconds or so
 
 
 def parameter_intervals(fitter: Fitter, fitted: Fitted) -> Mapping[EffectType, Mapping[str, Interval]]:
@@ -192,7 +192,7 @@ def _timing(fitter: Fitter, fitted: Fitted, effect: EffectType, place: int) -> f
 
     Nobody knows when within an interval each of them was thrown; the judge puts it where it fits best, so that a time
     may be off by nearly as much as that lets it, and a motor's pace by what moves its opening as much. A motor's times
-    are known no better than its clock and the logger's agree, whatever drives it.
+    are known no better than when it was told, whatever drives it.
     """
     is_switched, is_motor = fitter.link.driven_by in fitter.record.binary, effect.stage == "actuator"
     if not is_switched and not is_motor:
