@@ -21,7 +21,7 @@ from waxstudy.gap.fit import Fitter
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, parts_of
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
-from waxstudy.gap.select import Selection, select
+from waxstudy.gap.select import Selection, _Search, select
 from waxstudy.plugin import Belief, Effect, hookimpl
 from waxstudy.plugin.registry import Registry, _register
 
@@ -70,6 +70,7 @@ def test_where_everything_is_as_believed_nothing_is_claimed(case: str, stage: st
         (60.0, (), LEAST_GAP),
         (300.0, (), LEAST_OF_TRAVEL),
         (60.0, ("heating_signal", "control_output"), LEAST_SMOOTHED_GAP),
+        (300.0, ("heating_signal", "control_output"), LEAST_OF_TRAVEL),
     ],
 )
 def test_a_motor_is_claimed_by_more_where_its_pulses_or_its_path_are_not_known(
@@ -79,7 +80,7 @@ def test_a_motor_is_claimed_by_more_where_its_pulses_or_its_path_are_not_known(
     believed = belief("REAL", seen)
     link = link_at("actuator", links(seen, believed))
     assert least_gap(Fitter(link, seen, believed), "displacement", "1") == least
-    of_flow = LEAST_SAMPLED_GAP if least == LEAST_OF_TRAVEL else least
+    of_flow = max(LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP if without else 0.0) if interval_s == 300.0 else least
     assert least_gap(Fitter(link, seen, believed), "flow_L_h", "L/h") == of_flow
 
 
@@ -194,6 +195,22 @@ def test_two_effects_in_one_link_are_both_claimed() -> None:
         assert sum(name in found.group for found in selection.found) == 1
     values = {effect.name: dict(each) for effect, each in selection.after.effects}
     assert values["max-flow"]["factor"] == pytest.approx(0.8, rel=0.02)
+
+
+def test_one_of_a_pair_that_is_enough_only_together_is_no_other_name_of_the_other() -> None:
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    made = planted(link, seen, believed, effects(let_by={"fraction": 0.03}, max_flow={"factor": 0.8}))
+    fitter = Fitter(link, made, believed)
+    search = _Search(fitter, [EFFECTS["let-by"], EFFECTS["max-flow"]], np.random.default_rng(1), lambda name: None)
+    alone = search.tried(fitter.base)
+    first = next(each for each in alone if each.effect.name == "let-by")
+    (second,) = search.tried(first.fitted)
+    (both,) = search.judged(fitter.base, [(second.effect, second.fitted)])
+    told = search.found(first, [*alone, both], fitter.base, ("let-by", "max-flow"))
+    assert told.group == ("let-by",)
+    assert told.inclusion > 0.9
+    assert "max-flow" in search.found(first, [*alone, both], fitter.base).group
 
 
 def test_each_model_explains_more_than_the_one_before() -> None:

@@ -28,6 +28,13 @@ def test_a_figure_and_its_spread_have_the_same_decimals(mean: float, spread: flo
     assert str(Check("x", values, 0.0, 1.0, "%")) == f"x {shown}"
 
 
+def test_a_figure_that_a_member_lacks_is_not_known_and_takes_no_other_with_it() -> None:
+    lacking = Check("january", np.array([np.nan, 5.0]), 3.0, 8.0, "%")
+    found = _finding("F0", "statement", [lacking, Check("february", np.array([5.2, 5.3]), 3.0, 8.0, "%")])
+    assert "january not known" in found.figure
+    assert "february 5.250 ± 0.071 %" in found.figure
+
+
 def test_every_figure_is_told_and_first_those_that_make_the_verdict() -> None:
     clear, open_ = np.array([5.2, 5.3]), np.array([2.0, 5.0])
     checks = [Check("january", clear, 3.0, 8.0, "%"), Check("february", open_, 3.0, 8.0, "%")]

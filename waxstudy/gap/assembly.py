@@ -172,11 +172,11 @@ def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tri
 def _why_not(selection: Selection, candidate: Candidate) -> str:
     """Return why an effect that was tried is not named."""
     name = candidate.effect.name
-    if any(name == found.effect.name for found in selection.withdrawn):
+    if any(name in found.group for found in selection.withdrawn):
         return "the last days do not confirm it"
-    if any(name == found.effect.name for found in selection.distrusted):
+    if any(name in found.group for found in selection.distrusted):
         return "too much stays"
-    return candidate.why_not or "another explains more"
+    return candidate.why_not or ("another explains more" if selection.found else "another was better, and withdrawn")
 
 
 def _untestable(

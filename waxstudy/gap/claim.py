@@ -60,8 +60,9 @@ def least_gap(fitter: Fitter, channel: str, unit: str) -> float:
     another motor; samples that are far apart miss how a motor moved between them.
     """
     behind = channel in ("displacement", "flow_L_h")
+    needs = [LEAST_GAP]
     if runs_on(channel, unit) or (behind and fitter.link.driven_by in CONTINUOUS):
-        return LEAST_SMOOTHED_GAP
-    if not behind or fitter.record.interval_s < LONG_S:
-        return LEAST_GAP
-    return LEAST_OF_TRAVEL if channel == "displacement" else LEAST_SAMPLED_GAP
+        needs.append(LEAST_SMOOTHED_GAP)
+    if behind and fitter.record.interval_s >= LONG_S:
+        needs.append(LEAST_OF_TRAVEL if channel == "displacement" else LEAST_SAMPLED_GAP)
+    return max(needs)

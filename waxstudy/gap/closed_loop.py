@@ -56,8 +56,9 @@ class FreeRun:
         if not self.has_flow:
             return float("nan")
         least, most = (float(np.quantile(self._known_flow, share)) for share in RANGE)
-        on = self._known_flow > max(OPEN, 0.5 * (least + most))
-        return float(np.sum(on[1:] & ~on[:-1])) / (len(on) * self.interval_s / DAY_S)
+        known, on = np.isfinite(self.flow), self.flow > max(OPEN, 0.5 * (least + most))
+        starts = on[1:] & ~on[:-1] & known[:-1]  # NaN is not above, and nobody saw what came before
+        return float(np.sum(starts)) / (float(np.sum(known)) * self.interval_s / DAY_S)
 
     @property
     def _known_flow(self) -> FloatArray:
@@ -82,8 +83,8 @@ def closed_loop(record: Record, before: Belief, after: Belief) -> Mapping[str, B
     the record's mean air temperature.
     """
     setpoint_C = float(np.nanmedian(record.filled("setpoint_C")))
-    seen = recorded(record, before)
     try:
+        seen = recorded(record, before)
         runs = [free_run(belief, setpoint_C).while_seen(seen) for belief in (before, after)]
         shifts = [_shift_K(seen, belief, setpoint_C) for belief in (before, after)]
     except (SimulationError, ValueError):

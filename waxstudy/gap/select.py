@@ -114,7 +114,8 @@ class _Search:
                 found.append(self.found(best, candidates, current))
             elif pair := self.pair(current, candidates):
                 best = pair[-1]
-                found += [self.found(c, [*candidates, best], current) for c in pair]
+                names = tuple(each.effect.name for each in pair)
+                found += [self.found(each, [*candidates, best], current, names) for each in pair]
             else:
                 break
             if self.fitter.is_quick and is_enough(self.fitter, best):
@@ -259,10 +260,13 @@ class _Search:
                     best = first, whole
         return best
 
-    def found(self, best: Candidate, candidates: Sequence[Candidate], current: Fitted) -> Found:
-        group = alike(best, candidates)
+    def found(
+        self, best: Candidate, candidates: Sequence[Candidate], current: Fitted, pair: Sequence[str] = ()
+    ) -> Found:
+        """Return an effect with its group; of a pair, which explains enough together, none stands for the other."""
+        group = alike(best, [each for each in candidates if each.effect.name not in pair])
         others = {c.effect.name: c for c in candidates}
-        often = inclusion(group, candidates, current, self.random)
+        often = inclusion((*group, *pair), candidates, current, self.random)
         return Found(best, group, often, tuple(others[name] for name in group[1:]))
 
 

@@ -51,6 +51,8 @@ class Check:
 
     def __str__(self) -> str:
         mean = float(np.mean(self.values))
+        if not math.isfinite(mean):
+            return f"{self.label} not known"
         spread = float(np.std(self.values, ddof=1)) if len(self.values) > 1 else np.nan
         if not spread >= 0.5 * 10.0**-MOST_DECIMALS:  # it would be shown as zero
             return f"{self.label} {with_spread(mean, np.nan, _decimals(mean, 3))} {self.unit}".rstrip()
@@ -63,7 +65,7 @@ def _decimals(value: float, figures: int) -> int:
     >>> _decimals(0.36, 2), _decimals(1.1, 2), _decimals(361.0, 3), _decimals(0.0, 3), _decimals(2e-6, 2)
     (2, 1, 0, 2, 4)
     """
-    leading = math.floor(math.log10(abs(value))) if value else 0
+    leading = math.floor(math.log10(abs(value))) if value and math.isfinite(value) else 0
     return min(max(figures - 1 - leading, 0), MOST_DECIMALS)
 
 
