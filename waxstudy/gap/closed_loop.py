@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -148,6 +149,7 @@ def _shift_K(seen: FreeRun, belief: Belief, setpoint_C: float) -> float:
 
     wanted_C = float(np.nanmean(seen.air_C))
 
+    @cache  # the ends are asked for twice, and each is a whole run
     def off_K(shift_K: float) -> float:
         return float(np.nanmean(free_run(belief, setpoint_C + shift_K).while_seen(seen).air_C)) - wanted_C
 
