@@ -3,7 +3,7 @@ BIN := .venv/bin
 # the matrices are small: threads of the linear algebra library would only wait for each other
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test golden bench clean
+.PHONY: run test golden characterise bench clean
 
 run: .venv/installed  ## set up, run the paper's study, print its Table 5
 	$(BIN)/waxstudy run studies/table5.toml
@@ -19,6 +19,9 @@ golden: .venv/installed-dev  ## compute the golden results, the study file's sch
 	$(BIN)/python -m tests.golden.regenerate
 	$(BIN)/python -m tests.study.regenerate_schema
 	$(BIN)/python -m tests.blind_test.regenerate_tables
+
+characterise: .venv/installed-dev  ## compare what the diagnosis says of 70 records with what is stored
+	$(BIN)/python -m tests.characterisation
 
 bench: .venv/installed-dev  ## measure speed and memory
 	$(BIN)/python -m benchmarks
