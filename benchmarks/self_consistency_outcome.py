@@ -39,7 +39,7 @@ def outcome(made: Made) -> dict[str, Any]:
         "true": dict(made.values),
         "verdict": diagnosis.verdict,
         "found": [found_as_told(found.name, diagnosis) for found in diagnosis.effects],
-        "unexplained": [u.stage for u in diagnosis.unexplained if not (u.is_room_form or u.is_covered)],
+        "unexplained": [u.stage for u in diagnosis.unexplained if u.is_finding],
         "seconds": time.perf_counter() - begin,
     }
     return told | (judged(made, seen, free, diagnosis) if made.effect else {})

@@ -175,7 +175,8 @@ class SolarFactor(Effect):
     def hindrance(cls, belief: Belief) -> str:
         if belief.inputs is None:
             return NO_RECORD
-        return "" if belief.inputs.solar_W.any() else "no sun is recorded or assumed"
+        is_known = belief.inputs.solar_W.any() and "solar_W" not in belief.inputs.stand_ins
+        return "" if is_known else "no sun is recorded or assumed"
 
     @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
@@ -220,7 +221,8 @@ class GainShift(Effect):
     def hindrance(cls, belief: Belief) -> str:
         if belief.inputs is None:
             return NO_RECORD
-        return "" if belief.inputs.gains_W.any() else "no internal gains are recorded or assumed"
+        is_known = belief.inputs.gains_W.any() and "gains_W" not in belief.inputs.stand_ins
+        return "" if is_known else "no internal gains are recorded or assumed"
 
     @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
@@ -332,7 +334,8 @@ class NeighbourHeat(Effect):
 
     @classmethod
     def sentence(cls, p: Any) -> str:
-        return f"The room exchanges heat with a neighbour through {p.conductance_W_K:.1f} W/K."
+        at = f"at {NEIGHBOUR_C:g} C if its temperature is not recorded"
+        return f"The room exchanges heat with a neighbour, {at}, through {p.conductance_W_K:.1f} W/K."
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:

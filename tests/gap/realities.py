@@ -114,6 +114,7 @@ def dataset(data: pd.DataFrame, believed: str, **changes: Any) -> Dataset:
         room=study().room,
         room_tolerance=1.0,
         noise={},
+        site=None,
         warnings=(),
         assumptions=(),
     )

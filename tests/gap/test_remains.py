@@ -8,6 +8,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.gap.realities import EFFECTS, PERFECT, SETPOINT_C, belief, effects, plain, planted, record
 from waxstudy.gap.closed_loop import closed_loop, distance, free_run, recorded
@@ -21,7 +23,7 @@ from waxstudy.gap.result import FoundEffect, Interval, Untestable
 from waxstudy.gap.select import Selection, select
 from waxstudy.gap.stray import is_covered, opening, stray_s
 from waxstudy.gap.testable import clear, doubtful_noise, next_measurements, separating, too_short, uncovered, unshown
-from waxstudy.gap.trust import reaching_belief
+from waxstudy.gap.trust import is_distinct
 from waxstudy.gap.unexplained import unexplained
 from waxstudy.plugin import Belief, FloatArray, Inputs
 
@@ -266,7 +268,7 @@ def test_merged_stages_are_told_apart_by_the_channel_between_them() -> None:
     merged = replace(seen, values={name: each for name, each in seen.values.items() if name != "displacement"})
     cut = links(merged, believed)
     assert separating(link_at("valve", cut)) == ["displacement"]
-    told = {each.what: list(each.splits) for each in next_measurements(cut, [], [], {}, merged.interval_s)}
+    told = {each.what: list(each.splits) for each in next_measurements(cut, [], [], {}, merged)}
     assert told["record displacement"] == ["actuator+valve"]
 
 
@@ -284,25 +286,43 @@ def test_a_group_is_split_by_the_channel_between_its_stages_or_by_a_closer_look(
     merged = replace(seen, values={name: each for name, each in seen.values.items() if name != "displacement"})
     one = Interval(0.0, 0.0, 0.0)
     group = FoundEffect("let-by", "valve", "", tuple(others), {}, 1.0, 0.0025, "flow_L_h", 5.0, 1.0, 1.0, one)
-    first = next(next_measurements(links(merged, believed), [group], [], others, interval_s=60.0))
+    first = next(next_measurements(links(merged, believed), [group], [], others, merged))
     assert (first.what, first.splits) == (wanted, list(others))
 
 
 def test_what_was_never_excited_asks_for_more_days() -> None:
     seen, _, cut = ready()
     unseen = [Untestable("let-by", "nothing in this record would look different with it, unless it were large")]
-    assert list(next_measurements(cut, [], unseen, {}, seen.interval_s))[-1].splits == ["let-by"]
+    assert list(next_measurements(cut, [], unseen, {}, seen))[-1].splits == ["let-by"]
 
 
-@pytest.mark.parametrize(("low", "is_told"), [(0.71, True), (1.02, False)])
-def test_an_effect_whose_interval_holds_what_is_believed_is_said_to(low: float, is_told: bool) -> None:
+def factor_of(value: float, low: float, high: float) -> dict[str, Interval]:
+    return {"factor": Interval(value, low, high)}
+
+
+@given(value=st.floats(0.35, 3.9), below=st.floats(0.0, 0.5), above=st.floats(0.0, 2.0))
+def test_a_claim_is_noticeably_off_what_is_believed_and_its_interval_leaves_that_out(
+    value: float, below: float, above: float
+) -> None:
     _, believed, _ = ready()
     slow = EFFECTS["slow-actuator"]
-    one, factor = Interval(1.0, 1.0, 1.0), {"factor": Interval(1.05, low, 1.1)}
-    found = FoundEffect(
-        slow.name, "actuator", "", (slow.name,), factor, 1.0, 0.0025, "displacement", 5.0, 1.0, 1.0, one
-    )
-    assert len(list(reaching_belief([found], [slow], believed))) == is_told
+    low, high = value * (1.0 - below), value * (1.0 + above)
+    noticeable = slow.priors["factor"].noticeable
+    is_off = max(value, 1.0 / value) > noticeable and not low <= 1.0 <= high
+    assert is_distinct(slow, factor_of(value, low, high), believed) is is_off
+
+
+@pytest.mark.parametrize("seed", [4, 5])
+def test_no_effect_is_named_that_is_below_noticeable_in_the_end(seed: int) -> None:
+    """The first days alone put the factor above 1.04, where it is noticeable, all of them below in one of two."""
+    seen, believed, cut = ready()
+    link = link_at("valve", cut)
+    made = planted(link, seen, believed, effects(max_flow={"factor": 1.04}), seed)
+    selection = searched(link, made, believed, ["max-flow"])
+    values = [dict(selection.after.effects)[found.effect]["factor"] for found in selection.found]
+    assert all(value > EFFECTS["max-flow"].priors["factor"].noticeable for value in values)
+    assert len(selection.found) + len(selection.indistinct) == 1
+    assert list(unexplained(selection, 1)) == []
 
 
 # --- regimes ---------------------------------------------------------------------------------------------

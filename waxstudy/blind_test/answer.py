@@ -82,4 +82,4 @@ def _stages(said: Any) -> frozenset[str]:
 
 def _is_finding(said: Mapping[str, Any]) -> bool:
     """Whether something unexplained is more than a model's form or what its published uncertainty covers."""
-    return not (said.get("is_room_form") or said.get("is_covered"))
+    return not any(said.get(name) for name in ("is_room_form", "is_covered", "is_of_drives"))

@@ -10,7 +10,7 @@ from waxstudy.dataset.building import read_room
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.columns import TIME
 from waxstudy.dataset.notes import Notes
-from waxstudy.dataset.tables import Column, DatasetTable, Nominal
+from waxstudy.dataset.tables import Column, DatasetTable, Nominal, Site
 from waxstudy.plugin import CHAIN
 from waxstudy.plugin.registry import nearest
 from waxstudy.study.check import Check
@@ -20,7 +20,7 @@ from waxstudy.study.model import Choice
 from waxstudy.study.sentences import value_at
 from waxstudy.study.spots import RawTable, Spot
 
-TABLES = ("dataset", "nominal", "building", "room", "noise", "columns")
+TABLES = ("dataset", "site", "nominal", "building", "room", "noise", "columns")
 FILES = ("data.csv", "data.parquet")
 
 
@@ -29,6 +29,7 @@ class Description:
     """What dataset.toml says; what has a problem is left out."""
 
     about: DatasetTable
+    site: Site | None
     time: str  # name of the time column
     columns: Mapping[str, Column]
     nominal: Mapping[str, Choice]
@@ -44,6 +45,7 @@ def read_description(check: Check, notes: Notes) -> Description:
     nominal, setpoint_C = _nominal(check, notes)
     return Description(
         about=_about(check, notes),
+        site=_site(check),
         time=time,
         columns=columns,
         nominal=nominal,
@@ -60,6 +62,12 @@ def _about(check: Check, notes: Notes) -> DatasetTable:
     _tell_unknown(check, spot.path, list(DatasetTable.model_fields), notes)
     known = {key: value for key, value in table.items() if key in DatasetTable.model_fields}
     return check.parameters(DatasetTable, RawTable.of(known, spot)) or DatasetTable()
+
+
+def _site(check: Check) -> Site | None:
+    spot = Spot.table("site")
+    table = check.table(spot)
+    return check.parameters(Site, RawTable.of(table, spot)) if table else None
 
 
 def _tell_unknown(check: Check, path: KeyPath, allowed: Iterable[str], notes: Notes) -> None:

@@ -17,6 +17,7 @@ from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.plausible import look_at_units
 from waxstudy.dataset.stamps import stamps_of
 from waxstudy.dataset.swapped import look_at_pairs
+from waxstudy.dataset.tables import Site
 from waxstudy.dataset.text import read_table
 from waxstudy.dataset.turned import look_at_directions
 from waxstudy.plugin import Room
@@ -46,6 +47,7 @@ class Dataset:
     room: Choice | None
     room_tolerance: float  # factor on the priors of what is uncertain of the room
     noise: Mapping[str, float]  # standard deviation by channel
+    site: Site | None  # where the room is
     warnings: tuple[str, ...]  # what the user must know
     assumptions: tuple[str, ...]  # what was assumed, one sentence each
 
@@ -78,6 +80,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         room=described.room,
         room_tolerance=described.about.room_tolerance,
         noise=described.noise,
+        site=described.site,
         warnings=tuple(dict.fromkeys(notes.warnings)),
         assumptions=tuple(dict.fromkeys(notes.assumptions)),
     )

@@ -1,8 +1,9 @@
-"""The tables of dataset.toml that are not a study's: [dataset], [columns], [noise], and the setpoint of [nominal]."""
+"""The tables of dataset.toml that are not of a study: [dataset], [site], [columns], [noise], setpoint of [nominal]."""
 
 from __future__ import annotations
 
 from typing import Literal, Self
+from zoneinfo import available_timezones
 
 from pydantic import field_validator, model_validator
 
@@ -62,6 +63,28 @@ class DatasetTable(Parameters):
                 hint = f"; did you mean '{near}'?" if near else ""
                 raise ValueError(f"'{name}' is no channel{hint}")
         return inputs
+
+
+class Site(Parameters):
+    """`[site]`: where the room is, in the words of pvlib's `Location`."""
+
+    latitude: float = parameter(unit="deg", description="north of the equator", source=USER, ge=-90.0, le=90.0)
+    longitude: float | None = parameter(
+        None, unit="deg", description="east of Greenwich; noon at 12 h, if not given", source=USER, ge=-180.0, le=180.0
+    )
+    altitude: float = parameter(0.0, unit="m", description="above the sea", source=USER, ge=-500.0, le=9000.0)
+    timezone: str | None = parameter(
+        None, unit="", description='of the stamps, as "Europe/Tallinn"; by the longitude, if not given', source=USER
+    )
+
+    @field_validator("timezone")
+    @classmethod
+    def _is_known(cls, timezone: str | None) -> str | None:
+        if timezone is not None and timezone not in available_timezones():
+            near = nearest(timezone, available_timezones())
+            hint = f"; did you mean '{near}'?" if near else ""
+            raise ValueError(f"'{timezone}' is no time zone{hint}")
+        return timezone
 
 
 class Nominal(Parameters):

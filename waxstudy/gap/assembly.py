@@ -11,8 +11,9 @@ import pandas as pd
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.candidate import Candidate
 from waxstudy.gap.closed_loop import closed_loop
+from waxstudy.gap.drives import filled_in
 from waxstudy.gap.impact import impact
-from waxstudy.gap.interval import parameter_intervals, shrink
+from waxstudy.gap.interval import shrink
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, parts_of
 from waxstudy.gap.links import ROOM_STAGES, Link
 from waxstudy.gap.record import Record
@@ -34,7 +35,6 @@ from waxstudy.gap.select import Selection
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.testable import UNSHOWN, doubtful_noise, next_measurements, separating, uncovered, unshown
 from waxstudy.gap.told import told
-from waxstudy.gap.trust import reaching_belief
 from waxstudy.gap.unexplained import stage_of, unexplained
 from waxstudy.plugin import STAGES, Belief
 
@@ -75,14 +75,18 @@ def assembled(
         tried=[each for selection in selections for each in _tried(selection, found)],
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
-        next_measurements=list(next_measurements(cut, found, untestable, stages, work.record.interval_s)),
+        next_measurements=list(next_measurements(cut, found, untestable, stages, work.record)),
         warnings=[
             *work.dataset.warnings,
             *doubtful_noise(work.record, cut),
             *_warned(selections),
-            *reaching_belief(found, work.effects, work.belief),
         ],
-        assumptions=[*work.dataset.assumptions, *_readings(selections), *_needless(selections)],
+        assumptions=[
+            *work.dataset.assumptions,
+            *filled_in(work.dataset, work.record),
+            *_readings(selections),
+            *_needless(selections),
+        ],
         departures=_departures(selections),
         parts=_parts(work, selections),
         seed=work.seed,
@@ -92,7 +96,6 @@ def assembled(
 
 
 def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
-    intervals = parameter_intervals(selection.fitter, selection.after) if selection.found else {}
     random = np.random.default_rng([seed, 2])
     for found, without in zip(selection.found, selection.without, strict=True):
         channel = found.channel
@@ -104,7 +107,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             stage=found.effect.stage,
             sentence=found.effect.sentence(found.effect.Parameters(**values)),
             group=list(found.group),
-            parameters=intervals[found.effect],
+            parameters=selection.intervals[found.effect],
             inclusion=found.inclusion,
             p=found.candidate.p,
             channel=channel,
@@ -176,6 +179,8 @@ def _why_not(selection: Selection, candidate: Candidate) -> str:
         return "the last days do not confirm it"
     if any(name in found.group for found in selection.distrusted):
         return "too much stays"
+    if any(name in found.group for found in selection.indistinct):
+        return "it may as well be what is believed"
     return candidate.why_not or ("another explains more" if selection.found else "another was better, and withdrawn")
 
 
@@ -279,6 +284,8 @@ def _warned(selections: Sequence[Selection]) -> list[str]:
     for effect, channel in ((found.effect, found.channel) for s in selections for found in s.distrusted):
         missed = "the room" if effect.stage in ROOM_STAGES else channel
         told.append(f"{effect.name} explains a part of what {missed} is missed by, but too much stays: not claimed")
+    for name in (found.effect.name for s in selections for found in s.indistinct):
+        told.append(f"{name} explains a gap, but by its interval it may as well be what is believed: it is not claimed")
     return told
 
 

@@ -13,7 +13,7 @@ from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import SELECT
 from waxstudy.gap.result import in_floors
 from waxstudy.gap.space import EffectType
-from waxstudy.plugin import Belief
+from waxstudy.plugin import Belief, Prior
 
 LEVEL = 0.01  # family-wise, over the effects of a link
 LEAST_GAIN = 10.0  # whitened
@@ -106,13 +106,15 @@ def is_worth_naming(effect: EffectType, values: Mapping[str, float], believed: B
     neutral = effect.neutral(believed)
     if neutral is None or not effect.priors:
         return True
-    for name in effect.priors.keys() & neutral.keys():
-        prior, value, still = effect.priors[name], values[name], neutral[name]
-        if prior.is_log and max(value / still, still / value) > prior.noticeable:
-            return True
-        if not prior.is_log and abs(value - still) > prior.noticeable:
-            return True
-    return False
+    both = effect.priors.keys() & neutral.keys()
+    return any(departs(effect.priors[name], values[name], neutral[name]) for name in both)
+
+
+def departs(prior: Prior, value: float, still: float) -> bool:
+    """Whether a value is off a neutral one by more than is noticeable."""
+    if prior.is_log:
+        return max(value / still, still / value) > prior.noticeable
+    return abs(value - still) > prior.noticeable
 
 
 def over_floor(current: Fitted, channel: str, floor: Floor, is_slight: bool) -> float:

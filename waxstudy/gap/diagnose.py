@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.assembly import Work, assembled, of_link
+from waxstudy.gap.drives import GAINS, SUN, stand_ins
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.ladder import ladder_effects
 from waxstudy.gap.letter import to_the_letter
 from waxstudy.gap.links import Link, links
 from waxstudy.gap.record import Record
 from waxstudy.gap.result import Diagnosis
+from waxstudy.gap.room import built
 from waxstudy.gap.select import Selection, Tick, select
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.testable import too_short
@@ -60,7 +63,12 @@ def record_of(dataset: Dataset) -> Record:
         values["setpoint_C"] = np.full(len(dataset.time), dataset.setpoint_C)
     first = dataset.time[0]
     start_s = (first - first.normalize()).total_seconds() - dataset.interval_s
-    return Record(dataset.interval_s, start_s, values, dataset.noise, dataset.assumed)
+    record = Record(dataset.interval_s, start_s, values, dataset.noise, dataset.assumed)
+    lacking = [channel for channel in (SUN, GAINS) if not record.has(channel)]
+    if dataset.room is None or not record.has_inputs or not lacking:
+        return record
+    room = built(dataset.room)
+    return replace(record, stand_ins=stand_ins(lacking, room, dataset.time, dataset.interval_s, dataset.site))
 
 
 def _inputs(record: Record) -> Inputs | None:

@@ -45,7 +45,8 @@ def _is_known_well(fitter: Fitter) -> bool:
     """Whether a room is no rough guess, and what drives it is known: what a noisy opening lets through is not."""
     is_measured = fitter.link.driven_by == "flow_L_h" or fitter.link.driven_by in fitter.record.binary
     of_air = [channel for channel in fitter.link.judged if channel in OF_AIR_AND_FLOOR]
-    return fitter.link.with_room and bool(of_air) and is_measured and fitter.room_tolerance <= 1.0
+    is_told = is_measured and not fitter.record.stand_ins
+    return fitter.link.with_room and bool(of_air) and is_told and fitter.room_tolerance <= 1.0
 
 
 def _shown(model: Fitted) -> list[Errors]:

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from waxstudy.gap.drives import FIELDS, GAINS, SUN, StandIn
 from waxstudy.plugin import FloatArray, Inputs
 
 T = TypeVar("T")
@@ -39,6 +40,7 @@ class Record:
     values: Mapping[str, FloatArray]
     stated_noise: Mapping[str, float] = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
+    stand_ins: Mapping[str, StandIn] = field(default_factory=dict)  # for what drove the room and was not recorded
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
@@ -207,21 +209,25 @@ class Record:
 
     @property
     def inputs(self) -> Inputs:
-        """What drove the room; raise `KeyError` naming the channel that is missing."""
+        """What drove the room, or stands in for it; raise `KeyError` naming a channel that is missing."""
         air = self.drive(self.air_channel)
         return Inputs(
             interval_s=self.interval_s,
             start_s=self.start_s,
             outdoor_C=self.smooth(self.filled("outdoor_temperature_C")),
             supply_C=self.smooth(self.filled("supply_temperature_C")),
-            solar_W=self.filled_or_zero("solar_gain_W"),
-            gains_W=self.filled_or_zero("internal_gain_W"),
+            solar_W=self._heat(SUN),
+            gains_W=self._heat(GAINS),
             ventilation_C=self._optional("ventilation_supply_temperature_C"),
             air_C=air,
             flow_L_h=self._optional("flow_L_h"),
             signal=self._optional("heating_signal"),
             neighbour_C=self._optional("neighbour_temperature_C"),
+            stand_ins=frozenset(FIELDS[channel] for channel in self.stand_ins),
         )
+
+    def _heat(self, channel: str) -> FloatArray:
+        return self.stand_ins[channel].values if channel in self.stand_ins else self.filled(channel)
 
     def _optional(self, channel: str) -> FloatArray | None:
         return self.filled(channel) if self.has(channel) else None

@@ -105,11 +105,12 @@ class Unexplained:
     p: float
     is_room_form: bool = False  # the form of the room's model, which alone is no finding
     is_covered: bool = False  # within what the believed model's published uncertainty covers
+    is_of_drives: bool = False  # as little as what drives the room and was not recorded could make
     channel: str = ""  # that it is judged by
 
     @property
     def is_finding(self) -> bool:
-        return not (self.is_room_form or self.is_covered)
+        return not (self.is_room_form or self.is_covered or self.is_of_drives)
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,14 +20,16 @@ from waxstudy.gap.claim import CLEAR_GAIN, EXPLAINED, LEAST_OF_FORM, LEAST_SHARE
 from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
+from waxstudy.gap.interval import parameter_intervals
 from waxstudy.gap.judge import BOTH, FIT, SELECT
 from waxstudy.gap.links import ROOM_STAGES
 from waxstudy.gap.reading import Reading
 from waxstudy.gap.resampling import inclusion, null
+from waxstudy.gap.result import Interval
 from waxstudy.gap.room import ROOM_FORM_K
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.stray import is_covered
-from waxstudy.gap.trust import is_confirmed, is_late, is_poor, kept_share
+from waxstudy.gap.trust import is_confirmed, is_distinct, is_late, is_poor, kept_share
 from waxstudy.plugin import FloatArray
 
 LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
@@ -68,6 +70,8 @@ class Selection:
     floor: Floor
     withdrawn: tuple[Found, ...] = ()  # accepted, but not confirmed by the last part
     distrusted: tuple[Found, ...] = ()  # accepted, but they leave too much over the whole record
+    indistinct: tuple[Found, ...] = ()  # accepted, but as fitted in the end they may be what is believed
+    intervals: Mapping[EffectType, Mapping[str, Interval]] = field(default_factory=dict)  # of what was found
 
     @property
     def is_late(self) -> bool:
@@ -77,7 +81,8 @@ class Selection:
     @property
     def slight(self) -> frozenset[str]:
         """Channels whose gap an effect explains that is too small to be named."""
-        return frozenset(candidate.channel for candidate in self.tried if candidate.is_slight)
+        tried = {candidate.channel for candidate in self.tried if candidate.is_slight}
+        return frozenset(tried | {found.channel for found in self.indistinct})
 
     @property
     def before(self) -> Fitted:
@@ -133,8 +138,22 @@ class _Search:
             found = [each for each in found if each not in distrusted]
             models, without = self.models(found, current.reading if found else self.fitter.base.reading)
             floor = Floor.of(self.fitter, models[-1])
-        parts = tuple(found), tuple(first), floor, tuple(withdrawn), tuple(distrusted)
-        return Selection(self.fitter, models, without, *parts)
+        indistinct: list[Found] = []
+        intervals = parameter_intervals(self.fitter, models[-1]) if found else {}
+        while blurred := [each for each in found if not self.is_distinct(each, models[-1], intervals)]:
+            indistinct += blurred
+            found = [each for each in found if each not in blurred]
+            models, without = self.models(found, current.reading if found else self.fitter.base.reading)
+            floor = Floor.of(self.fitter, models[-1])
+            intervals = parameter_intervals(self.fitter, models[-1]) if found else {}
+        left_out = tuple(withdrawn), tuple(distrusted), tuple(indistinct)
+        return Selection(self.fitter, models, without, tuple(found), tuple(first), floor, *left_out, intervals)
+
+    def is_distinct(self, found: Found, last: Fitted, intervals: Mapping[EffectType, Mapping[str, Interval]]) -> bool:
+        """Return whether an effect, as fitted in the end, is noticeably another than what is believed without it."""
+        rest = [(effect, values) for effect, values in last.effects if effect is not found.effect]
+        believed = self.fitter.edited(rest, last.departures)
+        return is_distinct(found.effect, intervals[found.effect], believed)
 
     def distrusted(
         self, found: Sequence[Found], models: Sequence[Fitted], without: Sequence[Fitted], floor: Floor

@@ -184,16 +184,18 @@ def next_measurements(
     found: Sequence[FoundEffect],
     untestable: Sequence[Untestable],
     stages: Mapping[str, str],
-    interval_s: float,
+    record: Record,
 ) -> Iterator[Measurement]:
-    """Yield what to measure next: what splits groups, what separates merged stages, what was never shown.
+    """Yield what to measure next: missing drives, what splits groups, separates merged stages, was never shown.
 
     `stages` are those of the effects by name.
     """
+    for channel in record.stand_ins:
+        yield Measurement(f"record {channel}", [link.name for link in links if link.with_room])
     for effect in found:
         if len(effect.group) > 1:
             within = {stages[name] for name in effect.group if name in stages}
-            yield Measurement(_splitting(effect, links, within, interval_s), list(effect.group))
+            yield Measurement(_splitting(effect, links, within, record.interval_s), list(effect.group))
     for link in links:
         for channel in separating(link):
             yield Measurement(f"record {channel}", [f"{link.name}"])

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping
 
-from waxstudy.gap.candidate import explained
+from waxstudy.gap.candidate import departs, explained
 from waxstudy.gap.claim import EXPLAINED
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
 from waxstudy.gap.links import ROOM_STAGES, Link
-from waxstudy.gap.result import FoundEffect
+from waxstudy.gap.result import Interval
 from waxstudy.gap.room import ROOM_FORM_K
 from waxstudy.gap.space import EffectType
 from waxstudy.plugin import Belief
@@ -49,11 +49,10 @@ def is_late(link: Link, errors: Errors, floor: Floor) -> bool:
     return last > max(LATE * before, EXPLAINED * floor.plain[errors.channel], form_K)
 
 
-def reaching_belief(found: Sequence[FoundEffect], effects: Sequence[EffectType], belief: Belief) -> Iterator[str]:
-    """Yield what to say of effects of which every interval holds what is believed."""
-    types = {effect.name: effect for effect in effects}
-    for each in found:
-        neutral = types[each.name].neutral(belief) or {}
-        known = [(each.parameters[name], value) for name, value in neutral.items() if name in each.parameters]
-        if known and all(interval.low <= value <= interval.high for interval, value in known):
-            yield f"{each.name}: its intervals reach to what is believed; it may be slight, or something else"
+def is_distinct(effect: EffectType, intervals: Mapping[str, Interval], believed: Belief) -> bool:
+    """Whether a parameter is noticeably off what is believed, and its interval leaves that out."""
+    neutral = effect.neutral(believed)
+    if neutral is None or not effect.priors:
+        return True
+    known = [(effect.priors[name], intervals[name], neutral[name]) for name in effect.priors.keys() & neutral.keys()]
+    return any(departs(prior, i.value, still) and not i.low <= still <= i.high for prior, i, still in known)

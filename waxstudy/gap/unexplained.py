@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from waxstudy.gap.testable import LEAST_BLOCKS
 LEAST_EXCESS = 1.5  # of what is left over the noise floor
 LEVEL = 0.01
 DRAWS = 1000
+COURSE_SHARE = 0.5  # chosen: of what a drive does, that a course of another shape may leave
 LEAST_TYPICAL = 2.5  # standard deviations by which what makes up a gap is off
 
 
@@ -45,7 +47,24 @@ def _described(selection: Selection, errors: Errors, floor: float, p: float) -> 
     covered = not is_room and is_covered(selection, errors)
     if is_room and not form:
         stage = selection.fitter.link.name  # what a model's form does not leave may as well lie in the emitter
-    return Unexplained(stage, errors.gap(), floor, p, form, covered, errors.channel)
+    drives = is_room and errors.gap() <= reach_of_drives(selection, errors)
+    return Unexplained(stage, errors.gap(), floor, p, form, covered, drives, errors.channel)
+
+
+def reach_of_drives(selection: Selection, errors: Errors) -> float:
+    """Return what the course of drives that nobody recorded may leave of a channel, in its unit.
+
+    Their size was fitted; of what they do, by the hour, a part may still be missed (root mean square).
+    """
+    fitter, after = selection.fitter, selection.after
+    if not fitter.record.stand_ins or not errors.judged.any():
+        return 0.0
+    belief = fitter.edited(after.effects, after.departures)
+    assert belief.inputs
+    none: dict[str, Any] = dict.fromkeys(belief.inputs.stand_ins, np.zeros(len(belief.inputs.solar_W)))
+    still = fitter.predicted(replace(belief, inputs=replace(belief.inputs, **none)), after.reading)
+    without = next(each for each in fitter.judge.errors(still) if each.channel == errors.channel)
+    return COURSE_SHARE * float(np.sqrt(np.mean((without.error - errors.error)[errors.judged] ** 2)))
 
 
 def carried_by(whitened: Errors) -> float:

@@ -9,6 +9,7 @@ from math import exp
 
 import numpy as np
 
+from waxstudy.gap.drives import FIELDS
 from waxstudy.gap.record import Record
 from waxstudy.gap.room import full_flow_L_h
 from waxstudy.plugin import Belief, FloatArray, Inputs, Room, Uncertainty
@@ -52,10 +53,34 @@ def unknowns(belief: Belief, record: Record, driven_by: str, tolerance: float = 
     spread = [replace(unknown, sd=tolerance * unknown.sd) for unknown in found if tolerance > 0.0]
     return [
         *spread,
+        *_unrecorded(record),
         Unknown(START, START_K, _started),
         Unknown(FLOOR, START_K, _floor_started),
         *_lost(belief, record, driven_by),
     ]
+
+
+def _unrecorded(record: Record) -> Iterator[Unknown]:
+    """Yield what is unknown of what stands in for drives that nobody recorded."""
+    for channel, found in record.stand_ins.items():
+        field = FIELDS[channel]
+        if found.factor_sd:
+            factor = partial(_times, field, found.values)
+            yield Unknown(f"factor of {channel}", found.factor_sd, factor)
+        for shape in found.shapes:
+            course = partial(_more, field, shape.heat_W)
+            yield Unknown(shape.name, shape.sd, course, is_event=shape.is_once)
+
+
+def _times(field: str, values: FloatArray, belief: Belief, departure: float) -> Belief:
+    return _more(field, values, belief, exp(departure) - 1.0)
+
+
+def _more(field: str, heat_W: FloatArray, belief: Belief, strength: float) -> Belief:
+    """Return the belief with some times a course of heat on top of one of its inputs."""
+    assert belief.inputs
+    changed = {field: getattr(belief.inputs, field) + strength * heat_W}
+    return replace(belief, inputs=replace(belief.inputs, **changed))
 
 
 def _lost(belief: Belief, record: Record, driven_by: str) -> Iterator[Unknown]:

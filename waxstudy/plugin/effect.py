@@ -34,6 +34,7 @@ class Inputs:
     added_flow_L_h: FloatArray | None = None  # beyond the recorded or modelled flow, as while nothing was recorded
     start_K: float = 0.0  # how much warmer all of the room is at the start than the first day, repeated, would make it
     start_floor_K: float = 0.0  # and its heated floor besides
+    stand_ins: frozenset[str] = frozenset()  # fields of this class that nobody recorded: something else is in them
 
     @property
     def hour(self) -> FloatArray:

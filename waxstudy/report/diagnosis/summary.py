@@ -176,7 +176,9 @@ def remarks(left: Unexplained) -> list[str]:
     """What keeps an unexplained gap from being a finding."""
     form = "no finding: as much as a model of this form misses where nothing is wrong"
     covered = "no finding: within the believed model's published uncertainty"
-    return [words for words, holds in ((form, left.is_room_form), (covered, left.is_covered)) if holds]
+    drives = "no finding: as little as the sun or gains that nobody recorded may leave"
+    told = ((form, left.is_room_form), (covered, left.is_covered), (drives, left.is_of_drives))
+    return [words for words, holds in told if holds]
 
 
 def _nothing_left(diagnosis: Diagnosis) -> list[str]:
