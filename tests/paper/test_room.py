@@ -20,9 +20,9 @@ from waxstudy.plugin import ROOM_OUTPUTS, Facade, FloatArray, LinearRoom, Weathe
 from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom
 from waxstudy_paper.room.assembly import add_layers, assemble, full_system, linear_room, radiant_conductance_W_K
 from waxstudy_paper.room.construction import Layer
+from waxstudy_paper.room.corner import solid_angles_sr
 from waxstudy_paper.room.hydronics import Circuit, exchange_W_m2K, full_flow_L_h, supply_C
 from waxstudy_paper.room.network import Network, System, without_massless
-from waxstudy_paper.room.nzeb import solid_angles_sr
 from waxstudy_paper.room.view import Rectangle
 
 NZEB = NzebRoom.Parameters()
