@@ -17,10 +17,7 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """Mean over the ensemble, standard deviation of single runs, and the 95 % interval of the mean.
-
-    With one member the last three are NaN, and no interval excludes zero.
-    """
+    """Mean over the ensemble, standard deviation of single runs, 95 % interval of the mean (NaN with one member)."""
 
     mean: float
     sd: float
@@ -63,9 +60,9 @@ def unpaired_interval(a: Estimate, n: int, b: Estimate, m: int) -> tuple[float, 
 class Row:
     """One case in one week.
 
-    `setpoint_shift_K` is the shift that all members share, with the spread of the shifts of single runs around it.
-    `heat_vs_most_detailed_percent` is the difference from the ladder's reference, paired by member; `resolved` says
-    whether its interval excludes zero, and is None for the reference and where a member's reference has no heat.
+    `setpoint_shift_K` is the shift that all members share, with the spread of single runs' own shifts around it.
+    `heat_vs_most_detailed_percent` is against the ladder's reference, paired by member; `resolved` says whether its
+    interval excludes zero, None for the reference and where a member's reference has no heat.
     """
 
     ladder: str
@@ -95,10 +92,7 @@ def member_values(kpis: pd.DataFrame, case: str, week: str, column: str) -> Floa
 
 
 def differences_percent(kpis: pd.DataFrame, case: str, reference: str, week: str) -> FloatArray:
-    """Return by how much each member's heat exceeds the same member's of the reference case [% of the latter].
-
-    NaN where the reference case has no heat.
-    """
+    """Return each member's heat less the same member's of the reference case [% of that]; NaN where that is none."""
     heat, other = (member_values(kpis, name, week, "heat_kWh_m2_week") for name in (case, reference))
     return 100.0 * (heat - other) / np.where(other > 0.0, other, np.nan)
 
