@@ -7,7 +7,7 @@ from typing import Any
 
 from waxstudy.plugin import Belief, Choice, changed
 from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom, hydronics
-from waxstudy_paper.room.nzeb import described
+from waxstudy_paper.room.corner import described
 
 NO_ROOM = "no room is believed"
 NOT_DESCRIBED = "this room cannot be described by surfaces"

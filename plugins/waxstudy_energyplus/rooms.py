@@ -9,7 +9,7 @@ from waxstudy.plugin import Advance, FloatArray, LinearRoom, OutsideRoom, Refuse
 from waxstudy_energyplus.library import installed_version
 from waxstudy_energyplus.shell import refuse_names, refuse_windows
 from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom
-from waxstudy_paper.room.nzeb import NzebParameters
+from waxstudy_paper.room.corner import NzebParameters
 
 
 class InEnergyPlus(OutsideRoom):

@@ -17,6 +17,8 @@ import pytest
 from tests.cli.conftest import Entry, Plugin
 from tests.conftest import SMALL, WAXSTUDY, Waxstudy, call
 from tests.report.test_diagnosis import page_text, untraced
+from tests.results.test_parquet import units_in
+from waxstudy.dataset.channels import CHANNELS
 
 USAGE, INVALID, PLUGIN, FAILED, INTERRUPTED = 2, 3, 4, 6, 130
 FILES = ["diagnosis.json", "report.html", "traces.parquet"]
@@ -60,6 +62,10 @@ def test_it_prints_the_summary_and_writes_three_files(dataset: Path, entry: Entr
     assert len(traces) == len(pd.read_csv(dataset / "data.csv"))
     judged = {stage["channel"] for stage in told["stages"]}
     assert set(traces) == {f"{channel}_{what}" for channel in judged for what in ("measured", "before", "after")}
+    assert (traces.index == pd.to_datetime(pd.read_csv(dataset / "data.csv")["time"])).all()
+    told = units_in(Path("found/here/traces.parquet"))
+    assert told.pop("time") == "local standard time"
+    assert told == {name: CHANNELS[name.rpartition("_")[0]].unit for name in traces}
 
 
 @pytest.mark.slow

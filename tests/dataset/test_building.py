@@ -18,7 +18,7 @@ from waxstudy.plugin.registry import Registry
 from waxstudy.study.problems import StudyError
 from waxstudy_paper.room import NzebRoom
 from waxstudy_paper.room.building import NzebBuilding, parameters_of
-from waxstudy_paper.room.nzeb import NzebParameters, describe
+from waxstudy_paper.room.corner import NzebParameters, describe
 
 CORNER: dict[str, Any] = {
     "floor_area_m2": 10.4,

@@ -11,7 +11,7 @@ from tests.dataset.conftest import SETPOINT_C, Simulated
 from waxstudy.dataset.reality import RealityError, reality_loop, simulate
 from waxstudy.simulation.run import prepare
 from waxstudy.study.model import Study
-from waxstudy_paper.room.nzeb import describe
+from waxstudy_paper.room.corner import describe
 
 STEP_S = 5.0
 PER_DAY = 17280

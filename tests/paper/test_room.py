@@ -20,9 +20,9 @@ from waxstudy.plugin import ROOM_OUTPUTS, Facade, FloatArray, LinearRoom, Weathe
 from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom
 from waxstudy_paper.room.assembly import add_layers, assemble, full_system, linear_room, radiant_conductance_W_K
 from waxstudy_paper.room.construction import Layer
-from waxstudy_paper.room.hydronics import Circuit, supply_C
+from waxstudy_paper.room.corner import solid_angles_sr
+from waxstudy_paper.room.hydronics import Circuit, exchange_W_m2K, full_flow_L_h, supply_C
 from waxstudy_paper.room.network import Network, System, without_massless
-from waxstudy_paper.room.nzeb import solid_angles_sr
 from waxstudy_paper.room.view import Rectangle
 
 NZEB = NzebRoom.Parameters()
@@ -543,6 +543,23 @@ def test_the_nominal_exchange_meets_the_nominal_output_at_the_design_temperature
     return_C = 34.0 - 68.0 * 10.4 / (room.full_flow_L_h / 3600 * room.water_J_L_K)
     assert return_C == pytest.approx(29.0)
     assert room.full_flow_L_h == pytest.approx(122, abs=0.5)
+
+
+def test_the_pages_name_the_exchange_that_the_room_of_table_3_has() -> None:
+    pages = Path(__file__).parents[2] / "docs"
+    said = " ".join((pages / "room.md").read_text(encoding="utf-8").split())
+    compared = " ".join((pages / "energyplus.md").read_text(encoding="utf-8").split())
+    room = NzebRoom.describe(NZEB)
+    full_L_s = full_flow_L_h(room.circuit, 10.4) / 3600.0
+
+    def k(exchange: str, flow_L_s: float) -> float:
+        circuit = room.circuit.model_copy(update={"exchange": exchange})
+        return float(exchange_W_m2K(circuit, room.cover_m2K_W, room.screed_W_mK, np.array([flow_L_s]))[0])
+
+    nominal, pipe, laminar = k("nominal", full_L_s), k("pipe", full_L_s), k("pipe", 0.1 * full_L_s)
+    assert f"For Table 3 k is {nominal:.1f} W/(m2 K)" in said
+    assert f"k is {pipe:.1f} W/(m2 K) at full flow and {laminar:.1f} in laminar flow" in said
+    assert f"resistance method has {pipe:.1f} and the nominal output needs {nominal:.1f}" in compared
 
 
 def test_the_pipe_exchange_is_the_resistance_method() -> None:

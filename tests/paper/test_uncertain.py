@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from waxstudy.plugin import Choice, LinearRoom, Room, Uncertainty
 from waxstudy.plugin.shapes import physics_problems, room_problems
 from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom
-from waxstudy_paper.room.nzeb import described
+from waxstudy_paper.room.corner import described
 from waxstudy_paper.room.uncertain import moved_share, water_m2K_W
 
 CIRCUITS = {

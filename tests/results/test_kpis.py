@@ -69,7 +69,7 @@ def test_durations_are_percentiles_and_the_return_counts_only_with_flow() -> Non
 
 def test_thinned_traces_keep_means_of_flows_and_last_values_of_temperatures() -> None:
     ramp = np.arange(STEPS, dtype=float)
-    table = thinned(week(air_C=ramp, flow_L_h=ramp), 60.0)
+    table = thinned(week(air_C=ramp, flow_L_h=ramp), 60.0, "2023-01-22")
     assert table["time_s"].iloc[[0, -1]].tolist() == [60.0, 604800.0]
     assert table["air_C"].iloc[0] == 11.0
     assert table["flow_L_h"].iloc[0] == 5.5

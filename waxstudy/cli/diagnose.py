@@ -19,6 +19,8 @@ from waxstudy.cli.study import load_study
 from waxstudy.simulation.threads import use_one_thread
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from waxstudy.gap.result import Diagnosis
 
 OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: nothing is written]"
@@ -96,6 +98,7 @@ def _write(diagnosis: Diagnosis, out: Path) -> None:
     """Write the three files whole; diagnosis.json, which says what the others belong to, comes last."""
     from waxstudy.report.diagnosis.page import as_html
     from waxstudy.results.atomic import whole_file
+    from waxstudy.results.parquet import write_parquet
 
     page, text = as_html(diagnosis), _json(diagnosis)
     try:
@@ -103,9 +106,18 @@ def _write(diagnosis: Diagnosis, out: Path) -> None:
         with ExitStack() as files:
             names = ("diagnosis.json", "report.html", "traces.parquet")
             described, report, traces = (files.enter_context(whole_file(out / name)) for name in names)
-            diagnosis.traces.to_parquet(traces)
+            write_parquet(diagnosis.traces, traces, _units(diagnosis.traces))
             report.write_text(page, encoding="utf-8")
             described.write_text(text, encoding="utf-8")
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
         raise CommandError(f"{out}: the results cannot be written: {reason}", FAILED) from error
+
+
+def _units(traces: pd.DataFrame) -> dict[str, str]:
+    """Return the unit of each column: of `flow_L_h_before`, that of channel `flow_L_h`."""
+    from waxstudy.dataset.channels import CHANNELS
+    from waxstudy.results.parquet import TIME
+
+    channels = {str(name): str(name).rpartition("_")[0] for name in traces}
+    return {"time": TIME} | {name: CHANNELS[channel].unit for name, channel in channels.items()}

@@ -8,6 +8,7 @@ from typing import Literal
 INF = float("inf")
 
 Quantity = Literal["indoor", "water", "outdoor", "level", "flow", "gain"]
+UNITS: dict[Quantity, str] = {"indoor": "C", "water": "C", "outdoor": "C", "level": "1", "flow": "L/h", "gain": "W"}
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,10 @@ class Channel:
     resolution: float = 0.0  # 0: as computed
     low: float = -INF
     high: float = INF
+
+    @property
+    def unit(self) -> str:
+        return UNITS[self.quantity]
 
 
 # noise and resolution are chosen: thermistors in the room and on pipes, a small water meter, a displacement probe

@@ -19,6 +19,7 @@ from waxstudy.plugin.contracts import (
     Controller,
     Facade,
     Finding,
+    FinishedRun,
     FloatArray,
     LinearRoom,
     Modulator,
@@ -29,11 +30,12 @@ from waxstudy.plugin.contracts import (
     Refused,
     Room,
     Sensor,
+    Uncertainty,
     Valve,
     Weather,
     WeatherRecord,
 )
-from waxstudy.plugin.effect import STAGES, Belief, Effect, Inputs, Prior, Uncertainty
+from waxstudy.plugin.effect import STAGES, Belief, Effect, Inputs, Prior
 from waxstudy.plugin.hook import hookimpl
 from waxstudy.plugin.outside import TRACE, Advance, BackendMissing, OutsideRoom, SimulationError, Stopped
 from waxstudy.plugin.parameters import Parameters, changed, parameter
@@ -60,6 +62,7 @@ __all__ = [
     "Effect",
     "Facade",
     "Finding",
+    "FinishedRun",
     "FloatArray",
     "Inputs",
     "LinearRoom",

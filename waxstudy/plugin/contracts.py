@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from waxstudy.plugin.parameters import Parameters, changed, checked
 
 if TYPE_CHECKING:
-    from waxstudy.plugin.effect import Uncertainty
-    from waxstudy.results.run import Run
+    import pandas as pd
 
 API_VERSION = "1.0"
 
@@ -224,6 +223,20 @@ class LinearRoom:
     drive: Callable[[WeatherRecord], tuple[FloatArray, FloatArray]]
 
 
+@dataclass(frozen=True)
+class Uncertainty:
+    """Something that nobody knows of a room exactly: `apply(room, departure)` edits a room; 0 is what is believed.
+
+    The departure has a normal prior of standard deviation `sd`. The edited room may be another component, and takes
+    the other edits too.
+    """
+
+    name: str
+    description: str
+    sd: float
+    apply: Callable[[Choice, float], Choice]
+
+
 class Room(Component):
     kind = "room"
     # what a dataset may say of such a room in words and numbers; None where it can only be given by its parameters
@@ -278,6 +291,17 @@ class Finding:
     figure: str  # the run's own figure, readable
 
 
+class FinishedRun(Protocol):
+    """What published figures are held against: a run, of which no more is promised than this."""
+
+    @property
+    def kpis(self) -> pd.DataFrame:
+        """One row per case, week and member, with columns `case`, `week` and `member` and one per key figure."""
+
+    def durations(self, case: str, week: str) -> pd.DataFrame:
+        """Return percentiles 0 to 100 (column `percent`) of channels over a week, for each `member`."""
+
+
 class Reference(Component):
     """Published figures that a run can be held against."""
 
@@ -288,7 +312,7 @@ class Reference(Component):
         raise NotImplementedError
 
     @classmethod
-    def findings(cls, run: Run) -> Sequence[Finding]:
+    def findings(cls, run: FinishedRun) -> Sequence[Finding]:
         """Return what the run says of each published statement; raise `ValueError` with a one-line reason."""
         return ()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -85,20 +85,6 @@ class Prior:
     high: float
     noticeable: float  # a factor above 1 where `is_log`, else in the parameter's unit
     is_log: bool = False
-
-
-@dataclass(frozen=True)
-class Uncertainty:
-    """Something that nobody knows of a room exactly: `apply(room, departure)` edits a room; 0 is what is believed.
-
-    The departure has a normal prior of standard deviation `sd`. The edited room may be another component, and takes
-    the other edits too.
-    """
-
-    name: str
-    description: str
-    sd: float
-    apply: Callable[[Choice, float], Choice]
 
 
 class Effect(Component):

@@ -1,4 +1,4 @@
-"""The Table 5-style comparison: every case against the most detailed one of its ladder, with its spread."""
+"""The comparison in the style of Table 5: every case against the reference of its ladder, with its spread."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """Mean over the ensemble, standard deviation of single runs, and the 95 % interval of the mean."""
+    """Mean over the ensemble, standard deviation of single runs, 95 % interval of the mean (NaN with one member)."""
 
     mean: float
     sd: float
@@ -30,7 +30,7 @@ class Estimate:
 
 
 def estimate(values: FloatArray) -> Estimate:
-    """Return the estimate from one value per member; with one member there is no spread to tell (NaN)."""
+    """Return the estimate from one value per member (Student's t); all NaN where one of the values is."""
     n, mean = len(values), float(np.mean(values))
     if n < 2:
         return Estimate(mean, np.nan, np.nan, np.nan)
@@ -40,9 +40,10 @@ def estimate(values: FloatArray) -> Estimate:
 
 
 def unpaired_interval(a: Estimate, n: int, b: Estimate, m: int) -> tuple[float, float]:
-    """Return the 95 % interval of the difference a - b of two means (Welch's t); NaN where one has no spread.
+    """Return the 95 % interval of the difference a - b of two means (Welch's t); NaN where one is of a single member.
 
     Unequal spreads and numbers of members n and m are allowed; degrees of freedom after Welch and Satterthwaite.
+    Where neither spreads, both ends are the difference itself.
     """
     if n < 2 or m < 2:
         return np.nan, np.nan
@@ -57,7 +58,12 @@ def unpaired_interval(a: Estimate, n: int, b: Estimate, m: int) -> tuple[float, 
 
 @dataclass(frozen=True)
 class Row:
-    """One case in one week. `difference_percent` is paired by member; `resolved` is None for the reference."""
+    """One case in one week.
+
+    `setpoint_shift_K` is the shift that all members share, with the spread of single runs' own shifts around it.
+    `heat_vs_most_detailed_percent` is against the ladder's reference, paired by member; `resolved` says whether its
+    interval excludes zero, None for the reference and where a member's reference has no heat.
+    """
 
     ladder: str
     case: str
@@ -86,7 +92,7 @@ def member_values(kpis: pd.DataFrame, case: str, week: str, column: str) -> Floa
 
 
 def differences_percent(kpis: pd.DataFrame, case: str, reference: str, week: str) -> FloatArray:
-    """Return each member's heat relative to the same member's of the reference case [%]; NaN where that is none."""
+    """Return each member's heat less the same member's of the reference case [% of that]; NaN where that is none."""
     heat, other = (member_values(kpis, name, week, "heat_kWh_m2_week") for name in (case, reference))
     return 100.0 * (heat - other) / np.where(other > 0.0, other, np.nan)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import date
 from typing import Any
 
 import numpy as np
@@ -17,19 +18,20 @@ ACTIVATION_LIMIT_S = 300.0  # the reserve market's limit (research question 2)
 FLOWING = 0.01  # flow fraction below which a return temperature says nothing
 DURATION_PERCENT = np.arange(101.0)
 DURATION_CHANNELS = ("operative_C", "air_C", "flow_L_h", "return_C", "floor_heat_W_m2")
-TRACE_CHANNELS = (
-    "air_C",
-    "operative_C",
-    "floor_surface_C",
-    "supply_C",
-    "return_C",
-    "flow_L_h",
-    "opening",
-    "signal",
-    "output",
-    "water_heat_W_m2",
-    "floor_heat_W_m2",
-)
+# name -> unit
+TRACE_CHANNELS = {
+    "air_C": "C",
+    "operative_C": "C",
+    "floor_surface_C": "C",
+    "supply_C": "C",
+    "return_C": "C",
+    "flow_L_h": "L/h",
+    "opening": "1",
+    "signal": "1",
+    "output": "1",
+    "water_heat_W_m2": "W/m2",
+    "floor_heat_W_m2": "W/m2",
+}
 MEANS = ("flow_L_h", "opening", "signal", "output", "water_heat_W_m2", "floor_heat_W_m2")
 
 
@@ -113,12 +115,22 @@ def durations(week: MemberWeek, sample_s: float = 60.0) -> pd.DataFrame:
     return pd.DataFrame(frame)
 
 
-def thinned(week: MemberWeek, interval_s: float) -> pd.DataFrame:
-    """Return the trace at a longer interval; `time_s` stamps its end, flows, signals and heat are its means."""
+def thinned(week: MemberWeek, interval_s: float, first_day: str) -> pd.DataFrame:
+    """Return the trace at a longer interval, stamped at its end; flow, levels and heat are its means.
+
+    `time` is local standard time, exact to the microsecond; `time_s` counts from 00:00 of `first_day` (ISO date).
+    """
     n = round(interval_s / week.step_s)
     rows = len(week.channels["air_C"]) // n
-    frame: dict[str, Any] = {"time_s": (np.arange(rows) + 1) * interval_s}
+    frame: dict[str, Any] = stamps(first_day, interval_s, rows)
     for name in TRACE_CHANNELS:
         blocks = week.channels[name][: rows * n].reshape(rows, n)
         frame[name] = blocks.mean(axis=1) if name in MEANS else blocks[:, -1]
     return pd.DataFrame(frame)
+
+
+def stamps(first_day: str, interval_s: float, rows: int) -> dict[str, np.ndarray]:
+    """Return `time` (datetime64[us]) and `time_s` (float64 [s]) at the ends of intervals (rows,)."""
+    time_s = np.arange(1, rows + 1) * interval_s
+    since = np.rint(time_s * 1e6).astype("timedelta64[us]")
+    return {"time": np.datetime64(date.fromisoformat(first_day), "us") + since, "time_s": time_s}

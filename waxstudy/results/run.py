@@ -5,6 +5,8 @@
     kpis.csv            one row per case, week and member
     cases/CASE_WEEK_KEY/ kpis.csv, durations.parquet, traces.parquet of one case in one week
 
+A trace is stamped at the end of its intervals, as calendar time (`time`) and in seconds from the start of the week
+(`time_s`). Folders of earlier versions have no `time`, and `time_s` in single precision.
 A folder without run.json is a run that has not finished; its cases are used again when it goes on.
 A case that is missing, or cut off by a power failure, is computed again.
 """
@@ -26,6 +28,8 @@ import pandas as pd
 import tomli_w
 
 from waxstudy.results.atomic import PARTIAL, sole_use, whole_file, whole_folder
+from waxstudy.results.kpis import TRACE_CHANNELS
+from waxstudy.results.parquet import TIME, write_parquet
 from waxstudy.study.model import Ladder
 
 FORMAT = 1
@@ -33,6 +37,7 @@ MANIFEST = "run.json"
 CASES = "cases"
 PARQUET_END = b"PAR1"
 AGAIN = "`waxstudy run` the study again"
+UNITS = {"time": TIME, "time_s": "s", "percent": "%", "member": "1", **TRACE_CHANNELS}
 
 
 class RunError(Exception):
@@ -119,8 +124,10 @@ def write_case(folder: Path, case: CaseFolder, result: CaseResult) -> None:
     """Write one case; raise `OSError` if the disk refuses."""
     with whole_folder(folder / CASES / case.name) as place:
         result.kpis.to_csv(place / "kpis.csv", index=False)
-        result.durations.to_parquet(place / "durations.parquet", index=False)
-        result.traces.astype("float32").to_parquet(place / "traces.parquet", index=False, compression="zstd")
+        write_parquet(result.durations, place / "durations.parquet", UNITS)
+        # of the channels, seven digits are more than enough; of a stamp they are not
+        traces = result.traces.astype(dict.fromkeys(TRACE_CHANNELS, "float32"))
+        write_parquet(traces, place / "traces.parquet", UNITS)
 
 
 def finish(

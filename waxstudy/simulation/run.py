@@ -77,7 +77,8 @@ class Plan:
         sources = sorted({component_digest(choice.component) for choice in used})
         numbers = [value for value in vars(driven).values() if isinstance(value, np.ndarray)]
         room = (driven.room.floor_area_m2, driven.room.full_flow_L_h, driven.room.water_J_L_K)
-        parts = [repr((said, room, driven.weather.interval_s)), source_digest(__name__), *sources]
+        calendar = (driven.weather.interval_s, driven.weather.first_day)
+        parts = [repr((said, room, calendar)), source_digest(__name__), *sources]
         outside = given_to(driven) if driven.engine else ()
         return digest([*parts, *(array.tobytes() for array in numbers), *outside])
 
@@ -234,10 +235,9 @@ def simulate_case(plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop) -> Case
         row = {"case": job.case, "week": job.week, "member": member, "setpoint_shift_K": found.shift_K}
         kpis.append({**row, "single_run_shift_K": float(single_K[member]), **key_figures(week)})
         spans.append(durations(week).assign(member=member))
-        if member < study.output.trace_members:
-            traces.append(thinned(week, study.output.trace_interval_s).assign(member=member))
-    empty = pd.DataFrame({"time_s": []})
-    return CaseResult(pd.DataFrame(kpis), pd.concat(spans), pd.concat(traces) if traces else empty)
+        trace = thinned(week, study.output.trace_interval_s, loop.driven.weather.first_day).assign(member=member)
+        traces.append(trace if member < study.output.trace_members else trace[:0])
+    return CaseResult(pd.DataFrame(kpis), *(pd.concat(each, ignore_index=True) for each in (spans, traces)))
 
 
 def _quick(loop: Loop | OutsideLoop, starts: Sequence[Start]) -> tuple[Loop, Sequence[Start]]:

@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 
 import pytest
-from waxstudy_enthalpy import agreement, standby_report
+from waxstudy_enthalpy import agreement
 from waxstudy_enthalpy.bench import parameters
-from waxstudy_enthalpy.standby import (
+from waxstudy_enthalpy.pulses import (
     FIRST_S,
     LIMIT_S,
     NONE,
@@ -19,6 +19,7 @@ from waxstudy_enthalpy.standby import (
     smallest,
     standby,
 )
+from waxstudy_enthalpy.standby import print_all
 
 
 @pytest.mark.parametrize("product", "AB")
@@ -75,7 +76,7 @@ def test_the_tables_of_the_page_are_what_the_commands_print(capsys: pytest.Captu
     if not page.is_file():
         pytest.skip("the page lies in waxstudy's repository, not in this package")
     agreement.print_all()
-    standby_report.print_all()
+    print_all()
     printed = {line.rstrip() for line in capsys.readouterr().out.splitlines()}
     blocks = re.findall(r"^```text\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     shown = [line for block in blocks for line in block.splitlines()]

@@ -5,12 +5,8 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import TYPE_CHECKING
 
-from waxstudy.plugin import Finding, PublishedRow, Reference
-
-if TYPE_CHECKING:
-    from waxstudy.results.run import Run
+from waxstudy.plugin import Finding, FinishedRun, PublishedRow, Reference
 
 
 class Paper(Reference):
@@ -28,7 +24,7 @@ class Paper(Reference):
         ]
 
     @classmethod
-    def findings(cls, run: Run) -> Sequence[Finding]:
+    def findings(cls, run: FinishedRun) -> Sequence[Finding]:
         from waxstudy_paper.published.findings import findings
 
         return findings(run)

@@ -13,12 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.plugin import Finding, FloatArray
+from waxstudy.plugin import Finding, FinishedRun, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.report.activation import activation, valve_flow
 from waxstudy.report.comparison import differences_percent, member_values
 from waxstudy.report.words import with_spread
-from waxstudy.results.run import Run
 from waxstudy.study.model import Choice
 
 WEEKS = ("january", "february")
@@ -77,7 +76,7 @@ def exact(label: str, value: float, low: float, high: float, unit: str = "") -> 
 class Figures:
     """Per-member figures of a run by short names."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: FinishedRun) -> None:
         self.run = run
 
     def of(self, case: str, week: str, column: str) -> FloatArray:
@@ -102,9 +101,9 @@ class Figures:
         return np.array([np.mean((values >= low) & (values <= high)) for values in groups])
 
 
-def findings(run: Run) -> Sequence[Finding]:
+def findings(run: FinishedRun) -> Sequence[Finding]:
     """Return the sixteen findings for a run; raise `ValueError` naming cases or weeks that the run lacks."""
-    missing = sorted({*ON_OFF, *PI} - {case.case for case in run.cases}) + sorted(set(WEEKS) - set(run.weeks))
+    missing = sorted({*ON_OFF, *PI} - set(run.kpis["case"])) + sorted(set(WEEKS) - set(run.kpis["week"]))
     if missing:
         raise ValueError(f"the paper's findings need all its cases and weeks; missing: {', '.join(missing)}")
     figures = Figures(run)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from waxstudy.plugin import LinearRoom, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
+from waxstudy_paper.room.corner import NzebParameters, describe, described
 from waxstudy_paper.room.description import RoomDescription
-from waxstudy_paper.room.nzeb import NzebParameters, describe, described
 from waxstudy_paper.room.uncertain import uncertainties
 
 
@@ -27,4 +27,4 @@ class SurfacesRoom(Room):
     @classmethod
     def uncertainties(cls, p: RoomDescription) -> Sequence[Uncertainty]:
         """Return what nobody knows of this room exactly."""
-        return uncertainties(described)
+        return uncertainties(described, SurfacesRoom)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from waxstudy.plugin import Choice, Uncertainty, changed
+from waxstudy.plugin import Choice, Room, Uncertainty, changed
 from waxstudy_paper.room.construction import HEAVIEST_KG_M3, THICKEST_M, Layer, Surface
 from waxstudy_paper.room.hydronics import exchange_W_m2K, full_flow_L_h
 
@@ -39,15 +39,15 @@ class Unknown:
     edit: Edit
 
 
-def uncertainties(describe: Callable[[Choice], RoomDescription]) -> Sequence[Uncertainty]:
-    """Return what is uncertain of rooms that can be described; an edit makes a room `surfaces` of them."""
-    return [Uncertainty(u.name, u.description, u.sd, partial(_applied, describe, u.edit)) for u in UNKNOWNS]
+def uncertainties(describe: Callable[[Choice], RoomDescription], room: type[Room]) -> Sequence[Uncertainty]:
+    """Return what is uncertain of rooms that can be described; an edit makes a `room` of the edited description."""
+    return [Uncertainty(u.name, u.description, u.sd, partial(_applied, describe, room, u.edit)) for u in UNKNOWNS]
 
 
-def _applied(describe: Callable[[Choice], RoomDescription], edit: Edit, room: Choice, departure: float) -> Choice:
-    from waxstudy_paper.room.surfaces import SurfacesRoom
-
-    return room if departure == 0.0 else Choice(SurfacesRoom, edit(describe(room), departure))
+def _applied(
+    describe: Callable[[Choice], RoomDescription], room: type[Room], edit: Edit, believed: Choice, departure: float
+) -> Choice:
+    return believed if departure == 0.0 else Choice(room, edit(describe(believed), departure))
 
 
 # --- numbers ---------------------------------------------------------------------------------------

@@ -9,162 +9,164 @@ market after any pause. Here the fitted motors are simulated; no real motor was 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import FloatArray
-from waxstudy_enthalpy.bench import SLACK, Rig, crossing_s, parameters
-from waxstudy_enthalpy.calibration import refitted
-from waxstudy_enthalpy.motor import core_temperature_C
+from waxstudy_enthalpy.bench import parameters
+from waxstudy_enthalpy.pulses import (
+    AMBIENT_C,
+    FIRST_S,
+    LIMIT_S,
+    NONE,
+    PAUSES_MIN,
+    PERIOD_MIN,
+    PERIODS_MIN,
+    Pattern,
+    after_pause_s,
+    largest,
+    motors,
+    moving_C,
+    opens_from_C,
+    smallest,
+    standby,
+)
 
-STEP_S = 1.0
-LIMIT_S = 300.0  # full activation that the reserve market allows
-FIRST_S = 900.0  # the first pulse comes so long after switching off: the valve is closed
-HEATED_S = 3600.0
-SETTLED_S = 6 * 3600.0
-LONGEST_ACTIVATION_S = 1200.0
-PERIODS_MIN = (2, 5, 10, 20)
-PERIOD_MIN = 5  # of the tables over pauses and ambient temperature
-PAUSES_MIN = (5, 10, 15, 30, 45, 60, 90, 120)
-AMBIENT_C = (15.0, 18.0, 21.0, 25.0, 30.0, 35.0)
-# the second optimum of B's fit, and motors whose wax melts lower: the times allow these too
-VARIANTS: Mapping[str, tuple[str, Mapping[str, float], Mapping[str, float]]] = {
-    "B, second optimum": (
-        "B",
-        {
-            "knee_C": 24.7,
-            "holding_C": 88.6,
-            "cup_J_K": 9.07,
-            "body_J_K": 16.0,
-            "wax_g": 0.570,
-            "core_body_W_K": 0.0708,
-            "expansion_mm": 4.25,
-        },
-        {},
-    ),
-    "A, wax from 60 C": ("A", {}, {"melting_C": 60.0, "melting_range_K": 8.1}),
-    "A, wax from 50 C": ("A", {}, {"melting_C": 50.0, "melting_range_K": 6.0}),
-    "B, wax from 60 C": ("B", {}, {"melting_C": 60.0, "melting_range_K": 8.1}),
-    "B, wax from 50 C": ("B", {}, {"melting_C": 50.0, "melting_range_K": 6.0}),
-}
+PRODUCTS_ONLY = ("product A", "product B")
+WIDTH = 20
+HOURS = 24.0
 
 
-@dataclass(frozen=True)
-class Pattern:
-    """A pulse at the start of each period, from `FIRST_S` after switching off; no pulse at all is no standby."""
-
-    pulse_s: float
-    period_s: float
-
-    def signal(self, pause_s: float) -> FloatArray:
-        """Return the heating signal of a pause."""
-        into = np.arange(0.0, pause_s, STEP_S) - FIRST_S
-        return np.where((into >= 0.0) & (into % self.period_s < self.pulse_s), 1.0, 0.0)
+def both(p: Any, period_min: float) -> dict[str, Pattern]:
+    """Return the shortest pulses that are quick enough, and the longest that never move the piston."""
+    return {"smallest": smallest(p, 60.0 * period_min), "largest": largest(p, 60.0 * period_min)}
 
 
-NONE = Pattern(0.0, 600.0)  # no standby
+def robust(values: Mapping[str, Any]) -> Pattern:
+    """Return the shortest pulses that are quick enough in the coldest ambient temperature too."""
+    return smallest(parameters({**values, "ambient_C": AMBIENT_C[0]}), 60.0 * PERIOD_MIN)
 
 
-@dataclass(frozen=True)
-class Standby:
-    """What a pattern does to one motor once it has settled; times and power at the worst moment of the period."""
-
-    activation_s: float  # switched on just before a pulse
-    power_W: float  # mean electrical power
-    margin_K: float  # core below the temperature at which the piston starts, at its warmest since the valve closed
-    opening: float  # largest since the valve closed
-
-
-def moving_C(p: Any) -> float:
-    """Return the core's temperature at which spring and friction give way and the closed piston starts."""
-    return p.melting_C + p.melting_range_K * p.compliance_mm_N * (p.preload_N + p.friction_N) / p.expansion_mm
-
-
-def activation_s(rig: Rig) -> float:
-    """Return the time from switching on to 99 % of the stroke; the motor is left as it is."""
-    opening = rig.copy().run(np.ones(round(LONGEST_ACTIVATION_S / STEP_S)))
-    return crossing_s(opening, rig.opening, 1.0 - SLACK, True, STEP_S)
-
-
-def after_pause_s(p: Any, pattern: Pattern, pause_s: float) -> float:
-    """Return the activation time after an hour of heating and a pause with standby."""
-    rig = Rig(p, STEP_S)
-    rig.run(np.ones(round(HEATED_S / STEP_S)))
-    rig.run(pattern.signal(pause_s))
-    return activation_s(rig)
-
-
-def standby(p: Any, pattern: Pattern) -> Standby:
-    """Return the settled effect of a pattern after an hour of heating; the margin includes its first pulses."""
-    rig = Rig(p, STEP_S)
-    rig.run(np.ones(round(HEATED_S / STEP_S)))
-    rig.run(NONE.signal(FIRST_S))
-    pulse, rest = (
-        np.ones(round(pattern.pulse_s / STEP_S)),
-        np.zeros(round((pattern.period_s - pattern.pulse_s) / STEP_S)),
+def patterns(found: Mapping[str, dict[str, Any]]) -> None:
+    """Print, per motor and period, the smallest pulse that keeps the limit and the largest that moves nothing."""
+    print(f"Pulses every period, the first {FIRST_S / 60.0:.0f} min after switching off; settled, at 21 C ambient.")
+    print(
+        f"smallest: keeps full activation within {LIMIT_S:.0f} s; largest: never moves the piston; - if there is none."
     )
-    warmest_J, opening, before_J = rig.core_J, 0.0, 0.0
-    for _ in range(round(SETTLED_S / pattern.period_s)):
-        before_J = rig.heater_J
-        moved = rig.run(pulse)
-        warmest_J = max(warmest_J, rig.core_J)
-        opening = max(opening, float(moved.max(initial=0.0)), float(rig.run(rest).max(initial=0.0)))
-    power_W = (rig.heater_J - before_J) / pattern.period_s
-    return Standby(activation_s(rig), power_W, moving_C(p) - core_temperature_C(p, warmest_J), opening)
+    print(f"robust: keeps the limit at {AMBIENT_C[0]:.0f} C ambient too.")
+    print("Activation is from just before a pulse. Margin: core below the temperature at which the piston starts.")
+    print(f"{'motor':{WIDTH}}{'period':>7} {'pattern':9}{'pulse':>6}{'duty':>7}{'opens in':>9}{'power':>8}", end="")
+    print(f"{'energy':>11}{'margin':>8}{'moves from':>12}")
+    print(f"{'':{WIDTH}}{'min':>7} {'':9}{'s':>6}{'%':>7}{'s':>9}{'W':>8}{'Wh/day':>11}{'K':>8}{'C ambient':>12}")
+    for label, values in found.items():
+        p = parameters(values)
+        print(f"{label:{WIDTH}}{'-':>7} {'none':15}{0.0:7.1f}{standby(p, NONE).activation_s:9.0f}{0.0:8.2f}{0.0:11.1f}")
+        for period_min in PERIODS_MIN if label in PRODUCTS_ONLY else (PERIOD_MIN,):
+            found_here = both(p, period_min) | ({"robust": robust(values)} if period_min == PERIOD_MIN else {})
+            for name, pattern in found_here.items():
+                _print_pattern(label, values, name, pattern)
 
 
-def pulse_s(period_s: float, holds: Callable[[Pattern], bool], largest: bool) -> float:
-    """Return the largest or smallest whole-second pulse for which a condition holds; NaN if none."""
-    low, high = (0, round(period_s))
-    if not holds(Pattern(float(low if largest else high), period_s)):
-        return float("nan")
-    while high - low > 1:
-        middle = (low + high) // 2
-        if holds(Pattern(float(middle), period_s)) == largest:
-            low = middle
-        else:
-            high = middle
-    return float(low if largest else high)
+def _print_pattern(label: str, values: Mapping[str, Any], name: str, pattern: Pattern) -> None:
+    start = f"{label:{WIDTH}}{pattern.period_s / 60.0:7.0f} {name:9}"
+    it = standby(parameters(values), pattern) if np.isfinite(pattern.pulse_s) else None
+    if it is None or it.opening > 0.0:
+        print(f"{start}{'-':>6}  no pulse is quick enough without moving the piston")
+        return
+    duty = 100.0 * pattern.pulse_s / pattern.period_s
+    moves_C = opens_from_C(values, pattern)
+    print(f"{start}{pattern.pulse_s:6.0f}{duty:7.1f}{it.activation_s:9.0f}{it.power_W:8.2f}", end="")
+    print(f"{HOURS * it.power_W:11.1f}{it.margin_K:8.1f}{moves_C:12.1f}")
 
 
-def smallest(p: Any, period_s: float) -> Pattern:
-    """Return the shortest pulses that keep full activation within the limit."""
-    return Pattern(pulse_s(period_s, lambda q: standby(p, q).activation_s <= LIMIT_S, largest=False), period_s)
+def pauses(found: Mapping[str, dict[str, Any]]) -> None:
+    """Print the activation time after pauses, without and with standby."""
+    print(f"\nFull activation [s] after an hour of heating and a pause; pulses every {PERIOD_MIN} min")
+    print(f"{'motor':{WIDTH}}{'pattern':10}" + "".join(f"{minutes:6} min" for minutes in PAUSES_MIN))
+    for label in PRODUCTS_ONLY:
+        p = parameters(found[label])
+        for name, pattern in {"none": NONE, **both(p, PERIOD_MIN), "robust": robust(found[label])}.items():
+            cells = "".join(f"{after_pause_s(p, pattern, 60.0 * minutes):10.0f}" for minutes in PAUSES_MIN)
+            print(f"{label:{WIDTH}}{name:10}{cells}")
 
 
-def largest(p: Any, period_s: float) -> Pattern:
-    """Return the longest pulses that never move the piston."""
-    return Pattern(pulse_s(period_s, lambda q: standby(p, q).opening <= 0.0, largest=True), period_s)
+def ambients(found: Mapping[str, dict[str, Any]]) -> None:
+    """Print what patterns that were chosen at 21 C do in other ambient temperatures."""
+    print(f"\nThe same patterns in other ambient temperatures, pulses every {PERIOD_MIN} min:")
+    print("activation [s] / margin [K], or the opening that is reached where the piston moves")
+    print("first: activation just before the first pulse, which no pattern helps")
+    print("robust, A (or B): the robust pattern of that product, on a motor that its times allow too")
+    print(f"{'motor':{WIDTH}}{'pattern':10}" + "".join(f"{ambient_C:10.0f} C" for ambient_C in AMBIENT_C))
+    for label, values in found.items():
+        before = (after_pause_s(parameters({**values, "ambient_C": a}), NONE, FIRST_S) for a in AMBIENT_C)
+        print(f"{label:{WIDTH}}{'first':10}" + "".join(f"{seconds:12.0f}" for seconds in before))
+        rows = {"none": NONE, **both(parameters(values), PERIOD_MIN), "robust": robust(values)}
+        if label not in PRODUCTS_ONLY:
+            rows[f"robust, {label[0]}"] = robust({"product": label[0]})
+        for name, pattern in rows.items():
+            cells = []
+            for ambient_C in AMBIENT_C:
+                it = standby(parameters({**values, "ambient_C": ambient_C}), pattern)
+                cells.append(
+                    f"{it.activation_s:.0f}/{it.margin_K:.1f}" if it.opening <= 0.0 else f"opens {it.opening:.2f}"
+                )
+            print(f"{label:{WIDTH}}{name:10}" + "".join(f"{cell:>12}" for cell in cells))
 
 
-def motors() -> dict[str, dict[str, Any]]:
-    """Return the two products and their variants by label, as parameters to complete."""
-    found: dict[str, dict[str, Any]] = {f"product {product}": {"product": product} for product in "AB"}
-    for label, (product, start, fixed) in VARIANTS.items():
-        found[label] = refitted(product, fixed, start)
-    return found
+def print_all() -> None:
+    found = motors()
+    moving = ", ".join(f"{label[-1]} {moving_C(parameters(found[label])):.1f} C" for label in PRODUCTS_ONLY)
+    print(f"The closed piston starts at a core temperature of: {moving}")
+    patterns(found)
+    pauses(found)
+    ambients(found)
 
 
-def opens_from_C(values: Mapping[str, Any], pattern: Pattern) -> float:
-    """Return the ambient temperature from which a pattern moves the piston, to 0.1 K; infinity if not by 60 C."""
-    low, high = 0.0, 60.0
-    if standby(parameters({**values, "ambient_C": high}), pattern).opening <= 0.0:
-        return float("inf")
-    while high - low > 0.1:
-        middle = 0.5 * (low + high)
-        if standby(parameters({**values, "ambient_C": middle}), pattern).opening > 0.0:
-            high = middle
-        else:
-            low = middle
-    return high
+def draw(path: str) -> None:
+    """Draw activation over the pause, and the margin over ambient temperature."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    settings: Any = {"svg.hashsalt": "waxstudy", "svg.fonttype": "none", "font.size": 9, "font.family": "DejaVu Sans"}
+    with plt.rc_context(settings):
+        figure, (left, right) = plt.subplots(1, 2, figsize=(8.4, 3.6), layout="constrained")
+        _draw_product(left, right, "A", {"color": "#0072B2", "linewidth": 1.2})
+        _draw_product(left, right, "B", {"color": "#D55E00", "linewidth": 2.2})
+        left.axhline(LIMIT_S, color="0.4", linewidth=0.8)
+        left.annotate("limit of the reserve", (119, LIMIT_S - 5), ha="right", va="top", color="0.3")
+        left.set(xlabel="pause since switching off [min]", ylabel="full activation [s]", xlim=(0, 120), ylim=(0, 420))
+        right.axhline(0.0, color="0.4", linewidth=0.8)
+        right.annotate("piston moves", (15.4, -3.0), ha="left", va="top", color="0.3")
+        right.set(xlabel="ambient temperature [°C]", ylabel="margin before the piston moves [K]", xlim=(15, 35))
+        handles, names = left.get_legend_handles_labels()
+        by_row = [0, 3, 1, 4, 2, 5]  # a row per product: a legend fills its columns first
+        figure.legend(
+            [handles[i] for i in by_row], [names[i] for i in by_row], loc="outside lower center", ncols=3, frameon=False
+        )
+        figure.savefig(path, metadata={"Date": None})
+
+
+def _draw_product(left: Any, right: Any, product: str, look: dict[str, Any]) -> None:
+    values = {"product": product}
+    p = parameters(values)
+    minutes = np.array([5.0, 7.5, 10.0, 12.5, 15.0, *np.arange(20.0, 121.0, PERIOD_MIN)])
+    styles = {"none": "-", "robust": "--", "largest": ":"}
+    shown = {"none": NONE, "robust": robust(values), "largest": largest(p, 60.0 * PERIOD_MIN)}
+    for name, pattern in shown.items():
+        text = "without standby" if name == "none" else f"{pattern.pulse_s:.0f} s every {PERIOD_MIN} min"
+        times = [after_pause_s(p, pattern, 60.0 * pause) for pause in minutes]
+        left.plot(minutes, times, styles[name], **look, label=f"{product}, {text}")
+        if name != "none":
+            ambient = np.arange(15.0, 35.1, 1.0)
+            motors_there = [parameters({**values, "ambient_C": float(a)}) for a in ambient]
+            margin = [standby(there, pattern).margin_K for there in motors_there]
+            right.plot(ambient, margin, styles[name], **look)
 
 
 def main() -> None:
-    from waxstudy_enthalpy.standby_report import draw, print_all
-
     parser = argparse.ArgumentParser(prog="python -m waxstudy_enthalpy.standby", description=__doc__.splitlines()[0])
     parser.add_argument("--figure", metavar="FILE.svg", help="also draw the figure")
     arguments = parser.parse_args()
