@@ -25,7 +25,7 @@ from waxstudy.simulation.sources import digest
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "results" / "self-consistency"
-PACKAGES = ("blind_test", "dataset", "gap", "plugin", "results", "simulation", "study")
+PACKAGES = ("blind_test", "dataset", "diagnosis", "plugin", "results", "simulation", "study")
 LEAST = 2.0  # true gap over the noise floor from which an effect must be found
 
 
@@ -82,7 +82,7 @@ def _true(values: Mapping[str, float]) -> str:
 def summary(told: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the shares: right where the gap is large enough, and false alarms."""
     effects, none = [t for t in told if t["effect"]], [t for t in told if not t["effect"]]
-    large = [t for t in effects if t["gap"] > LEAST * t["floor"]]
+    large = [t for t in effects if t["diagnosis"] > LEAST * t["floor"]]
     beyond = [t for t in large if t["beyond"] > LEAST]
     lines = ["Self-consistency (the same code makes and fits these records):"]
     for label, chosen in (("right", large), *((f"right, {s}", _of(large, s)) for s in SEVERITIES)):

@@ -16,10 +16,10 @@ from waxstudy.dataset.effects import with_effects
 from waxstudy.dataset.measure import Instruments
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.dataset.write import Telling, write
-from waxstudy.gap.diagnose import diagnose, installed_effects
-from waxstudy.gap.fit import Fitter
-from waxstudy.gap.links import Link
-from waxstudy.gap.result import Diagnosis
+from waxstudy.diagnosis.diagnose import diagnose, installed_effects
+from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.model.segments import Segment
+from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.plugin import Choice, Effect
 from waxstudy.plugin.trial import Cause
 
@@ -84,14 +84,14 @@ class Size:
     """A true gap beside its noise floor, of the channel where it stands out most.
 
     The gap is what the belief misses of the record without noise, driven by it; the floor what the truth itself misses
-    of the noisy record, driven by that. Both at the link where the effect acts, the first six hours left out.
+    of the noisy record, driven by that. Both at the segment where the effect acts, the first six hours left out.
     """
 
     channel: str
     gap: float
     floor: float
     floors: Mapping[str, float]
-    link: Link
+    segment: Segment
     stand: Stand
 
     @classmethod
@@ -99,22 +99,22 @@ class Size:
         stand = Stand.of(seen, free)
         effect = effects[0].component
         assert issubclass(effect, Effect)
-        link = stand.link_of(Cause(effect.name, (effect.stage,)))
-        assert link
-        floors, true_gaps = gap_and_floor(stand, link, effects, effects[0])
+        segment = stand.segment_of(Cause(effect.name, (effect.stage,)))
+        assert segment
+        floors, true_gaps = gap_and_floor(stand, segment, effects, effects[0])
         channel = max(true_gaps, key=lambda name: true_gaps[name] / floors[name])
-        return cls(channel, true_gaps[channel], floors[channel], floors, link, stand)
+        return cls(channel, true_gaps[channel], floors[channel], floors, segment, stand)
 
     @property
     def beyond(self) -> float:
-        """Largest gap over its floor once what nobody knows of the room is fitted; at other links nothing is."""
-        return over(gaps(Fitter(self.link, self.stand.free, self.stand.belief).base.errors), self.floors)
+        """Largest gap over its floor once what nobody knows of the room is fitted; at other segments nothing is."""
+        return over(gaps(Fitter(self.segment, self.stand.free, self.stand.belief).base.residuals), self.floors)
 
     def tells_apart(self, name: str) -> bool:
         """Whether an effect, fitted to the record without noise, leaves more of some channel than noise would."""
         effect = next((each for each in installed_effects() if each.name == name), None)
-        if effect is None or effect.stage not in self.link.stages:
+        if effect is None or effect.stage not in self.segment.stages:
             return True
-        fitter = Fitter(self.link, self.stand.free, self.stand.belief, thorough=THOROUGH)
+        fitter = Fitter(self.segment, self.stand.free, self.stand.belief, thorough=THOROUGH)
         fitted = fitter.fit(effect, fitter.base)
         return fitted is None or not is_alike(fitted, self.floors, {})

@@ -20,7 +20,7 @@ def outcome(recipe: Recipe) -> dict[str, Any]:
     """Return what a diagnosis says of a record, in a few figures."""
     use_one_thread()
     from waxstudy.dataset.read import read_dataset
-    from waxstudy.gap.diagnose import diagnose
+    from waxstudy.diagnosis.diagnose import diagnose
 
     folder = RECORDS / recipe.name
     about = folder.with_suffix(".json")

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from waxstudy.gap.result import (
+from waxstudy.diagnosis.result import (
     Alternative,
     BeforeAfter,
     Diagnosis,

@@ -30,8 +30,8 @@ from tests.report.diagnoses import (
     VALVE,
 )
 from tests.report.test_page import Page, browse, needs_browser
-from waxstudy.gap.result import Diagnosis, Measurement, Tried, Untestable
-from waxstudy.gap.told import told
+from waxstudy.diagnosis.result import Diagnosis, Measurement, Tried, Untestable
+from waxstudy.diagnosis.sentences import told
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.figures.ranking import figure_ranking
 from waxstudy.report.diagnosis.figures.traces import course

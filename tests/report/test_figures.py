@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.gap.realities import study as gap_study
+from tests.diagnosis.realities import study as gap_study
 from waxstudy.plugin import PublishedRow, changed
 from waxstudy.report.activation import activations
 from waxstudy.report.against import Published

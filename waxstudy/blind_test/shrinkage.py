@@ -67,23 +67,23 @@ def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: 
     """Return 1 - after^2 / before^2 of the channel where the true gap stands out, on the last days; or None."""
     from waxstudy.blind_test.record import without_noise
     from waxstudy.blind_test.truth import Stand
-    from waxstudy.gap.diagnose import installed_effects
-    from waxstudy.gap.judge import BOTH, SELECT, SHRINK
+    from waxstudy.diagnosis.diagnose import installed_effects
+    from waxstudy.diagnosis.residuals.judge import BOTH, SELECT, SHRINK
 
     case = _case(box)
     free = without_noise(engine_of(case.engine).make(case.scene), case.measured)
     stand = Stand.of(free, free)
-    link = stand.link_of(case.causes[0])
+    segment = stand.segment_of(case.causes[0])
     effect = next((each for each in installed_effects() if each.name == effect_name), None)
-    if link is None or effect is None:
+    if segment is None or effect is None:
         return None
-    fitter = stand.fitter(link, stand.free, stand.belief)
+    fitter = stand.fitter(segment, stand.free, stand.belief)
     base = fitter.base
-    after = fitter.refined([(fixed(effect, values), {})], base.departures, base.reading, BOTH)
+    after = fitter.refined([(fixed(effect, values), {})], base.departures, base.convention, BOTH)
     channel = box["causes"][0]["size"]["channel"]
     if after is None:
         return None
-    old, new = (next(e for e in each.errors if e.channel == channel) for each in (base, after))
+    old, new = (next(e for e in each.residuals if e.channel == channel) for each in (base, after))
     part = SHRINK if (old.part == SHRINK).any() else SELECT
     before = old.gap(part)
     return 1.0 - new.gap(part) ** 2 / before**2 if before > 0.0 else None

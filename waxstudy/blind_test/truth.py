@@ -16,14 +16,14 @@ from waxstudy.blind_test.draw import Case
 from waxstudy.blind_test.record import shown, without_noise
 from waxstudy.dataset.effects import EffectError, applied
 from waxstudy.dataset.read import Dataset
-from waxstudy.gap.diagnose import installed_effects, record_of
-from waxstudy.gap.fit import Fitter
-from waxstudy.gap.fitted import Fitted
-from waxstudy.gap.judge import Errors, Judge
-from waxstudy.gap.links import Link, links
-from waxstudy.gap.reading import Reading
-from waxstudy.gap.record import Record
-from waxstudy.gap.room import Predicted
+from waxstudy.diagnosis.diagnose import installed_effects, record_of
+from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.room_response import Predicted
+from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals.judge import Judge, Residual
 from waxstudy.plugin import Belief, Choice
 from waxstudy.plugin.trial import Cause, Staged
 
@@ -44,7 +44,7 @@ class Size:
     are the effects whose refit to the record without noise leaves less than the floor: nobody could tell them apart.
     """
 
-    link: str
+    segment: str
     channel: str
     gap: float
     floor: float
@@ -73,14 +73,14 @@ class Stand:
         clean = replace(record_of(free), stated_noise=noisy.noise)
         return cls(noisy, clean, _belief(seen, noisy), _belief(free, clean), seen.room_tolerance, thorough_room)
 
-    def link_of(self, cause: Cause) -> Link | None:
-        """Return the link that shows a cause's own stage, or None."""
-        found = links(self.noisy, self.noisy_belief)
-        return next((link for link in found if cause.stages[0] in link.stages and not link.is_supply), None)
+    def segment_of(self, cause: Cause) -> Segment | None:
+        """Return the segment that shows a cause's own stage, or None."""
+        found = segments(self.noisy, self.noisy_belief)
+        return next((segment for segment in found if cause.stages[0] in segment.stages and not segment.is_supply), None)
 
-    def fitter(self, link: Link, record: Record, belief: Belief) -> Fitter:
-        thorough = self.thorough_room if link.with_room else THOROUGH
-        return Fitter(link, record, belief, thorough, self.room_tolerance)
+    def fitter(self, segment: Segment, record: Record, belief: Belief) -> Fitter:
+        thorough = self.thorough_room if segment.with_room else THOROUGH
+        return Fitter(segment, record, belief, thorough, self.room_tolerance)
 
 
 def _belief(dataset: Dataset, record: Record) -> Belief:
@@ -94,9 +94,9 @@ def sizes(case: Case, staged: Staged, seen: Dataset, with_alike: bool = True) ->
     stand = Stand.of(seen, without_noise(staged, case.measured), ROUGH if staged.is_measured else 1.0)
     found = []
     for place, cause in enumerate(case.causes):
-        link = stand.link_of(cause)
+        segment = stand.segment_of(cause)
         try:
-            found.append(_how(staged, place)(case, staged, stand, link, place, with_alike) if link else None)
+            found.append(_how(staged, place)(case, staged, stand, segment, place, with_alike) if segment else None)
         except EffectError:
             found.append(None)  # as pipes where no flow is recorded
     return found
@@ -111,48 +111,48 @@ def _how(staged: Staged, place: int) -> Callable[..., Size]:
 # --- a cause that is an edit of what is believed ---
 
 
-def _of_effect(case: Case, staged: Staged, stand: Stand, link: Link, place: int, with_alike: bool) -> Size:
+def _of_effect(case: Case, staged: Staged, stand: Stand, segment: Segment, place: int, with_alike: bool) -> Size:
     choices = [choice for choice in staged.effects if choice is not None]
     own = staged.effects[place]
     assert own
-    floors, true_gaps = gap_and_floor(stand, link, choices, own)
+    floors, true_gaps = gap_and_floor(stand, segment, choices, own)
     belief = applied([choice for choice in choices if choice is not own], stand.belief)
     form = dict.fromkeys(floors, 0.0)
-    return _sized(stand.fitter(link, stand.free, belief), case.causes[place], true_gaps, floors, form, with_alike)
+    return _sized(stand.fitter(segment, stand.free, belief), case.causes[place], true_gaps, floors, form, with_alike)
 
 
-def gap_and_floor(stand: Stand, link: Link, choices: Sequence[Choice], own: Choice) -> tuple[Gaps, Gaps]:
-    """Return floor and true gap of each channel of a link, for one of the effects that are true.
+def gap_and_floor(stand: Stand, segment: Segment, choices: Sequence[Choice], own: Choice) -> tuple[Gaps, Gaps]:
+    """Return floor and true gap of each channel of a segment, for one of the effects that are true.
 
     The floor is what the truth itself misses of the noisy record, driven by that; the gap what the rest of the truth
     misses of the record without noise, driven by that.
     """
     truth, noisy_truth = applied(choices, stand.belief), applied(choices, stand.noisy_belief)
     belief = applied([choice for choice in choices if choice is not own], stand.belief)
-    free, seen = stand.fitter(link, stand.free, stand.belief), stand.fitter(link, stand.noisy, stand.noisy_belief)
-    reading = min(link.readings, key=lambda each: sum(e.loss() for e in missed(free, truth, each)))
-    noise = Judge(link, stand.noisy, noisy_truth)
-    floors = gaps(noise.errors(seen.predicted(noisy_truth, reading)))
+    free, seen = stand.fitter(segment, stand.free, stand.belief), stand.fitter(segment, stand.noisy, stand.noisy_belief)
+    convention = min(segment.conventions, key=lambda each: sum(e.loss() for e in missed(free, truth, each)))
+    noise = Judge(segment, stand.noisy, noisy_truth)
+    floors = gaps(noise.residuals(seen.predicted(noisy_truth, convention)))
     # no switch is known better than to the interval
-    floors |= {c: max(floors[c], noise.timing_s(c)) for c in link.judged if c in stand.noisy.binary}
-    return floors, gaps(missed(free, belief, reading))
+    floors |= {c: max(floors[c], noise.timing_s(c)) for c in segment.judged if c in stand.noisy.binary}
+    return floors, gaps(missed(free, belief, convention))
 
 
 # --- a cause in an engine's own terms, or of the logger ---
 
 
-def _of_channels(case: Case, staged: Staged, stand: Stand, link: Link, place: int, with_alike: bool) -> Size:
+def _of_channels(case: Case, staged: Staged, stand: Stand, segment: Segment, place: int, with_alike: bool) -> Size:
     belief = applied([c for c in staged.effects if c is not None], stand.belief)
     null = _null_record(case, staged, stand.free, place)
-    judge = Judge(link, stand.free, belief)
-    true_gaps = gaps(judge.errors(_as_measured(link, null, belief)))
-    noise = Judge(link, stand.noisy, belief)
-    floors = gaps(noise.errors(_as_measured(link, stand.free, belief)))
-    floors |= {channel: noise.timing_s(channel) for channel in link.judged if channel in stand.noisy.binary}
-    if CONTINUOUS in link.judged and CONTINUOUS not in stand.noisy.binary:
+    judge = Judge(segment, stand.free, belief)
+    true_gaps = gaps(judge.residuals(_as_measured(segment, null, belief)))
+    noise = Judge(segment, stand.noisy, belief)
+    floors = gaps(noise.residuals(_as_measured(segment, stand.free, belief)))
+    floors |= {channel: noise.timing_s(channel) for channel in segment.judged if channel in stand.noisy.binary}
+    if CONTINUOUS in segment.judged and CONTINUOUS not in stand.noisy.binary:
         floors[CONTINUOUS] = max(floors[CONTINUOUS], noise.moved(CONTINUOUS))
-    form = gaps(stand.fitter(link, null, belief).base.errors) if with_alike else {}
-    return _sized(stand.fitter(link, stand.free, belief), case.causes[place], true_gaps, floors, form, with_alike)
+    form = gaps(stand.fitter(segment, null, belief).base.residuals) if with_alike else {}
+    return _sized(stand.fitter(segment, stand.free, belief), case.causes[place], true_gaps, floors, form, with_alike)
 
 
 def _null_record(case: Case, staged: Staged, free: Record, place: int) -> Record:
@@ -163,27 +163,27 @@ def _null_record(case: Case, staged: Staged, free: Record, place: int) -> Record
     return replace(free, values={**free.values, **changed})
 
 
-def _as_measured(link: Link, record: Record, belief: Belief) -> Predicted:
-    """Return a record's channels as those of a link are judged."""
-    judge = Judge(link, record, belief)
-    return Predicted({channel: judge.measured(channel) for channel in link.judged})
+def _as_measured(segment: Segment, record: Record, belief: Belief) -> Predicted:
+    """Return a record's channels as those of a segment are judged."""
+    judge = Judge(segment, record, belief)
+    return Predicted({channel: judge.measured(channel) for channel in segment.judged})
 
 
 # --- a record that was measured ---
 
 
-def _of_house(case: Case, staged: Staged, stand: Stand, link: Link, place: int, with_alike: bool) -> Size:
+def _of_house(case: Case, staged: Staged, stand: Stand, segment: Segment, place: int, with_alike: bool) -> Size:
     """Return how far an alteration moves what is missed, beside what is missed of the untouched record.
 
     Both with the room as fitted to the untouched record. Alike is what leaves hardly more of the altered one.
     """
     null = _null_record(case, staged, stand.free, place)
-    untouched = stand.fitter(link, null, replace(stand.belief, inputs=null.inputs))
-    altered, base = stand.fitter(link, stand.free, stand.belief), untouched.base
-    moved = altered.at((), base.departures, base.reading)
+    untouched = stand.fitter(segment, null, replace(stand.belief, inputs=null.inputs))
+    altered, base = stand.fitter(segment, stand.free, stand.belief), untouched.base
+    moved = altered.at((), base.departures, base.convention)
     assert moved
-    floors = gaps(base.errors)
-    pairs = zip(moved.errors, base.errors, strict=True)
+    floors = gaps(base.residuals)
+    pairs = zip(moved.residuals, base.residuals, strict=True)
     true_gaps = gaps([replace(new, error=new.error - old.error) for new, old in pairs])
     form = {channel: HARDLY * floor for channel, floor in floors.items()}
     return _sized(altered, case.causes[place], true_gaps, floors, form, with_alike)
@@ -197,32 +197,32 @@ def _sized(fitter: Fitter, own: Cause, true_gaps: Gaps, floors: Gaps, form: Gaps
     gap, floor = true_gaps[channel], max(floors[channel], LEAST)
     beyond, names = 0.0, []
     if with_alike:
-        beyond = over(gaps(fitter.base.errors), {c: math.hypot(floors[c], form.get(c, 0.0)) for c in floors})
+        beyond = over(gaps(fitter.base.residuals), {c: math.hypot(floors[c], form.get(c, 0.0)) for c in floors})
         names = list(_alike(fitter, own, floors, form)) if gap > floor else []
-    return Size(fitter.link.name, channel, gap, floor, beyond, tuple(names))
+    return Size(fitter.segment.name, channel, gap, floor, beyond, tuple(names))
 
 
 def _alike(fitter: Fitter, own: Cause, floors: Gaps, form: Gaps) -> Iterable[str]:
     """Yield the effects that explain the record without noise but for the floor, and for what the form leaves."""
     for effect in installed_effects():
-        if effect.name != own.name and effect.stage in fitter.link.stages:
+        if effect.name != own.name and effect.stage in fitter.segment.stages:
             fitted = fitter.fit(effect, fitter.base)
             if fitted is not None and is_alike(fitted, floors, form):
                 yield effect.name
 
 
-def is_alike(fitted: Fitted, floors: Mapping[str, float], form: Mapping[str, float]) -> bool:
-    left = gaps(fitted.errors)
+def is_alike(fitted: Hypothesis, floors: Mapping[str, float], form: Mapping[str, float]) -> bool:
+    left = gaps(fitted.residuals)
     return all(left[c] ** 2 <= floors[c] ** 2 + form.get(c, 0.0) ** 2 for c in left)
 
 
-def missed(fitter: Fitter, belief: Belief, reading: Reading) -> list[Errors]:
-    return Judge(fitter.link, fitter.record, belief).errors(fitter.predicted(belief, reading))
+def missed(fitter: Fitter, belief: Belief, convention: Convention) -> list[Residual]:
+    return Judge(fitter.segment, fitter.record, belief).residuals(fitter.predicted(belief, convention))
 
 
-def gaps(errors: Iterable[Errors]) -> Gaps:
+def gaps(residual: Iterable[Residual]) -> Gaps:
     """Return the gap of each channel."""
-    return {each.channel: max(each.gap(), LEAST) for each in errors}
+    return {each.channel: max(each.gap(), LEAST) for each in residual}
 
 
 def over(left: Mapping[str, float], floors: Mapping[str, float]) -> float:

@@ -21,7 +21,7 @@ from waxstudy.simulation.threads import use_one_thread
 if TYPE_CHECKING:
     import pandas as pd
 
-    from waxstudy.gap.result import Diagnosis
+    from waxstudy.diagnosis.result import Diagnosis
 
 OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: nothing is written]"
 STUDY = Existing(dir_okay=False)
@@ -59,7 +59,7 @@ def command(
 def _diagnosis(dataset: Path, study: Path | None, seed: int, quick: bool, tick: Tick) -> Diagnosis:
     """Read a dataset and diagnose it; turn what is wrong into a message and an exit code."""
     from waxstudy.dataset.read import read_dataset
-    from waxstudy.gap.diagnose import diagnose
+    from waxstudy.diagnosis.diagnose import diagnose
     from waxstudy.study.problems import StudyError
 
     try:

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from waxstudy.dataset.read import Dataset
-from waxstudy.gap.diagnose import record_of
-from waxstudy.gap.record import Record
-from waxstudy.gap.space import EffectType
+from waxstudy.diagnosis.diagnose import record_of
+from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Belief
 
 Json = dict[str, Any]

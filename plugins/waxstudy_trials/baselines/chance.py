@@ -7,7 +7,7 @@ from zlib import crc32
 import numpy as np
 
 from waxstudy.dataset.read import Dataset
-from waxstudy.gap.diagnose import installed_effects
+from waxstudy.diagnosis.diagnose import installed_effects
 from waxstudy_trials.baselines import Json, answer, taken
 
 NONE = 0.3  # how often it says that there is nothing

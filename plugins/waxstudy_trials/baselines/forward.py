@@ -1,6 +1,6 @@
-"""Forward selection by likelihood ratio: at each link, effect after effect, as long as chi-square says so.
+"""Forward selection by likelihood ratio: at each segment, effect after effect, as long as chi-square says so.
 
-It takes a diagnosis' links and fits, and believes that whitened errors are white and the model is right.
+It takes a diagnosis' segments and fits, and believes that whitened residual are white and the model is right.
 """
 
 from __future__ import annotations
@@ -8,28 +8,28 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from waxstudy.dataset.read import Dataset
-from waxstudy.gap.diagnose import installed_effects
-from waxstudy.gap.fit import Fitter
-from waxstudy.gap.fitted import Fitted
-from waxstudy.gap.judge import FIT, SELECT, SHRINK
-from waxstudy.gap.links import links
-from waxstudy.gap.space import EffectType
+from waxstudy.diagnosis.diagnose import installed_effects
+from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.segments import segments
+from waxstudy.diagnosis.residuals.judge import FIT, SELECT, SHRINK
 from waxstudy_trials.baselines import Json, answer, taken
 
-LEVEL = 0.01  # over the effects of a link (Bonferroni)
+LEVEL = 0.01  # over the effects of a segment (Bonferroni)
 MOST = 2
 THOROUGH = 0.25
 WHOLE = (FIT, SELECT, SHRINK)
 
 
 def diagnose(dataset: Dataset) -> Json:
-    """Return the effects of all links that a likelihood ratio adds."""
+    """Return the effects of all segments that a likelihood ratio adds."""
     record, belief = taken(dataset)
-    cut = links(record, belief)
+    cut = segments(record, belief)
     found: dict[str, tuple[EffectType, dict[str, float]]] = {}
-    for link in (each for each in cut if not each.is_supply):
-        fitter = Fitter(link, record, belief, THOROUGH, dataset.room_tolerance)
-        for effect, values in _added(fitter, [e for e in installed_effects() if e.stage in link.stages]):
+    for segment in (each for each in cut if not each.is_supply):
+        fitter = Fitter(segment, record, belief, THOROUGH, dataset.room_tolerance)
+        for effect, values in _added(fitter, [e for e in installed_effects() if e.stage in segment.stages]):
             found.setdefault(effect.name, (effect, values))
     return answer(dataset, list(found.values()), "" if cut else "nothing to judge")
 
@@ -45,16 +45,16 @@ def _added(fitter: Fitter, effects: Sequence[EffectType]) -> list[tuple[EffectTy
     return [(effect, dict(values)) for effect, values in current.effects]
 
 
-def _loss(fitted: Fitted) -> float:
+def _loss(fitted: Hypothesis) -> float:
     """Minus twice the logarithm of the likelihood."""
     return sum(fitted.loss(part) for part in WHOLE)
 
 
-def _gain(current: Fitted, one: Fitted) -> float:
+def _gain(current: Hypothesis, one: Hypothesis) -> float:
     return _loss(current) - _loss(one)
 
 
-def _threshold(one: Fitted, tried: int) -> float:
+def _threshold(one: Hypothesis, tried: int) -> float:
     from scipy.stats import chi2
 
     return float(chi2.isf(LEVEL / tried, max(1, len(one.effects[-1][0].priors))))

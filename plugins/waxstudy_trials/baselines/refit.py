@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from waxstudy.dataset.read import Dataset
-from waxstudy.gap.closed_loop import STEP_S
-from waxstudy.gap.diagnose import installed_effects
-from waxstudy.gap.record import DAY_S, Record
-from waxstudy.gap.room import built, coarsened, merging
-from waxstudy.gap.space import EffectType, Space
+from waxstudy.diagnosis.consequence.closed_loop import STEP_S
+from waxstudy.diagnosis.diagnose import installed_effects
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space
+from waxstudy.diagnosis.model.room_response import built, coarsened, merging
+from waxstudy.diagnosis.observations.record import DAY_S, Record
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import START, Loop
@@ -22,7 +22,7 @@ from waxstudy_trials.baselines import Json, answer, taken
 
 THOROUGH = 0.2  # of the points that a diagnosis looks at
 DESCENT = 20
-A_DAY = 24  # errors of a day that count as one each: they hang together for about an hour
+A_DAY = 24  # residual of a day that count as one each: they hang together for about an hour
 IMPOSSIBLE = 1e9
 
 

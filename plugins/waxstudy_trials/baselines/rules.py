@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from waxstudy.dataset.read import Dataset
-from waxstudy.gap.diagnose import installed_effects
-from waxstudy.gap.record import Record
-from waxstudy.gap.room import full_flow_L_h
+from waxstudy.diagnosis.diagnose import installed_effects
+from waxstudy.diagnosis.model.room_response import full_flow_L_h
+from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Belief
 from waxstudy_trials.baselines import Json, answer, taken
 
@@ -26,22 +26,22 @@ def diagnose(dataset: Dataset) -> Json:
 
 
 def sensor(record: Record, belief: Belief) -> Hits:
-    """A reading that is off by 0.05 K on average is biased; one that comes a minute late is delayed."""
+    """A convention that is off by 0.05 K on average is biased; one that comes a minute late is delayed."""
     if not (record.has("sensor_temperature_C") and record.has("air_temperature_C")):
         return
-    reading, air = record.drive("sensor_temperature_C"), record.drive("air_temperature_C")
-    if abs(bias_K := float(np.mean(reading - air))) > 0.05:
+    convention, air = record.drive("sensor_temperature_C"), record.drive("air_temperature_C")
+    if abs(bias_K := float(np.mean(convention - air))) > 0.05:
         yield "sensor-bias", {"bias_K": bias_K}
-    late_s = _late_s(reading, air, record.interval_s)
+    late_s = _late_s(convention, air, record.interval_s)
     known_s = belief.value("sensor", "delay_s") if belief.has("sensor", "delay_s") else 0.0
     if late_s > known_s + max(60.0, record.interval_s):
         yield "sensor-delay", {"delay_s": late_s}
 
 
-def _late_s(reading: np.ndarray, air: np.ndarray, interval_s: float) -> float:
+def _late_s(convention: np.ndarray, air: np.ndarray, interval_s: float) -> float:
     """Return the delay at which two courses are most alike, up to half an hour."""
     most = max(1, round(1800.0 / interval_s))
-    spread = [float(np.std(reading[n:] - air[: len(air) - n])) for n in range(most)]
+    spread = [float(np.std(convention[n:] - air[: len(air) - n])) for n in range(most)]
     return float(np.argmin(spread)) * interval_s
 
 
@@ -50,8 +50,8 @@ def dead_band(record: Record, belief: Belief) -> Hits:
     is_there = record.has("sensor_temperature_C") and "control_output" in record.binary
     if not (is_there and belief.has("controller", "dead_band_K")):
         return
-    reading, step = record.drive("sensor_temperature_C"), np.diff(record.filled("control_output"))
-    on, off = reading[:-1][step > 0.0], reading[:-1][step < 0.0]
+    convention, step = record.drive("sensor_temperature_C"), np.diff(record.filled("control_output"))
+    on, off = convention[:-1][step > 0.0], convention[:-1][step < 0.0]
     if len(on) > 3 and len(off) > 3:
         width_K = float(np.median(off) - np.median(on))
         if abs(width_K - belief.value("controller", "dead_band_K")) > 0.15 and 0.05 < width_K < 3.0:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from waxstudy.gap.result import Diagnosis, Measurement, StageGap, Unexplained, Untestable
+from waxstudy.diagnosis.result import Diagnosis, Measurement, StageGap, Unexplained, Untestable
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from waxstudy.gap.result import Diagnosis
-from waxstudy.gap.told import told
+from waxstudy.diagnosis.result import Diagnosis
+from waxstudy.diagnosis.sentences import told
 from waxstudy.report.diagnosis import tables
 from waxstudy.report.diagnosis.figures import FIGURES, Plot
 from waxstudy.report.diagnosis.summary import QUICK, VERDICTS, how_sure, lines

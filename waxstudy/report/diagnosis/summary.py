@@ -6,7 +6,7 @@ import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from waxstudy.gap.result import BeforeAfter, Diagnosis, FoundEffect, Interval, Measurement, StageGap, Unexplained
+from waxstudy.diagnosis.result import BeforeAfter, Diagnosis, FoundEffect, Interval, Measurement, StageGap, Unexplained
 from waxstudy.report.diagnosis.focus import by_reason, left_at, main_stages, measurements, other_stages, unit_left
 from waxstudy.report.diagnosis.words import (
     OF_LOOP,

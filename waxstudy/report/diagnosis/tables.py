@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from waxstudy.gap.result import Diagnosis, FoundEffect, StageGap
+from waxstudy.diagnosis.result import Diagnosis, FoundEffect, StageGap
 from waxstudy.report.diagnosis.figures.ranking import ranked, role
 from waxstudy.report.diagnosis.focus import by_reason, measurements, unit_left
 from waxstudy.report.diagnosis.summary import held_out, in_order, remarks

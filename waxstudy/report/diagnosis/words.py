@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from waxstudy.gap.result import Interval
+from waxstudy.diagnosis.result import Interval
 
 # by the end of a name, the longest first
 UNITS = {

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from waxstudy.gap.result import Diagnosis
+from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.report.diagnosis.figures import departures, gap_map, ranking, traces, waterfall
 
 if TYPE_CHECKING:

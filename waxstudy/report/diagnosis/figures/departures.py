@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from waxstudy.gap.result import Diagnosis
+from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.report.diagnosis.words import signed
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import BLACK, COLOURS, panels, styled

@@ -6,7 +6,7 @@ import math
 import textwrap
 from typing import TYPE_CHECKING
 
-from waxstudy.gap.result import Diagnosis, StageGap
+from waxstudy.diagnosis.result import Diagnosis, StageGap
 from waxstudy.report.diagnosis.focus import left_at
 from waxstudy.report.diagnosis.words import channel_words, number, percent, stage_words, times, with_unit
 from waxstudy.report.figures.places import Lacking

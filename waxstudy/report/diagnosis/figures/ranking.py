@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from waxstudy.gap.result import Diagnosis, Tried
+from waxstudy.diagnosis.result import Diagnosis, Tried
 from waxstudy.report.diagnosis.words import channel_words, percent, probability, stage_words
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import BLACK, GREY, panels, styled

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from waxstudy.gap.result import Diagnosis, StageGap
+from waxstudy.diagnosis.result import Diagnosis, StageGap
 from waxstudy.plugin import FloatArray
 from waxstudy.report.diagnosis.focus import Day, main_stages, shown_days
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, named

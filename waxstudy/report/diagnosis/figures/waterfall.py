@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from waxstudy.gap.result import Diagnosis, Step
+from waxstudy.diagnosis.result import Diagnosis, Step
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, number
 from waxstudy.report.figures.places import Lacking
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below, panels, styled

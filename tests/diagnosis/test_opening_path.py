@@ -1,0 +1,59 @@
+"""Coarse samples: what happened between two of them is not taken for another motor or valve."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from tests.diagnosis.realities import PERFECT, belief, dataset, record, rows
+from waxstudy.diagnosis.diagnose import diagnose
+from waxstudy.diagnosis.model.opening_path import cells, path
+from waxstudy.diagnosis.model.segments import segments
+from waxstudy.diagnosis.residuals.judge import Judge, is_lone
+
+
+@given(arrays(float, st.integers(2, 60), elements=st.sampled_from([0.0, 0.1, 0.35, 0.6, 0.9, 1.0])))
+def test_a_path_goes_through_its_samples_and_stays_between_them(opening: np.ndarray) -> None:
+    fine = path(opening, 60.0)
+    parts = cells(60.0)
+    np.testing.assert_allclose(fine[parts - 1 :: parts], opening, atol=1e-12)
+    low, high = np.minimum(opening[:-1], opening[1:]), np.maximum(opening[:-1], opening[1:])
+    inner = fine[parts:].reshape(-1, parts)
+    assert (inner >= low[:, None] - 1e-12).all()
+    assert (inner <= high[:, None] + 1e-12).all()
+
+
+@pytest.mark.parametrize("late_s", [0.0, 20.0, 45.0])
+def test_a_motor_that_moves_evenly_is_followed_between_its_samples(late_s: float) -> None:
+    at_s = 15.0 * np.arange(1, 121)
+    true = np.clip((at_s - 300.0 - late_s) / 150.0, 0.0, 1.0) - np.clip((at_s - 1200.0 - late_s) / 200.0, 0.0, 1.0)
+    np.testing.assert_allclose(path(true[3::4], 60.0), true, atol=1e-9)
+
+
+@pytest.mark.parametrize("interval_s", [60.0, 300.0, 900.0])
+def test_what_is_believed_and_true_is_missed_by_noise_alone_however_coarse_the_samples(interval_s: float) -> None:
+    seen = record("WAX", days=7, interval_s=interval_s, **PERFECT)
+    believed = belief("WAX", seen)
+    (motor,) = [segment for segment in segments(seen, believed) if segment.stages == ("actuator",)]
+    (residual,) = Judge(motor, seen, believed).residuals(motor.predict(seen, believed))
+    assert residual.gap() < 0.03  # 7.5 s of a stroke of 150 s is 0.05
+    assert residual.judged.mean() > 0.7
+
+
+def test_a_pulse_between_two_samples_is_left_out_and_a_lasting_change_is_not() -> None:
+    drive, opening = np.zeros(20), np.zeros(20)
+    opening[8] = 0.6
+    assert np.flatnonzero(is_lone(opening, drive)).tolist() == [8]
+    opening[8:] = 0.6
+    assert not is_lone(opening, drive).any()
+    assert not is_lone(drive, opening).any()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("interval_s", [300.0, 900.0])
+def test_nothing_is_claimed_of_a_loop_as_believed_that_is_sampled_coarsely(interval_s: float) -> None:
+    diagnosis = diagnose(dataset(rows("REAL", days=7, interval_s=interval_s), "REAL"), quick=True)
+    assert (diagnosis.verdict, list(diagnosis.effects)) == ("none", [])

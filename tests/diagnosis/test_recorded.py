@@ -1,0 +1,132 @@
+"""Claims about a room under recorded inputs: it is the closed loop's room, and its sun is one heat."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.diagnosis.realities import PERFECT, belief, reality, record, study
+from waxstudy.diagnosis.model.room_response import built, room_response
+from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Room
+from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond
+
+HOURS = 48
+
+
+def room() -> LinearRoom:
+    choice = study().room
+    assert issubclass(choice.component, Room)
+    return choice.component.build(choice.parameters)
+
+
+def inputs(**channels: FloatArray | float) -> Inputs:
+    still = {"outdoor_C": 0.0, "supply_C": 30.0, "solar_W": 0.0, "gains_W": 0.0, "ventilation_C": 18.0, "air_C": 21.0}
+    count = HOURS * 12
+    return Inputs(
+        300.0, 0.0, **{name: np.broadcast_to(each, count) * np.ones(count) for name, each in (still | channels).items()}
+    )
+
+
+def air_C(given: Inputs, flow_L_h: float = 60.0) -> FloatArray:
+    return respond(driven_by(room(), given), given, np.full(HOURS * 12, flow_L_h))["air_C"]
+
+
+@pytest.mark.parametrize("case", ["IDEAL", "REAL"])
+def test_under_recorded_inputs_and_flow_the_room_has_the_closed_loop_s_temperatures(case: str) -> None:
+    """Without noise, and but for how warm the room was before the record, which nobody knows: a linear answer."""
+    seen = record(case, **PERFECT)
+    believed = belief(case, seen)
+    assert believed.inputs
+    warmer = replace(believed, inputs=replace(believed.inputs, start_K=1.0))
+    plain, with_start = (room_response(seen, each, seen.filled("flow_L_h")) for each in (believed, warmer))
+    channels = reality(case).week.channels
+    own = {"air_temperature_C": "air_C", "floor_surface_temperature_C": "floor_surface_C"}
+    for channel, name in own.items():
+        quarters = channels[name].reshape(-1, 180).mean(axis=1)
+        off_K, answer = (plain[channel] - quarters)[24:], (with_start[channel] - plain[channel])[24:]
+        left_K = off_K - answer * (answer @ off_K) / (answer @ answer)
+        assert np.ptp(quarters) > 0.5
+        assert np.sqrt(np.mean(left_K**2)) < 0.02
+    assert float(np.mean(plain["return_temperature_C"] > 15.0)) > 0.05
+
+
+def test_each_stage_driven_by_a_perfect_record_misses_next_to_nothing() -> None:
+    seen = record("REAL", interval_s=5.0, days=2, **PERFECT)
+    believed = belief("REAL", seen)
+    for segment in segments(seen, believed)[2:4]:
+        (channel,) = segment.judged
+        error = (segment.predict(seen, believed)[channel] - seen.values[channel])[seen.settled]
+        # but for the steps in which a valve opens at once, or an actuator is switched
+        assert np.mean(np.abs(error) > 0.005 * np.nanmax(seen.values[channel])) < 0.01, segment.name
+
+
+def test_the_sun_is_one_heat_shared_out_as_the_room_shares_it() -> None:
+    original = room()
+    given = inputs(solar_W=100.0)
+    recorded = recorded_room(original, given)
+    column = recorded.input_matrix[:, list(recorded.inputs).index(SUN)]
+    sun = [name.startswith("irradiance") for name in original.inputs]
+    by_facade = original.input_matrix[:, sun]
+    assert column.sum() == pytest.approx(1.0)
+    assert column * by_facade.sum() == pytest.approx(by_facade.sum(axis=1))
+    assert not any(name.startswith("irradiance") for name in recorded.inputs)
+
+
+@given(st.floats(0.0, 500.0))
+@settings(max_examples=10)
+def test_in_the_end_the_sun_s_heat_warms_as_much_as_its_watts(watts: float) -> None:
+    """A linear room: twice the sun is twice the rise."""
+    rise_K = air_C(inputs(solar_W=watts))[-1] - air_C(inputs())[-1]
+    of_100_W = air_C(inputs(solar_W=100.0))[-1] - air_C(inputs())[-1]
+    assert rise_K == pytest.approx(of_100_W * watts / 100.0, abs=1e-6)
+    assert of_100_W > 1.0
+
+
+@pytest.mark.parametrize("name", ["outdoor_C", "supply_C", "solar_W", "gains_W", "ventilation_C"])
+def test_each_recorded_input_that_is_raised_warms_the_room(name: str) -> None:
+    plain = inputs()
+    warmer = replace(plain, **{name: getattr(plain, name) + 10.0})
+    assert air_C(warmer)[-1] > air_C(plain)[-1] + 0.01
+
+
+def test_extra_heat_goes_to_the_air_and_is_not_needed() -> None:
+    plain = inputs()
+    heated = replace(plain, extra_W=np.full(HOURS * 12, 50.0))
+    without = replace(plain, extra_W=np.zeros(HOURS * 12))
+    assert np.array_equal(air_C(without), air_C(plain))
+    assert air_C(heated)[-1] > air_C(plain)[-1] + 0.5
+
+
+def test_without_flow_there_is_no_heat_of_the_water_and_no_return() -> None:
+    found = respond(driven_by(room(), inputs()), inputs(), np.zeros(HOURS * 12))
+    assert np.isnan(found["return_C"]).all()
+    assert (found["water_heat_W"] == 0.0).all()
+
+
+def test_the_water_gives_the_heat_by_which_it_cools() -> None:
+    built_room, flow = room(), np.full(HOURS * 12, 80.0)
+    found = respond(driven_by(built_room, inputs()), inputs(), flow)
+    cooled_W = flow / 3600.0 * built_room.water_J_L_K * (30.0 - found["return_C"])
+    assert cooled_W == pytest.approx(found["water_heat_W"])
+    assert found["water_heat_W"].min() > 10.0
+
+
+def test_the_step_of_the_water_changes_less_than_a_thermometer_shows() -> None:
+    coarse, fine = (
+        respond(driven_by(room(), inputs(), step_s), inputs(), np.where(np.arange(HOURS * 12) % 60 < 20, 122.0, 0.0))
+        for step_s in (None, 10.0)
+    )
+    assert coarse["air_C"] == pytest.approx(fine["air_C"], abs=0.02)
+
+
+def test_a_room_s_link_is_driven_by_the_flow_that_was_recorded() -> None:
+    seen = record("REAL")
+    segment = segments(seen, belief("REAL", seen))[-2]
+    assert isinstance(segment, Segment)
+    assert (segment.stages, segment.driven_by) == (("emitter", "room"), "flow_L_h")
+    assert built(study().room) is built(study().room)

@@ -1,0 +1,236 @@
+"""Claims about judging: what counts as an error, how much, and on which days."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.diagnosis.realities import PERFECT, belief, plain, record
+from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.noise_floor import NoiseFloor
+from waxstudy.diagnosis.model.room_response import Predicted
+from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals.judge import FIT, SELECT, SHRINK, Judge, Residual, losses, parts_of, softened, stands
+from waxstudy.diagnosis.select.criteria import LEAST_GAP, LEAST_SMOOTHED_GAP
+from waxstudy.plugin import Belief
+
+DAY = 1440
+
+
+def empty(days: float, interval_s: float = 60.0, cycles_per_day: int = 8) -> Record:
+    count = round(days * 86_400.0 / interval_s)
+    at = np.arange(count) * interval_s / 86_400.0
+    return plain({"heating_signal": np.where(at * cycles_per_day % 1.0 < 0.3, 1.0, 0.0)}, interval_s)
+
+
+# --- parts -----------------------------------------------------------------------------------------------
+
+
+@given(st.floats(6.0, 60.0), st.sampled_from([60.0, 300.0, 900.0]), st.booleans())
+@settings(max_examples=30)
+def test_shrinkage_is_on_the_last_three_days_or_more_and_on_no_day_of_the_search(
+    days: float, interval_s: float, days_in_turn: bool
+) -> None:
+    part = parts_of(empty(days, interval_s), days_in_turn)
+    kept = np.flatnonzero(part == SHRINK)
+    assert len(kept) * interval_s >= 3 * 86_400.0 - interval_s
+    assert kept[-1] == len(part) - 1
+    assert np.array_equal(kept, np.arange(kept[0], len(part)))
+    for searched in (FIT, SELECT):
+        assert np.mean(part == searched) > 0.15
+
+
+@given(st.floats(6.0, 30.0), st.floats(0.0, 0.4), st.sampled_from([0.0, 1.0]))
+@settings(max_examples=40)
+def test_the_chain_is_fitted_to_its_first_cycles_and_judged_on_the_next(days: float, share: float, at: float) -> None:
+    """It may rest, or be heated without end, for days before."""
+    seen = empty(days)
+    signal = np.where(np.arange(len(seen)) < share * len(seen), at, seen.values["heating_signal"])
+    part = parts_of(plain({"heating_signal": signal}, seen.interval_s))
+    assert np.flatnonzero(part == FIT)[-1] < np.flatnonzero(part == SELECT)[0]
+    starts = np.flatnonzero(np.diff(signal) > 0.5) + 1
+    fitted, judged = (int(np.sum(part[starts] == number)) for number in (FIT, SELECT))
+    assert abs(fitted - 0.57 * (fitted + judged)) <= 2
+
+
+def test_where_hardly_a_cycle_is_seen_days_are_cut_instead() -> None:
+    seen = plain({"heating_signal": np.zeros(14 * DAY)}, 60.0)
+    part = parts_of(seen)
+    assert 0.4 < np.mean(part[part != SHRINK] == FIT) < 0.7
+
+
+def test_a_room_is_fitted_and_judged_on_days_in_turn() -> None:
+    part = parts_of(empty(14), days_in_turn=True)
+    days = part[: 9 * DAY].reshape(9, DAY)
+    assert (days == days[:, :1]).all()
+    assert days[:, 0].tolist() == [FIT, SELECT] * 4 + [FIT]
+
+
+@pytest.mark.parametrize("days_in_turn", [True, False])
+def test_a_short_record_has_blocks_in_turn_and_keeps_none_back(days_in_turn: bool) -> None:
+    seen = empty(4)
+    part = parts_of(seen, days_in_turn)
+    assert set(part.tolist()) == {FIT, SELECT}
+    blocks = seen.day if days_in_turn else seen.cycle
+    for number in np.unique(blocks):
+        assert len(set(part[blocks == number].tolist())) == 1
+
+
+# --- switches --------------------------------------------------------------------------------------------
+
+SWITCH = Segment(("modulator",), "control_output", ("heating_signal",))
+
+
+def switching(days: int = 8) -> tuple[Record, Judge]:
+    signal = empty(days).values["heating_signal"]
+    seen = plain({"control_output": signal, "heating_signal": signal, "setpoint_C": np.full(len(signal), 21.0)})
+    return seen, Judge(SWITCH, seen, Belief({}))
+
+
+@given(st.integers(1, 26), st.booleans())
+@settings(max_examples=20)
+def test_a_switch_that_comes_late_or_early_costs_its_seconds(minutes: int, is_early: bool) -> None:
+    seen, judge = switching()
+    shifted = np.roll(seen.values["heating_signal"], -minutes if is_early else minutes)
+    (residual,) = judge.residuals({"heating_signal": shifted})
+    assert residual.unit == "s"
+    # up to half of the shortest pulse, beyond which it is nearer to another switch
+    assert residual.error[residual.judged][1:-1] == pytest.approx(60.0 * minutes)
+    # 8 days of 8 cycles of two switches, but for the first six hours
+    assert residual.judged.sum() == pytest.approx(128 - 4, abs=2)
+
+
+def test_a_prediction_that_is_the_record_misses_nothing() -> None:
+    seen, judge = switching()
+    (residual,) = judge.residuals({"heating_signal": seen.values["heating_signal"]})
+    assert residual.gap() == residual.loss() == 0.0
+
+
+def test_a_switch_that_never_comes_costs_the_whole_pulse() -> None:
+    seen, judge = switching()
+    (residual,) = judge.residuals({"heating_signal": np.zeros(len(seen))})
+    pulse_s = 0.3 * 86_400.0 / 8
+    assert residual.error[residual.judged].sum() == pytest.approx(pulse_s * 8 * 7.75, rel=0.02)
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=9))
+def test_a_softened_error_grows_with_the_error_and_is_it_where_it_is_small(residual: list[float]) -> None:
+    ordered = np.sort(np.abs(residual))
+    soft = softened(ordered)
+    assert (np.diff(soft) >= 0.0).all()
+    assert (soft <= ordered + 1e-7).all()
+    assert softened(np.array([0.1]))[0] == pytest.approx(0.1, rel=1e-3)
+
+
+def test_far_out_twice_the_error_is_twice_the_loss_and_not_four_times() -> None:
+    one, two = softened(np.array([300.0, 600.0])) ** 2
+    assert two / one == pytest.approx(2.0, rel=0.01)
+
+
+# --- all channels ----------------------------------------------------------------------------------------
+
+
+@cache
+def judged(case: str = "REAL", missing: float = 0.0) -> list[tuple[Judge, Predicted, list[Residual]]]:
+    """Every segment of a record that is believed rightly."""
+    seen = record(case, days=6, missing=missing)
+    believed = belief(case, seen)
+    found = []
+    for segment in segments(seen, believed):
+        judge = Judge(segment, seen, believed)
+        predicted = segment.predict(seen, believed, segment.conventions[0])
+        found.append((judge, predicted, judge.residuals(predicted)))
+    return found
+
+
+@pytest.mark.parametrize("missing", [0.0, 0.2])
+def test_losses_of_parts_and_of_blocks_add_up_to_the_whole(missing: float) -> None:
+    for _, _, residual in judged(missing=missing):
+        for each in residual:
+            parts = [each.loss(part) for part in (FIT, SELECT, SHRINK)]
+            assert sum(parts) == pytest.approx(each.loss())
+        for part in (FIT, SELECT, SHRINK):
+            by_block = losses(residual, part)
+            assert sum(by_block.values()) == pytest.approx(sum(each.loss(part) for each in residual))
+
+
+@pytest.mark.parametrize("missing", [0.0, 0.2])
+def test_where_nothing_is_judged_there_is_no_error(missing: float) -> None:
+    for _, _, residual in judged(missing=missing):
+        for each in residual:
+            assert (each.error[~each.judged] == 0.0).all()
+            assert (each.whitened[~each.judged] == 0.0).all()
+            assert np.isfinite(each.whitened).all()
+            assert 0.3 < each.judged.mean() <= 1.0 or each.channel == "return_temperature_C"
+
+
+def test_what_is_lost_or_not_settled_is_not_judged() -> None:
+    for judge, _, residual in judged(missing=0.2):
+        seen = judge.record
+        for each in residual:
+            if len(each.sample) == len(seen):
+                assert not (each.judged & ~np.isfinite(seen.values[each.channel])).any()
+            assert seen.settled[each.sample[each.judged]].all() or each.unit == "s"
+
+
+@pytest.mark.parametrize("missing", [0.0, 0.2])
+def test_a_right_belief_misses_no_more_than_the_noise(missing: float) -> None:
+    for judge, _, residual in judged(missing=missing):
+        for each in residual:
+            # what flowed in a gap is not known, and the room remembers it
+            if each.unit == "s" or (missing and judge.segment.with_room):
+                continue
+            assert each.gap() < 2.5 * max(judge.record.noise[each.channel], 0.005), each.channel
+
+
+def test_how_often_a_room_s_temperatures_are_logged_moves_its_prediction_by_no_time() -> None:
+    """A right room misses as little of samples at the ends of five minutes as of those of ten seconds."""
+    gaps = []
+    for interval_s in (10.0, 60.0, 300.0):
+        seen = record("REAL", days=4, interval_s=interval_s, **PERFECT)
+        believed = belief("REAL", seen)
+        (room,) = [segment for segment in segments(seen, believed) if segment.with_room]
+        residual = Judge(room, seen, believed).residuals(room.predict(seen, believed, room.conventions[0]))
+        gaps.append([each.gap() for each in residual if each.channel != "return_temperature_C"])
+    assert np.ptp(gaps, axis=0).max() < 0.001
+
+
+@pytest.mark.parametrize("interval_s", [60.0, 900.0])
+def test_a_right_controller_misses_no_more_than_what_its_own_drive_s_noise_makes_of_it(interval_s: float) -> None:
+    seen = record("PI", days=4, interval_s=interval_s)
+    believed = belief("PI", seen)
+    fitter = Fitter(segments(seen, believed)[0], seen, believed, 1.0, 1.0)
+    floor = NoiseFloor.of(fitter, fitter.base)
+    for each in fitter.base.residuals:
+        least = LEAST_SMOOTHED_GAP if each.channel == "control_output" else LEAST_GAP
+        assert 0.7 < each.gap() / floor.plain[each.channel] < least
+
+
+def test_the_gap_is_in_the_channel_s_unit() -> None:
+    """A temperature that is half a kelvin off misses half a kelvin."""
+    judge, predicted, _ = next(each for each in judged() if each[0].segment.with_room)
+    for channel in ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C"):
+        off = {**predicted, channel: judge.measured(channel) + 0.5}
+        (found,) = [each for each in judge.residuals(off) if each.channel == channel]
+        assert found.unit == "K"
+        assert found.gap() == pytest.approx(0.5)
+
+
+def test_each_error_has_the_block_and_part_of_its_sample() -> None:
+    for judge, _, residual in judged():
+        for each in residual:
+            block = judge.record.day if judge.segment.with_room else judge.record.cycle
+            assert np.array_equal(each.part, judge.parts[each.sample])
+            assert np.array_equal(each.block, block[each.sample])
+
+
+def test_a_meter_that_shows_noise_around_zero_does_not_stand_still() -> None:
+    noise = np.random.default_rng(3).normal(0.0, 1.0, 1000)
+    assert not stands(noise, 120.0).any()
+    assert not stands(np.clip(noise, 0.0, None), 120.0)[noise > 1.0].any()
+    assert stands(np.zeros(1000), 120.0).all()

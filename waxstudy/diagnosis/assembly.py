@@ -1,0 +1,345 @@
+"""What the segments show, put together: verdict, effects, what stays, and what it does in the closed loop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.dataset.read import Dataset
+from waxstudy.diagnosis.consequence.closed_loop import closed_loop
+from waxstudy.diagnosis.consequence.impact import impact
+from waxstudy.diagnosis.consequence.regimes import regimes
+from waxstudy.diagnosis.estimate.intervals import shrink
+from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.segments import ROOM_STAGES, Segment
+from waxstudy.diagnosis.observations.drives import filled_in
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals.judge import FIT, SELECT, SHRINK, parts_of
+from waxstudy.diagnosis.result import (
+    Alternative,
+    BeforeAfter,
+    Diagnosis,
+    FoundEffect,
+    Interval,
+    StageGap,
+    Step,
+    Tried,
+    Unexplained,
+    Untestable,
+    Verdict,
+)
+from waxstudy.diagnosis.select.candidate import Candidate
+from waxstudy.diagnosis.select.search import Selection
+from waxstudy.diagnosis.select.testability import (
+    UNSHOWN,
+    doubtful_noise,
+    next_measurements,
+    separating,
+    uncovered,
+    unshown,
+)
+from waxstudy.diagnosis.select.unexplained import stage_of, unexplained
+from waxstudy.diagnosis.sentences import told
+from waxstudy.plugin import STAGES, Belief
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a diagnosis works on."""
+
+    dataset: Dataset
+    record: Record
+    belief: Belief
+    effects: Sequence[EffectType]
+    seed: int
+    thorough: float
+
+
+def of_segment(segment: Segment, effects: Sequence[EffectType]) -> list[EffectType]:
+    return [effect for effect in effects if effect.stage in segment.stages]
+
+
+def assembled(
+    work: Work, cut: Sequence[Segment], short: Mapping[Segment, str], selections: Sequence[Selection], quick: bool
+) -> Diagnosis:
+    several = {e.name: e for selection in reversed(selections) for e in _found(selection, work.seed)}
+    found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
+    remains = [each for selection in selections for each in unexplained(selection, work.seed)]
+    untestable = list(_untestable(work, cut, short, selections))
+    verdict = _verdict(found, remains, selections, untestable)
+    stages = {effect.name: effect.stage for effect in work.effects}
+    return Diagnosis(
+        dataset=work.dataset.name,
+        verdict=verdict,
+        summary=_summary(verdict, found, remains, untestable),
+        stages=[stage for selection in selections for stage in _stages(work, selection, selections)],
+        effects=found,
+        unexplained=remains,
+        untestable=untestable,
+        tried=[each for selection in selections for each in _tried(selection, found)],
+        closed_loop=_closed_loop(work, selections),
+        waterfall=[step for selection in selections for step in _waterfall(selection)],
+        next_measurements=list(next_measurements(cut, found, untestable, stages, work.record)),
+        warnings=[
+            *work.dataset.warnings,
+            *doubtful_noise(work.record, cut),
+            *_warned(selections),
+        ],
+        assumptions=[
+            *work.dataset.assumptions,
+            *filled_in(work.dataset, work.record),
+            *_conventions(selections),
+            *_needless(selections),
+        ],
+        departures=_departures(selections),
+        parts=_parts(work, selections),
+        seed=work.seed,
+        is_quick=quick,
+        traces=_traces(work, selections),
+    )
+
+
+def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
+    random = np.random.default_rng([seed, 2])
+    for found, without in zip(selection.found, selection.without, strict=True):
+        channel = found.channel
+        before, after = (model.residual_of(channel) for model in (without, selection.after))
+        floor = selection.floor.plain[channel]
+        values = dict(selection.after.effects)[found.effect]
+        yield FoundEffect(
+            name=found.effect.name,
+            stage=found.effect.stage,
+            sentence=found.effect.sentence(found.effect.Parameters(**values)),
+            group=list(found.group),
+            parameters=selection.intervals[found.effect],
+            inclusion=found.inclusion,
+            p=found.candidate.p,
+            channel=channel,
+            gap_before=before.gap(),
+            gap_after=after.gap(),
+            noise_floor=floor,
+            shrink=shrink(before, after, floor, random),
+            is_held_out=bool((before.part == SHRINK).any()),
+            alternatives=[_alternative(each) for each in found.others],
+        )
+
+
+def _alternative(candidate: Candidate) -> Alternative:
+    effect, values = candidate.effect, dict(candidate.fitted.effects)[candidate.effect]
+    parameters = {name: Interval(value, np.nan, np.nan) for name, value in values.items()}
+    return Alternative(effect.name, effect.stage, effect.sentence(effect.Parameters(**values)), parameters)
+
+
+def _stages(work: Work, selection: Selection, selections: Sequence[Selection]) -> Iterator[StageGap]:
+    segment = selection.fitter.segment
+    believed = _believed(work, selections, with_effects=False)
+    for before, after in zip(selection.before.residuals, selection.after.residuals, strict=True):
+        yield StageGap(
+            stage=stage_of(selection, before.channel),
+            channel=before.channel,
+            unit=before.unit,
+            gap=before.gap(),
+            gap_after=after.gap(),
+            noise_floor=selection.floor.plain[before.channel],
+            impact=_impact(work, selection, believed, before.channel),
+            regimes=regimes(work.record, work.belief, before),
+            autocorrelation=_autocorrelation(before.error[before.judged]),
+            separate_by=", ".join(separating(segment)),
+        )
+
+
+def _impact(work: Work, selection: Selection, believed: Belief, channel: str) -> Mapping[str, float]:
+    segment, before = selection.fitter.segment, selection.before
+    if segment.with_room:
+        air = [each.gap() for each in before.residuals if each.channel == "air_temperature_C"]
+        return {"air_K": air[0]} if air else {}
+    if channel != segment.judged[-1]:
+        return {}
+    belief = selection.fitter.edited(before.effects, before.departures)
+    modelled = selection.fitter.predicted(belief, before.convention)[channel]
+    return impact(work.record, believed, segment, modelled)
+
+
+def _autocorrelation(error: np.ndarray) -> float:
+    if len(error) < 3 or not error.any():
+        return 0.0
+    centred = error - error.mean()
+    power = float(centred @ centred)
+    return float(centred[1:] @ centred[:-1]) / power if power else 0.0
+
+
+def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tried]:
+    named = {name for effect in effects for name in effect.group}
+    for each in sorted(selection.tried, key=lambda c: -c.gain):
+        figures = each.gain, each.p, each.share
+        why = "" if each.effect.name in named else _why_not(selection, each)
+        yield Tried(each.effect.name, each.effect.stage, *figures, each.channel, why)
+
+
+def _why_not(selection: Selection, candidate: Candidate) -> str:
+    """Return why an effect that was tried is not named."""
+    name = candidate.effect.name
+    if any(name in found.group for found in selection.withdrawn):
+        return "the last days do not confirm it"
+    if any(name in found.group for found in selection.distrusted):
+        return "too much stays"
+    if any(name in found.group for found in selection.indistinct):
+        return "it may as well be what is believed"
+    return candidate.why_not or ("another explains more" if selection.found else "another was better, and withdrawn")
+
+
+def _untestable(
+    work: Work, cut: Sequence[Segment], short: Mapping[Segment, str], selections: Sequence[Selection]
+) -> Iterator[Untestable]:
+    yield from uncovered(work.effects, cut, work.belief)
+    looked_at = [each for each in selections if not each.fitter.segment.is_supply]
+    tried = [effect for selection in looked_at for effect in of_segment(selection.fitter.segment, work.effects)]
+    for segment, reason in short.items():
+        for effect in of_segment(segment, work.effects):
+            if effect not in tried and not effect.hindrance(work.belief):
+                yield Untestable(effect.name, reason)
+    for selection in looked_at:
+        yield from unshown(selection, of_segment(selection.fitter.segment, work.effects))
+
+
+def _verdict(
+    found: Sequence[FoundEffect],
+    remains: Sequence[Unexplained],
+    selections: Sequence[Selection],
+    untestable: Sequence[Untestable],
+) -> Verdict:
+    if any(len(effect.group) == 1 for effect in found):
+        return "effect"
+    if found:
+        return "group"
+    if any(each.is_finding for each in remains):
+        return "unknown"
+    looked_at = [each for each in selections if not each.fitter.segment.is_supply]
+    tested = {each.effect.name for selection in looked_at for each in selection.tried}
+    return "none" if tested - {each.name for each in untestable} else "untestable"
+
+
+def _summary(
+    verdict: Verdict, found: Sequence[FoundEffect], remains: Sequence[Unexplained], untestable: Sequence[Untestable]
+) -> str:
+    if verdict in ("effect", "group"):
+        return " ".join(told(effect) for effect in found)
+    if verdict == "unknown":
+        places = ", ".join(dict.fromkeys(each.stage for each in remains if each.is_finding))
+        return f"Something that no known effect explains lies at: {places}."
+    if verdict == "untestable":
+        return f"This record cannot be judged: {_main_reason(untestable)}."
+    return "The record shows no effect that the model lacks."
+
+
+def _main_reason(untestable: Sequence[Untestable]) -> str:
+    """Return the commonest reason, rather of what was recorded than of what was not."""
+    reasons = [each.reason for each in untestable]
+    recorded = [reason for reason in reasons if not reason.startswith(UNSHOWN)]
+    return max(recorded or reasons, key=reasons.count, default="it holds too little")
+
+
+def _believed(work: Work, selections: Sequence[Selection], with_effects: bool) -> Belief:
+    """Return what is believed, its room as fitted and its sun as read, with or without the effects found."""
+    belief = work.belief
+    for selection in sorted(selections, key=lambda s: not s.fitter.segment.with_room):
+        model = selection.after if with_effects else selection.before
+        if selection.fitter.segment.with_room:
+            belief = selection.fitter.edited((), model.departures)
+            assert belief.inputs
+            factor = model.convention.solar_factor
+            belief = replace(belief, inputs=replace(belief.inputs, solar_W=factor * belief.inputs.solar_W))
+        for effect, values in model.effects:
+            belief = effect.apply(belief, effect.Parameters(**values))
+    return belief
+
+
+def _closed_loop(work: Work, selections: Sequence[Selection]) -> Mapping[str, BeforeAfter]:
+    has_room = any(selection.fitter.segment.with_room for selection in selections)
+    if not has_room or "controller" not in work.belief.blocks or not work.record.has("setpoint_C"):
+        return {}
+    before, after = (_believed(work, selections, with_effects) for with_effects in (False, True))
+    return closed_loop(work.record, before, after)
+
+
+def _waterfall(selection: Selection) -> Iterator[Step]:
+    names = ["", *(found.effect.name for found in selection.found)]
+    for name, model in zip(names, selection.models, strict=True):
+        for residual in model.residuals:
+            yield Step(residual.channel, residual.unit, name, residual.gap())
+
+
+def _conventions(selections: Sequence[Selection]) -> list[str]:
+    return [
+        s.before.convention.words
+        for s in selections
+        if s.before.convention.words and len(s.fitter.segment.conventions) > 1
+    ]
+
+
+def _needless(selections: Sequence[Selection]) -> Iterator[str]:
+    for selection in selections:
+        if selection.fitter.is_exact_room:
+            names = " and ".join(found.effect.name for found in selection.found)
+            yield f"The room is as believed to the letter: with {names} nothing has to depart but how it began."
+
+
+def _warned(selections: Sequence[Selection]) -> list[str]:
+    names = [found.effect.name for selection in selections for found in selection.withdrawn]
+    told = [f"{name} fitted the first days, but the last days do not confirm it: it is not claimed" for name in names]
+    late = [found.effect.name for s in selections if not s.fitter.holds_out for found in s.found]
+    told += [f"{name} shows in the last days only: they took part in finding it, none are held out" for name in late]
+    for effect, channel in ((found.effect, found.channel) for s in selections for found in s.distrusted):
+        missed = "the room" if effect.stage in ROOM_STAGES else channel
+        told.append(f"{effect.name} explains a part of what {missed} is missed by, but too much stays: not claimed")
+    for name in (found.effect.name for s in selections for found in s.indistinct):
+        told.append(f"{name} explains a gap, but by its interval it may as well be what is believed: it is not claimed")
+    return told
+
+
+def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:
+    found = {}
+    for selection in selections:
+        fitter = selection.fitter
+        for unknown, value in zip(fitter.nuisances, selection.after.departures / fitter.sd, strict=True):
+            found[unknown.name] = float(value)
+    return found
+
+
+def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence[str]]:
+    """Return first and last day of each part, as the chain has them; a room alone has days in turn."""
+    has_chain = any(not selection.fitter.segment.with_room for selection in selections)
+    part = parts_of(work.record, days_in_turn=not has_chain)
+    days = (work.dataset.time - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")  # midnight ends a day
+    found = {}
+    for name, number in (("fit", FIT), ("select", SELECT), ("shrinkage", SHRINK)):
+        chosen = np.flatnonzero(part == number)
+        if len(chosen):
+            found[name] = [str(days[chosen[0]]), str(days[chosen[-1]])]
+    return found
+
+
+def _traces(work: Work, selections: Sequence[Selection]) -> pd.DataFrame:
+    """Return measured, before and after of each judged channel, on the record's samples."""
+    columns: dict[str, np.ndarray] = {}
+    count = len(work.record)
+    for selection in selections:
+        fitter = selection.fitter
+        for name, model in (("before", selection.before), ("after", selection.after)):
+            belief = fitter.edited(model.effects, model.departures)
+            predicted = fitter.predicted(belief, model.convention)
+            for channel, values in predicted.items():
+                columns[f"{channel}_measured"] = work.record.values[channel]
+                columns[f"{channel}_{name}"] = _spread(values, count)
+    return pd.DataFrame(columns, index=work.dataset.time)
+
+
+def _spread(values: np.ndarray, count: int) -> np.ndarray:
+    """Return a prediction on every sample: means over quarters of an hour are held."""
+    if len(values) == count:
+        return values
+    index = np.minimum(np.arange(count) * len(values) // count, len(values) - 1)
+    return np.asarray(values[index])

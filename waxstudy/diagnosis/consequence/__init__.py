@@ -1,0 +1,1 @@
+"""What a gap does: to heat and air, to the loop left to itself, and when."""

@@ -1,0 +1,118 @@
+"""A diagnosis from a dataset: segments, selection, what stays, how far the gap shrinks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from waxstudy.dataset.read import Dataset
+from waxstudy.diagnosis.assembly import Work, assembled, of_segment
+from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.ladder_effects import ladder_effects
+from waxstudy.diagnosis.model.room_response import built
+from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.drives import GAINS, SUN, stand_ins
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.result import Diagnosis
+from waxstudy.diagnosis.select.exact_room import with_exact_room
+from waxstudy.diagnosis.select.search import Selection, Tick, select
+from waxstudy.diagnosis.select.testability import too_short
+from waxstudy.plugin import Belief, Effect, Inputs
+from waxstudy.plugin.registry import installed
+from waxstudy.study.model import Study
+from waxstudy.study.problems import Problem, StudyError
+
+QUICK = 0.35  # of the fits' effort
+Tell = Callable[[str, float], None]
+
+
+def diagnose(
+    dataset: Dataset,
+    *,
+    seed: int = 1,
+    quick: bool = False,
+    study: Study | None = None,
+    tick: Tell | None = None,
+) -> Diagnosis:
+    """Return where a dataset's gap lies, which effects cause it and how far it shrinks once they are added.
+
+    The steps of a study's ladders are tried as effects too. The same dataset and seed give the same diagnosis.
+    `tick` is told what is being tried and the share done.
+    """
+    record = record_of(dataset)
+    belief = Belief(dataset.nominal, dataset.room, _inputs(record))
+    effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
+    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
+    cut = segments(record, belief)
+    short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
+    judged = [segment for segment in cut if segment not in short]
+    selections = list(_selections(work, judged, tick or (lambda what, share: None)))
+    return assembled(work, cut, short, selections, quick)
+
+
+def record_of(dataset: Dataset) -> Record:
+    """Return the record of a dataset, its setpoint as believed where none is recorded."""
+    values = {str(name): column.to_numpy(dtype=float) for name, column in dataset.values.items()}
+    if "setpoint_C" in values:
+        # loggers write it down when it changes
+        values["setpoint_C"] = dataset.values["setpoint_C"].ffill().bfill().to_numpy(dtype=float)
+    elif dataset.setpoint_C is not None:
+        values["setpoint_C"] = np.full(len(dataset.time), dataset.setpoint_C)
+    first = dataset.time[0]
+    start_s = (first - first.normalize()).total_seconds() - dataset.interval_s
+    record = Record(dataset.interval_s, start_s, values, dataset.noise, dataset.assumed)
+    lacking = [channel for channel in (SUN, GAINS) if not record.has(channel)]
+    if dataset.room is None or not record.has_inputs or not lacking:
+        return record
+    room = built(dataset.room)
+    return replace(record, stand_ins=stand_ins(lacking, room, dataset.time, dataset.interval_s, dataset.site))
+
+
+def _inputs(record: Record) -> Inputs | None:
+    return record.inputs if record.has_inputs else None
+
+
+def installed_effects() -> list[EffectType]:
+    """Return the effects that are installed, by name."""
+    found = (entry.component for (kind, _), entry in sorted(installed().components.items()) if kind == "effect")
+    return [component for component in found if issubclass(component, Effect)]
+
+
+def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Selection]:
+    total = sum(len(of_segment(segment, work.effects)) + 1 for segment in cut) or 1
+    done = 0
+    for place, segment in enumerate(cut):
+        effects = of_segment(segment, work.effects)
+        first = done
+
+        def step(name: str, at: int = first, most: int = len(effects)) -> None:
+            nonlocal done
+            done = min(done + 1, at + most)
+            tick(name, done / total)
+
+        tick(segment.name, done / total)
+        selection = _selection(work, segment, effects, work.seed + place, step)
+        if selection.is_late:
+            again = _selection(work, segment, effects, work.seed + place, step, holds_out=False)
+            selection = again if again.found else selection
+        yield with_exact_room(selection, effects, work.seed + place, step)
+        done = first + len(effects) + 1
+
+
+def _selection(
+    work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick, holds_out: bool = True
+) -> Selection:
+    fitter = Fitter(segment, work.record, work.belief, work.thorough, work.dataset.room_tolerance, holds_out)
+    try:
+        assert fitter.base
+    except ValueError as error:
+        raise StudyError([_impossible(work.dataset, segment, str(error))]) from error
+    return select(fitter, effects, seed, tick)
+
+
+def _impossible(dataset: Dataset, segment: Segment, reason: str) -> Problem:
+    where = "[room]" if segment.stages[0] == "emitter" else "[nominal]"
+    return Problem(str(dataset.folder / "dataset.toml"), 0, where, "", "", reason)

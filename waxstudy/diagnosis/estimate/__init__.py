@@ -1,0 +1,1 @@
+"""Fitting hypotheses to a problem, whatever it is of."""

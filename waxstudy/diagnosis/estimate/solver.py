@@ -1,0 +1,107 @@
+"""Damped Gauss-Newton steps (Levenberg and Marquardt) of one hypothesis at one segment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, valued
+from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.plugin import FloatArray
+
+if TYPE_CHECKING:
+    from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+
+LITTLE = 5e-4  # share of the loss that is not worth another step
+ENOUGH = 0.05  # that is, with slopes from before
+MOST_DAMPING = 1e4
+MOST_SD = 2.5  # how far a departure may go: what needs more is a finding
+
+
+class LeastSquares:
+    """Least squares of one hypothesis: departures in standard deviations, then the effects' parameters in a cube."""
+
+    def __init__(
+        self,
+        fitter: Fitter,
+        effects: Sequence[tuple[EffectType, Values]],
+        convention: Convention,
+        parts: Sequence[int],
+        reach: float = 0.01,  # share of a parameter's range over which its slope is taken
+    ) -> None:
+        self.fitter, self.effects, self.convention, self.parts, self.reach = fitter, effects, convention, parts, reach
+        self.spaces = [Space(effect) for effect, _ in effects]
+        self.count = len(fitter.sd)
+
+    def vector(self, departures: FloatArray) -> FloatArray:
+        inside = [space.inside(values) for space, (_, values) in zip(self.spaces, self.effects, strict=True)]
+        return np.concatenate((departures / self.fitter.sd, *inside))
+
+    def at(self, x: FloatArray) -> Hypothesis | None:
+        effects = valued(self.effects, self.spaces, x[self.count :])
+        return self.fitter.at(effects, x[: self.count] * self.fitter.sd, self.convention)
+
+    def missed(self, fitted: Hypothesis, x: FloatArray) -> FloatArray:
+        chosen = [each.whitened * np.isin(each.part, self.parts) for each in fitted.residuals]
+        return np.concatenate((*chosen, x[: self.count]))
+
+    def solved(self, x: FloatArray, most: int, known: FloatArray | None) -> Hypothesis | None:
+        """Return the best fit from a start; `known` are slopes of the departures to be kept throughout, or None."""
+        best = self.at(x)
+        if best is None:
+            return None
+        missed = self.missed(best, x)
+        if known is None:
+            slopes = self.slopes(x, missed, range(len(x)))
+        else:
+            slopes = np.column_stack((self.kept(best, known), self.slopes(x, missed, range(self.count, len(x)))))
+        damping, is_fresh = 1e-3, True
+        for _ in range(most):
+            if not missed.any():
+                break  # nothing is missed
+            step = self.step(slopes, missed, damping, x)
+            tried = self.at(x + step)
+            new = self.missed(tried, x + step) if tried else None
+            gained = 1.0 - (new @ new) / (missed @ missed) if new is not None else -1.0
+            if tried is not None and new is not None and gained > 0.0:
+                x, best, missed, damping = x + step, tried, new, max(1e-6, 0.1 * damping)
+            elif is_fresh:
+                damping *= 30.0
+                if damping > MOST_DAMPING:
+                    break
+                continue
+            if gained < LITTLE and is_fresh:
+                break
+            # the slopes of the departures hardly change: they are taken again where that has become too little
+            is_fresh = known is not None or bool(gained < ENOUGH)
+            fresh = range(len(x)) if is_fresh and known is None else range(self.count, len(x))
+            slopes[:, list(fresh)] = self.slopes(x, missed, fresh)
+        return best
+
+    def kept(self, fitted: Hypothesis, known: FloatArray) -> FloatArray:
+        """Return slopes of the departures (per unit) as those of `missed`, per standard deviation."""
+        parts = np.concatenate([np.isin(each.part, self.parts) for each in fitted.residuals])
+        return np.vstack((known * parts[:, None] * self.fitter.sd, np.eye(self.count)))
+
+    def slopes(self, x: FloatArray, missed: FloatArray, places: Sequence[int]) -> FloatArray:
+        columns = []
+        for place in places:
+            size = 0.1 if place < self.count else self.reach
+            if place >= self.count and x[place] + size > 1.0:
+                size = -size
+            moved = x.copy()
+            moved[place] += size
+            other = self.at(moved)
+            columns.append((self.missed(other, moved) - missed) / size if other else np.zeros(len(missed)))
+        return np.column_stack(columns) if columns else np.zeros((len(missed), 0))
+
+    def step(self, slopes: FloatArray, missed: FloatArray, damping: float, x: FloatArray) -> FloatArray:
+        """Return a damped step, cut where it would leave the bounds."""
+        normal = slopes.T @ slopes
+        step = np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-9), -slopes.T @ missed)
+        low = np.concatenate((np.full(self.count, -MOST_SD), np.zeros(len(x) - self.count)))
+        high = np.concatenate((np.full(self.count, MOST_SD), np.ones(len(x) - self.count)))
+        return np.clip(x + step, low, high) - x

@@ -1,0 +1,131 @@
+"""The believed room under a record's inputs, as it is judged: means over quarters of an hour."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from waxstudy.diagnosis.model.conventions import PLAIN, Convention
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, Room
+from waxstudy.simulation.recorded import driven_by, respond
+from waxstudy.study.model import Choice
+
+OF_ROOM = {
+    "air_temperature_C": "air_C",
+    "operative_temperature_C": "operative_C",
+    "floor_surface_temperature_C": "floor_surface_C",
+    "return_temperature_C": "return_C",
+}
+OF_AIR_AND_FLOOR = [channel for channel in OF_ROOM if channel != "return_temperature_C"]
+ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
+JUDGED_S = 900.0
+FINE_STEP_S = 5.0
+VALVE_S = 120.0  # chosen: a stroke takes up to 180 s (Table 2), and most of the flow comes in its middle
+
+# what the form of a room's model may leave: twice what is seen against other engines' rooms without any effect, and
+# of the return, whose first minutes of each pulse are others in each, half as much again
+ROOM_FORM_K = {
+    "air_temperature_C": 0.18,
+    "operative_temperature_C": 0.18,
+    "floor_surface_temperature_C": 0.16,
+    "return_temperature_C": 0.5,
+}
+
+
+class Predicted(dict[str, FloatArray]):
+    """What is predicted of channels, each (n,), of a room's (quarters,).
+
+    `shifted` (shifts, n) has those that a switch drives, for each part of an interval in which it may have been thrown.
+    """
+
+    def __init__(
+        self, values: Mapping[str, FloatArray] = MappingProxyType({}), shifted: Mapping[str, FloatArray] | None = None
+    ) -> None:
+        super().__init__(values)
+        self.shifted = shifted or {}
+
+
+def full_flow_L_h(record: Record, belief: Belief) -> float:
+    """Return the flow with the valve open: the room's, or the usual one of the largest that were recorded."""
+    if belief.room is not None:
+        return built(belief.room).full_flow_L_h
+    flow = record.values["flow_L_h"]
+    usual = flow[flow > 0.8 * np.nanquantile(flow, 0.99)]
+    return float(np.median(usual)) if len(usual) else 0.0
+
+
+@lru_cache(maxsize=256)
+def built(room: Choice) -> LinearRoom:
+    """Return the linear room of a choice."""
+    assert issubclass(room.component, Room)
+    return room.component.build(room.parameters)
+
+
+def room_response(
+    record: Record, belief: Belief, flow_L_h: FloatArray, convention: Convention = PLAIN, is_fine: bool = False
+) -> Predicted:
+    """Return what the room makes of a flow: its channels, means over quarters of an hour.
+
+    Where it is to be fine its flow is that of the record's intervals, within which valves move, and its steps are
+    short; else both are of minutes.
+    """
+    assert belief.room
+    parts, merged = merging(record.interval_s)
+    if is_fine:
+        parts, merged = 1, parts * merged
+    coarse, flow = coarsened(belief, flow_L_h, parts)
+    coarse = replace(coarse, solar_W=convention.solar_factor * coarse.solar_W)
+    driven = driven_by(built(belief.room), coarse, FINE_STEP_S if is_fine else None)
+    found = respond(driven, coarse, flow, VALVE_S if is_fine else None)
+    # what is logged is at the end of each interval, or its mean; the room is known at the end of several
+    early = 0.5 if convention.is_mean else 0.5 * (1.0 - 1.0 / parts)
+    shown = Predicted()
+    for channel, output in OF_ROOM.items():
+        values = found[output]
+        if output in ROOM_OUTPUTS:
+            values = (1.0 - early) * values + early * np.concatenate((values[:1], values[:-1]))
+            shown[channel] = means(values, merged)
+        else:
+            shown[channel] = weighted(values, flow, merged)
+    return shown
+
+
+def merging(interval_s: float) -> tuple[int, int]:
+    """Return how many intervals make a step of a room, and how many steps a quarter of an hour."""
+    parts = max(1, round(ROOM_STEP_S / interval_s))
+    return parts, max(1, round(JUDGED_S / (parts * interval_s)))
+
+
+def coarsened(belief: Belief, flow_L_h: FloatArray, parts: int) -> tuple[Inputs, FloatArray]:
+    """Return what drives a room, and its flow, as means over some intervals; the supply as what flowed had it."""
+    inputs, room = belief.inputs, belief.room
+    assert inputs
+    assert room
+    if inputs.added_flow_L_h is not None:
+        most = np.maximum(flow_L_h, built(room).full_flow_L_h)
+        flow_L_h = np.where(inputs.added_flow_L_h, np.clip(flow_L_h + inputs.added_flow_L_h, 0.0, most), flow_L_h)
+    arrays = {name: value for name, value in vars(inputs).items() if isinstance(value, np.ndarray)}
+    changes: dict[str, Any] = {name: means(value, parts) for name, value in arrays.items()}
+    flow, supply_C = means(flow_L_h, parts), weighted(inputs.supply_C, flow_L_h, parts)
+    changes["supply_C"] = np.where(flow > 0.0, supply_C, changes["supply_C"])
+    return replace(inputs, interval_s=inputs.interval_s * parts, **changes), flow
+
+
+def means(values: FloatArray, parts: int) -> FloatArray:
+    """Return the means over each `parts` values; a rest at the end is left out."""
+    count = len(values) // parts
+    return np.asarray(values[: count * parts].reshape(count, parts) @ np.full(parts, 1.0 / parts))
+
+
+def weighted(values: FloatArray, weight: FloatArray, parts: int) -> FloatArray:
+    """Return the means over each `parts` values by weight, NaN where there is none."""
+    whole = np.where(np.isfinite(values), weight, 0.0)
+    sums = means(whole, parts)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(sums > 0.0, means(whole * np.nan_to_num(values), parts) / sums, np.nan)

@@ -1,0 +1,276 @@
+"""Links: stretches of the loop between recorded channels, each driven by the one and judged on the next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from waxstudy.diagnosis.model.conventions import (
+    AFTER,
+    BEFORE,
+    LATE,
+    LONG_S,
+    MEAN,
+    PLAIN,
+    RAW,
+    STILL,
+    Convention,
+    Perturbation,
+)
+from waxstudy.diagnosis.model.modulator_clock import late_s
+from waxstudy.diagnosis.model.opening_path import cells, path
+from waxstudy.diagnosis.model.room_response import Predicted, built, full_flow_L_h, means, room_response
+from waxstudy.diagnosis.observations.record import ROOM_CHANNELS, Record
+from waxstudy.plugin import CHAIN, Belief, FloatArray, Room
+from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.recorded import believed_supply_C
+from waxstudy.simulation.replay import replay
+from waxstudy.study.model import Choice
+
+# what a block of each kind shows to a logger
+SHOWN = {
+    "sensor": "sensor_temperature_C",
+    "controller": "control_output",
+    "modulator": "heating_signal",
+    "actuator": "displacement",
+    "valve": "flow_L_h",
+}
+ROOM_STAGES = ("emitter", "room")
+SUPPLY = "supply_temperature_C"
+STEP_S = 5.0
+# by kind: at the ends of the intervals (n,), their means (n,), and what depends on when a switch was thrown (shifts, n)
+Replayed = tuple[Mapping[str, FloatArray], Mapping[str, FloatArray], Mapping[str, FloatArray]]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stretch of stages. `driven_by` is a channel, `judged` are channels; `conventions`: ways to read the record."""
+
+    stages: tuple[str, ...]
+    driven_by: str
+    judged: tuple[str, ...]
+    conventions: tuple[Convention, ...] = (PLAIN,)
+
+    @property
+    def name(self) -> str:
+        return "+".join(self.stages)
+
+    @property
+    def is_supply(self) -> bool:
+        """Whether it is the heating curve, beside the recorded supply temperature."""
+        return self.judged == (SUPPLY,)
+
+    @property
+    def with_room(self) -> bool:
+        return "room" in self.stages
+
+    def predict(
+        self,
+        record: Record,
+        belief: Belief,
+        convention: Convention = PLAIN,
+        perturbation: Perturbation = STILL,
+        is_fine: bool = False,  # of a room: in short steps, with valves that move within intervals
+    ) -> Predicted:
+        """Return what the belief makes of the measured drive, each judged channel (n,) or (quarters,) for a room's.
+
+        Raises `SimulationError`, and `ValueError` from an impossible room.
+        """
+        if self.is_supply:
+            return Predicted({SUPPLY: _curve_C(record, belief)})
+        chain = [stage for stage in self.stages if stage in CHAIN]
+        shown = Predicted()
+        flow = record.filled_or_zero("flow_L_h")
+        if chain:
+            shown = self._chain(record, belief, convention, perturbation, chain)
+            flow = shown.get("flow_L_h", flow)
+        if self.with_room:
+            shown.update(room_response(record, belief, flow, convention, is_fine))
+        shifted = {channel: shown.shifted[channel] for channel in self.judged if channel in shown.shifted}
+        return Predicted({channel: shown[channel] for channel in self.judged}, shifted)
+
+    def _chain(
+        self, record: Record, belief: Belief, convention: Convention, perturbation: Perturbation, chain: list[str]
+    ) -> Predicted:
+        blocks, first = {kind: belief.blocks[kind] for kind in chain if kind in belief.blocks}, chain[0]
+        shown = Predicted()
+        signal, jump = self._drive(record, convention, perturbation), None
+        if first == "sensor":
+            if SHOWN["sensor"] in self.judged:
+                shown[SHOWN["sensor"]] = self._sensor(record, belief, convention, perturbation)
+            if not convention.is_before and self.driven_by == SHOWN["sensor"]:
+                first = "controller"
+                blocks.pop("sensor", None)
+        elif self.driven_by in record.binary:
+            jump = perturbation.jump(record)
+        start_s = record.start_s - late_s(record, blocks.get("modulator"))
+
+        def made() -> Replayed:
+            if self.driven_by == "displacement":
+                return _along_its_path(blocks, signal, record)
+            setpoint_C = record.filled_or_zero("setpoint_C")
+            drive = _Drive(blocks, first, signal, setpoint_C, record.interval_s, start_s)
+            return drive.thrown() if jump is not None and not perturbation.random else drive.straight(jump)
+
+        key = (first, self.driven_by, convention.is_raw, convention.is_late, start_s, *blocks.items())
+        ends, averages, shifted = made() if perturbation.random else record.remembered("chain", key, made)
+        shown.update({SHOWN[kind]: ends[kind] for kind in chain if kind in ends and kind != "sensor"})
+        if "valve" in chain:
+            full_L_h = full_flow_L_h(record, belief)
+            shown["flow_L_h"] = averages["valve"] * full_L_h
+            shifted = {**shifted, "valve": shifted["valve"] * full_L_h} if "valve" in shifted else shifted
+        if convention.is_raw and "controller" in chain and SHOWN["controller"] not in record.binary:
+            shown[SHOWN["controller"]] = record.smooth(shown[SHOWN["controller"]])
+        shown.shifted = {SHOWN[kind]: each for kind, each in shifted.items()}
+        return shown
+
+    def _drive(self, record: Record, convention: Convention, perturbation: Perturbation) -> FloatArray:
+        if convention.is_raw:
+            return perturbation.raw(record, self.driven_by)
+        if convention.is_late:
+            values = perturbation.temperature(record, self.driven_by)
+            return np.concatenate((values[:1], values[:-1]))
+        if self.driven_by in ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C"):
+            return perturbation.temperature(record, self.driven_by)
+        if self.driven_by == "control_output" and self.driven_by not in record.binary:
+            return perturbation.output(record)
+        return perturbation.opening(record) if self.driven_by == "displacement" else record.drive(self.driven_by)
+
+    @staticmethod
+    def _sensor(record: Record, belief: Belief, convention: Convention, perturbation: Perturbation) -> FloatArray:
+        """Return the reading that the sensor makes of the air, or the air where it was logged before the sensor."""
+        air = perturbation.temperature(record, record.air_channel)
+        if convention.is_before or "sensor" not in belief.blocks:
+            return air
+        sensor = belief.blocks["sensor"]
+
+        def made() -> FloatArray:
+            chain = chain_of({"sensor": sensor}, record.interval_s)
+            ends, _ = replay(chain, "sensor", air, air, interval_s=record.interval_s, start_s=record.start_s)
+            return ends["sensor"]
+
+        return made() if perturbation.random else record.remembered("sensor", sensor, made)
+
+
+def _along_its_path(blocks: Mapping[str, Choice], opening: FloatArray, record: Record) -> Replayed:
+    """Return what a valve makes of an opening that was sampled, at the ends of the intervals and their means."""
+    fine, parts = path(opening, record.interval_s), cells(record.interval_s)
+    cell_s = record.interval_s / parts
+    ends, mean = replay(chain_of(blocks, cell_s), "valve", fine, fine, interval_s=cell_s, start_s=record.start_s)
+    return {"valve": ends["valve"][parts - 1 :: parts]}, {"valve": means(mean["valve"], parts)}, {}
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """What drives a chain's blocks from the block of kind `first` on; signal and setpoint are (n,)."""
+
+    blocks: Mapping[str, Choice]
+    first: str
+    signal: FloatArray
+    setpoint_C: FloatArray
+    interval_s: float
+    start_s: float
+
+    def straight(self, jump: FloatArray | None) -> Replayed:
+        """Return what a signal drives that runs from sample to sample, or jumps after a part of each interval."""
+        ready, timing = chain_of(self.blocks, self.interval_s), {"interval_s": self.interval_s, "start_s": self.start_s}
+        ends, averages = replay(ready, self.first, self.signal, self.setpoint_C, **timing, jump=jump)
+        return ends, averages, {}
+
+    def thrown(self) -> Replayed:
+        """Return what a switch drives, thrown in the middle of its interval, and in each of its cells."""
+        count, parts = len(self.signal), max(2, cells(self.interval_s))
+        fine, setpoint_C = (np.repeat(each, parts) for each in (self.signal, self.setpoint_C))
+        in_cells = replace(self, signal=fine, setpoint_C=setpoint_C, interval_s=self.interval_s / parts)
+        ends, averages, _ = in_cells.straight(np.full(len(fine), 0.5))
+
+        def by_shift(each: FloatArray) -> FloatArray:
+            """Return what lies a number of cells before the end of each interval (shifts, n)."""
+            return each.reshape(count, parts)[:, ::-1].T
+
+        shifted = {kind: by_shift(ends[kind]) for kind in self.blocks if kind == "actuator"}
+        shifted["valve"] = np.diff(by_shift(np.cumsum(averages["valve"])), prepend=0.0) / parts
+        middle = parts // 2
+        shown = {kind: by_shift(each)[middle] for kind, each in ends.items()}
+        return shown, {"valve": shifted["valve"][middle]}, shifted
+
+
+def segments(record: Record, belief: Belief) -> list[Segment]:
+    """Return the segments that a record can be cut into; a missing channel merges its neighbours into one.
+
+    Where no controller is believed, or not known what it reads or its setpoint, the first recorded channel behind it
+    drives what follows.
+    """
+    found: list[Segment] = []
+    since: str | None = "sensor"
+    driven_by = record.sensed_channel
+    for kind in CHAIN[1:]:
+        if since is not None and record.has(SHOWN[kind]):
+            stages = CHAIN[CHAIN.index(since) : CHAIN.index(kind) + 1]
+            if belief.blocks and (since != "sensor" or _is_driven(record, belief)):
+                found.append(_segment(record, stages, driven_by, SHOWN[kind]))
+            since, driven_by = _after(kind), SHOWN[kind]
+    # a return says nothing without knowing when water flowed
+    shown = [c for c in ROOM_CHANNELS if c != "return_temperature_C" or record.has("flow_L_h")]
+    room = tuple(channel for channel in shown if record.has(channel))
+    if room and belief.room and belief.inputs and (since != "sensor" or _is_driven(record, belief)):
+        rest = CHAIN[CHAIN.index(since) :] if since is not None else ()
+        segment = _segment(record, (*rest, *ROOM_STAGES), driven_by, *room)
+        conventions = _with_means(_with_sun(segment.conventions, belief.room, record), record)
+        found.append(replace(segment, conventions=tuple(conventions)))
+        if SUPPLY not in record.assumed:
+            found.append(Segment(("emitter",), "outdoor_temperature_C", (SUPPLY,)))
+    return found
+
+
+def _curve_C(record: Record, belief: Belief) -> FloatArray:
+    """Return the believed heating curve's supply temperature, and what an effect adds to the recorded one."""
+    assert belief.room
+    assert belief.inputs
+    added_K = belief.inputs.supply_C - record.inputs.supply_C
+    return believed_supply_C(built(belief.room), belief.inputs) + added_K
+
+
+def _is_driven(record: Record, belief: Belief) -> bool:
+    """Whether a controller is believed, and known what it reads and its setpoint."""
+    return "controller" in belief.blocks and record.has("setpoint_C") and bool(record.sensed_channel)
+
+
+def _segment(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str) -> Segment:
+    if stages[0] != "sensor":
+        return Segment(stages, driven_by, judged)
+    late = (LATE,) if judged[-1] in record.binary else ()  # what runs on moves too little in a sample to tell
+    if driven_by != "sensor_temperature_C":
+        return Segment(stages, driven_by, judged, conventions=(PLAIN, *late))
+    seen = ("sensor_temperature_C",) if record.has("air_temperature_C") else ()
+    return Segment(stages, driven_by, (*seen, *judged), conventions=(AFTER, BEFORE, RAW, *late))
+
+
+def _after(kind: str) -> str | None:
+    """Return the kind of block that gets what one of a kind gives, None behind the valve."""
+    place = CHAIN.index(kind) + 1
+    return CHAIN[place] if place < len(CHAIN) else None
+
+
+def _with_sun(conventions: tuple[Convention, ...], room: Choice, record: Record) -> Iterator[Convention]:
+    """Yield each convention with each way to mean the sun's heat, where there is any."""
+    assert issubclass(room.component, Room)
+    factors = room.component.solar_readings(room.parameters) if record.has("solar_gain_W") else {"": 1.0}
+    for convention in conventions:
+        for words, factor in (factors or {"": 1.0}).items():
+            yield replace(convention, words=" ".join(filter(None, (convention.words, words))), solar_factor=factor)
+
+
+def _with_means(conventions: Iterable[Convention], record: Record) -> Iterator[Convention]:
+    """Yield each convention, and where samples are far apart it with temperatures as means."""
+    for convention in conventions:
+        yield convention
+        if record.interval_s >= LONG_S:
+            yield replace(convention, words=" ".join(filter(None, (convention.words, MEAN))), is_mean=True)
+
+
+def chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
+    """Return the blocks at a step that divides the interval, five seconds or somewhat less."""
+    return Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / STEP_S))))

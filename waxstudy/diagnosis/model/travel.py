@@ -1,0 +1,75 @@
+"""Whether an actuator's gap lies within what real actuators are known to stray from the believed one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.model.opening_path import CELL_S
+from waxstudy.diagnosis.model.segments import chain_of
+from waxstudy.diagnosis.observations.record import ON, Record
+from waxstudy.plugin import Actuator, Belief, FloatArray
+from waxstudy.simulation.replay import replay
+
+SIGNALS = ("heating_signal", "control_output")
+
+
+def signal_of(record: Record) -> str:
+    """Return the channel that tells what an actuator got, "" where none does: an output may go through a modulator."""
+    otherwise = "heating_signal" if record.has("heating_signal") else ""
+    return next((name for name in SIGNALS if name in record.binary), otherwise)
+
+
+def is_covered(fitter: Fitter, current: Hypothesis, fitted: Hypothesis) -> bool:
+    """Whether an effect moves the opening less, per switch, than published residual of the believed actuator are.
+
+    Or by no more than the time at which a sample was taken is known.
+
+    The believed actuator's `stray_s` is the published |displacement error| integrated over a switch [s].
+    """
+    believed = fitter.edited(current.effects, current.departures)
+    allowed = tolerated_s(fitter.record, believed)
+    before = opening(fitter.record, believed)
+    after = opening(fitter.record, fitter.edited(fitted.effects, fitted.departures))
+    if before is None or after is None:
+        return False
+    return opening_difference_s(fitter.record, before - after) <= allowed
+
+
+def tolerated_s(record: Record, belief: Belief) -> float:
+    """Return what an opening may be off by per switch: what real actuators stray, or when a sample was taken."""
+    return max(published_error_s(belief), min(record.interval_s, CELL_S))
+
+
+def published_error_s(belief: Belief) -> float:
+    """Return what real actuators stray from the believed one, 0 where nothing is published."""
+    choice = belief.blocks.get("actuator")
+    if choice is None or not issubclass(choice.component, Actuator):
+        return 0.0
+    return float(choice.component.stray_s)
+
+
+def opening_difference_s(record: Record, difference: FloatArray) -> float:
+    """Return the |difference| of two openings over time, per switch of the signal; infinite where nothing switches."""
+    channel = signal_of(record)
+    if not channel:
+        return float("inf")
+    switches = max(1, int(np.count_nonzero(np.diff(record.filled(channel) > ON))))
+    return float(np.nansum(np.abs(difference)) * record.interval_s / switches)
+
+
+def opening(record: Record, belief: Belief) -> FloatArray | None:
+    """Return what the believed actuator makes of the recorded signal, None where no signal was recorded.
+
+    Where none is believed the valve follows its signal.
+    """
+    channel = signal_of(record)
+    if not channel:
+        return None
+    if "actuator" not in belief.blocks:
+        return record.filled(channel)
+    chain = chain_of({"actuator": belief.blocks["actuator"]}, record.interval_s)
+    signal, jump = record.filled(channel), np.full(len(record), 0.5) if channel in record.binary else None
+    ends, _ = replay(chain, "actuator", signal, signal, interval_s=record.interval_s, start_s=record.start_s, jump=jump)
+    return ends["actuator"]

@@ -1,0 +1,169 @@
+"""What drives a room and nobody recorded: what stands in for it, and how little is known of that.
+
+All spreads are chosen. They are wide, so that a fit may put a missing drive where the record asks for it, and what it
+could explain is no finding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from waxstudy.plugin import FloatArray, LinearRoom, WeatherRecord
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from waxstudy.dataset.read import Dataset
+    from waxstudy.dataset.tables import Site
+    from waxstudy.diagnosis.observations.record import Record
+
+SUN, GAINS = "solar_gain_W", "internal_gain_W"
+FIELDS = {SUN: "solar_W", GAINS: "gains_W"}  # of `Inputs`
+# temperatures without which the room goes on, and how
+UNHEATED = {
+    "ventilation_supply_temperature_C": "the supply air is as the room has it",
+}
+HELD = ("outdoor_temperature_C", "supply_temperature_C")
+LONG_GAP_H = 1.0
+DAY_H = 24.0
+SUN_W_M2 = 30.0  # of floor, spread of the sun around noon where nothing is known of it: a clear day in February has 80
+SUN_HATS_H = (10.0, 14.0)  # middle of each half of a day of sun
+HALF_SUN_H = 4.0  # from there to where nothing of it is left
+MOST_SUNS = 14  # stretches of days that have a sun of their own; of a longer record each is several days
+CLEAR_SHARE, CLEAR_SPREAD = 0.4, 0.35  # of a clear sky's sun, usual and its spread from day to day
+GAINS_FACTOR = 0.7  # spread of the logarithm of a factor on the room's own schedule
+GAINS_W_M2, GAINS_STEP_H = 2.0, 3.0  # of floor, spread of what comes besides at some hours of every day
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A course of heat (n,) [W] of which nobody knows how strong it was; `sd` is the spread of its strength."""
+
+    name: str
+    heat_W: FloatArray
+    sd: float
+    is_once: bool = False  # some days' own, else every day's
+
+
+@dataclass(frozen=True)
+class StandIn:
+    """What stands in for a drive (n,) [W], what of it is unknown, and a sentence that says so."""
+
+    values: FloatArray
+    shapes: Sequence[Shape]
+    factor_sd: float  # of the logarithm of a factor on its values; 0 where none is asked for
+    sentence: str
+
+
+def stand_ins(
+    lacking: Sequence[str], room: LinearRoom, time: pd.DatetimeIndex, interval_s: float, site: Site | None
+) -> dict[str, StandIn]:
+    """Return what stands in for sun and gains that were not recorded; `time` are the ends of the intervals."""
+    middle = (time - time.normalize()).total_seconds().to_numpy() / 3600.0 - interval_s / 7200.0
+    hour = np.asarray(middle % DAY_H, dtype=float)
+    made: Mapping[str, Callable[[], StandIn]] = {
+        SUN: lambda: _sun(room, time, hour, interval_s, site),
+        GAINS: lambda: _gains(room, hour),
+    }
+    return {channel: made[channel]() for channel in lacking}
+
+
+# --- sun ---
+
+
+def _sun(room: LinearRoom, time: pd.DatetimeIndex, hour: FloatArray, interval_s: float, site: Site | None) -> StandIn:
+    day = np.cumsum(np.concatenate(([False], np.diff(hour) < 0.0)))
+    if site is None:
+        shapes = [
+            Shape(f"sun of {name}, {half}", room.floor_area_m2 * _hat(hour, middle_h) * within, SUN_W_M2, is_once=True)
+            for name, within in _stretches(day)
+            for half, middle_h in zip(("morning", "afternoon"), SUN_HATS_H, strict=True)
+        ]
+        sentence = f"{SUN} was not recorded: each day has a sun of its own in the fit, its size free. {_site_helps()}"
+        return StandIn(np.zeros(len(time)), shapes, 0.0, sentence)
+    from waxstudy.diagnosis.observations.clear_sky import clear_sky_W
+
+    clear_W = clear_sky_W(room, time, interval_s, site)
+    shapes = [Shape(f"sun of {name}", clear_W * within, CLEAR_SPREAD, is_once=True) for name, within in _stretches(day)]
+    sentence = (
+        f"{SUN} was not recorded: {CLEAR_SHARE:.0%} of a clear sky's at [site] stands in for it, and each day may have "
+        "less or more in the fit."
+    )
+    return StandIn(CLEAR_SHARE * clear_W, shapes, 0.0, sentence)
+
+
+def _site_helps() -> str:
+    return "[site] with latitude and longitude would tell at which hours."
+
+
+def _hat(hour: FloatArray, middle_h: float) -> FloatArray:
+    """Return a smooth hill of height 1 around an hour of the day (n,)."""
+    away = np.clip(np.abs(hour - middle_h) / HALF_SUN_H, 0.0, 1.0)
+    return np.asarray(0.5 * (1.0 + np.cos(np.pi * away)))
+
+
+def _stretches(day: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield stretches of days with a name, and which samples lie in each (n,)."""
+    length = int(np.ceil((day[-1] + 1) / MOST_SUNS))
+    for first in range(0, int(day[-1]) + 1, length):
+        last = min(first + length, int(day[-1]) + 1)
+        name = f"day {first + 1}" if last == first + 1 else f"days {first + 1} to {last}"
+        yield name, (day >= first) & (day < last)
+
+
+# --- gains ---
+
+
+def _gains(room: LinearRoom, hour: FloatArray) -> StandIn:
+    count = round(DAY_H / GAINS_STEP_H)
+    away_h = np.abs((hour[:, None] - GAINS_STEP_H * np.arange(count) + 0.5 * DAY_H) % DAY_H - 0.5 * DAY_H)
+    hats = np.clip(1.0 - away_h / GAINS_STEP_H, 0.0, None)
+    shapes = [
+        Shape(f"gains at {GAINS_STEP_H * place:g} h", room.floor_area_m2 * hats[:, place], GAINS_W_M2)
+        for place in range(count)
+    ]
+    sentence = (
+        f"{GAINS} was not recorded: the believed room's own schedule stands in for it, times a factor that is free in "
+        "the fit, and with heat at other hours of the day."
+    )
+    return StandIn(own_gains_W(room, hour), shapes, GAINS_FACTOR, sentence)
+
+
+def own_gains_W(room: LinearRoom, hour: FloatArray) -> FloatArray:
+    """Return the gains that a room's own drive has at hours of the day (n,); 0 where it has none."""
+    if "gains_W" not in room.inputs:
+        return np.zeros(len(hour))
+    count = 288
+    mild = np.full(count, 10.0)
+    dark = {name: np.zeros(count) for name in room.facades}
+    day = WeatherRecord(DAY_H * 3600.0 / count, "2000-01-01", mild, dark, sky_C=mild)
+    own = room.drive(day)[0][:, list(room.inputs).index("gains_W")]
+    return np.asarray(own[(hour / DAY_H * count).astype(int) % count])
+
+
+# --- what is said of it ---
+
+
+def filled_in(dataset: Dataset, record: Record) -> Iterator[str]:
+    """Yield a sentence for each input of the room that was not recorded, or not all the time, and what stands in."""
+    if "setpoint_C" in dataset.values and dataset.values["setpoint_C"].isna().iloc[0]:
+        yield "setpoint_C begins later than the record: its first value is taken for the time before."
+    if dataset.room is None or not record.has_inputs:
+        return
+    yield from (each.sentence for each in record.stand_ins.values())
+    for channel, other in UNHEATED.items():
+        if not record.has(channel):
+            yield f"{channel} was not recorded: {other}."
+    for channel in (*HELD, SUN, GAINS):
+        if record.has(channel) and (lost_h := _longest_gap_h(record, channel)) > LONG_GAP_H:
+            yield f"{channel} is missing for up to {lost_h:.3g} h: a straight line stands in for it."
+
+
+def _longest_gap_h(record: Record, channel: str) -> float:
+    known = np.flatnonzero(np.isfinite(record.values[channel]))
+    ends = np.concatenate(([-1], known, [len(record)]))
+    return float(np.max(np.diff(ends)) - 1) * record.interval_s / 3600.0

@@ -1,0 +1,302 @@
+"""A record made ready: noise of each channel, smoothed drives, what may be judged, and its parts and blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+
+from waxstudy.diagnosis.observations.drives import FIELDS, GAINS, SUN, StandIn
+from waxstudy.plugin import FloatArray, Inputs
+
+T = TypeVar("T")
+SMOOTH_S = 1500.0  # window of the local parabola through a noisy temperature
+SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blocks
+AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
+LONG_GAP_S, FEW_LOST = 600.0, 3  # up to which a channel that runs on is known between its samples
+DAY_S = 86_400.0
+ON = 0.5
+FEWEST_VALUES = 4  # of a channel whose step tells of rounding
+RESOLUTION_SHARE = 12.0**-0.5  # standard deviation of rounding, in steps
+CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
+AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
+ROOM_CHANNELS = (
+    "air_temperature_C",
+    "operative_temperature_C",
+    "floor_surface_temperature_C",
+    "return_temperature_C",
+)
+
+
+@dataclass(frozen=True)
+class Record:
+    """Channels of a dataset on a regular grid; all arrays are (n,), NaN where a sample is missing."""
+
+    interval_s: float
+    start_s: float  # start of the first interval, seconds after midnight
+    values: Mapping[str, FloatArray]
+    stated_noise: Mapping[str, float] = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
+    stand_ins: Mapping[str, StandIn] = field(default_factory=dict)  # for what drove the room and was not recorded
+
+    def __len__(self) -> int:
+        return len(next(iter(self.values.values())))
+
+    def has(self, channel: str) -> bool:
+        """Whether a channel is there and holds at least a few samples."""
+        return channel in self.values and bool(np.isfinite(self.values[channel]).sum() > 10)
+
+    @cached_property
+    def binary(self) -> frozenset[str]:
+        """Channels that are only ever 0 or 1."""
+        return frozenset(
+            name
+            for name in ("control_output", "heating_signal")
+            if self.has(name) and np.isin(_known(self.values[name]), (0.0, 1.0)).all()
+        )
+
+    @cached_property
+    def noise(self) -> Mapping[str, float]:
+        """Standard deviation of each channel's noise, at least its rounding; stated, else from second differences."""
+        return {name: self._noise_of(name, values) for name, values in self.values.items()}
+
+    def _noise_of(self, name: str, values: FloatArray) -> float:
+        stated = self.stated_noise.get(name)
+        return max(stated, RESOLUTION_SHARE * _resolution(_known(values))) if stated else _noise(name, values)
+
+    def between(self, channel: str) -> float:
+        """Return what a straight line from sample to sample misses of a channel (root mean square).
+
+        Of a signal that bends evenly it is a quarter of what a line over two intervals misses of the sample between.
+        """
+        bend = np.diff(self.filled(channel), 2) / 2.0
+        return 0.25 * float(np.sqrt(max(0.0, float(np.mean(bend**2)) - 1.5 * self.noise[channel] ** 2)))
+
+    @cached_property
+    def _ready(self) -> dict[tuple[str, str], FloatArray]:
+        """Filled channels and drives that were asked for before: every hypothesis asks again."""
+        return {}
+
+    def _once(self, what: str, channel: str, make: Callable[[str], FloatArray]) -> FloatArray:
+        key = what, channel
+        if key not in self._ready:
+            self._ready[key] = make(channel)
+            self._ready[key].flags.writeable = False
+        return self._ready[key]
+
+    @cached_property
+    def _last(self) -> dict[str, tuple[Hashable, Any]]:
+        return {}
+
+    def remembered(self, slot: str, key: Hashable, make: Callable[[], T]) -> T:
+        """Return what a slot holds, made anew where it was for another key: most hypotheses change one block alone."""
+        if slot not in self._last or self._last[slot][0] != key:
+            self._last[slot] = key, make()
+        found: T = self._last[slot][1]
+        return found
+
+    def filled(self, channel: str) -> FloatArray:
+        """Return a channel with its gaps filled: straight for what runs on, held for what switches; read-only."""
+        return self._once("filled", channel, self._filled)
+
+    def filled_or_zero(self, channel: str) -> FloatArray:
+        """Return a filled channel, zeros where there is none: for what then has no part in the result."""
+        return self.filled(channel) if self.has(channel) else np.zeros(len(self))
+
+    def drive(self, channel: str) -> FloatArray:
+        """Return what drives the next segment: smoothed where noisy, snapped where it rests at an end; read-only."""
+        return self._once("drive", channel, self._drive)
+
+    def _filled(self, channel: str) -> FloatArray:
+        values = self.values[channel]
+        known = np.flatnonzero(np.isfinite(values))
+        if channel in self.binary:
+            last = np.searchsorted(known, np.arange(len(values)), side="right") - 1
+            held: FloatArray = np.take(values, known[np.clip(last, 0, None)])
+            return held
+        return np.interp(np.arange(len(values)), known, values[known])
+
+    def smooth(self, values: FloatArray) -> FloatArray:
+        """Return a local parabola through a signal (Savitzky and Golay); where the samples are dense enough to help."""
+        width = self._width
+        if not width:
+            return values
+        half, basis = width // 2, np.vander(np.arange(width) - width // 2, 3)
+        through = basis @ np.linalg.pinv(basis)  # what the parabola through a window is at each of its samples
+        middle = np.convolve(values, through[half], "valid")
+        return np.concatenate((through[:half] @ values[:width], middle, through[half + 1 :] @ values[-width:]))
+
+    @property
+    def _width(self) -> int:
+        """Samples of a parabola, 0 where they are too far apart."""
+        width = round(SMOOTH_S / self.interval_s) // 2 * 2 + 1
+        return 0 if width < 5 or len(self) <= width else width
+
+    @property
+    def smoothed_noise(self) -> float:
+        """Return the share of white noise that smoothing leaves: that of a parabola's middle."""
+        w = self._width
+        return float(np.sqrt(0.75 * (3.0 * w**2 - 7.0) / (w * (w**2 - 4.0)))) if w else 1.0
+
+    def _drive(self, channel: str) -> FloatArray:
+        values = self.filled(channel)
+        if channel in CONTINUOUS:
+            return self.smooth(values)
+        if channel == "displacement":
+            return snapped(values, self.noise[channel])
+        return values
+
+    def is_gap(self, channel: str) -> np.ndarray:
+        """Return where a channel was lost, and for a while after what may have hidden something.
+
+        Of a channel that switches a gap with a switch, of one that runs on a long one.
+        """
+        missing = ~np.isfinite(self.values[channel])
+        changed = np.zeros(len(self), dtype=bool)
+        filled, after = self.filled(channel), max(1, round(AFTER_GAP_S / self.interval_s))
+        is_binary, long = channel in self.binary, max(FEW_LOST, round(LONG_GAP_S / self.interval_s))
+        ends: list[int] = np.flatnonzero(missing[:-1] & ~missing[1:]).tolist()
+        for end in ends:
+            start = end
+            while start >= 0 and missing[start]:
+                start -= 1
+            has_switched, is_long = filled[max(start, 0)] != filled[end + 1], end - start > long
+            if has_switched if is_binary else is_long:
+                changed[max(start, 0) : end + 1 + after] = True
+        return missing | changed
+
+    @cached_property
+    def settled(self) -> np.ndarray:
+        """Return which samples lie after the start, where nobody knows the blocks' state."""
+        skip = min(SETTLING_S, 0.1 * len(self) * self.interval_s)
+        return np.arange(len(self)) >= round(skip / self.interval_s)
+
+    @cached_property
+    def day(self) -> np.ndarray:
+        """Number of the day of each sample, from 0."""
+        return ((self.start_s + (np.arange(len(self)) + 0.5) * self.interval_s) // DAY_S).astype(int)
+
+    @cached_property
+    def rises_s(self) -> FloatArray:
+        """Times after midnight [s] at which the heating signal switches on, in the middle of an interval."""
+        rises = np.flatnonzero(np.diff(self.filled("heating_signal")) > 0.5) + 1
+        return np.asarray(self.start_s + (rises + 0.5) * self.interval_s)
+
+    @cached_property
+    def cycle(self) -> np.ndarray:
+        """Number of the heating cycle of each sample, from the middle of a pause; the day where nothing switches."""
+        for channel in ("heating_signal", "control_output", "flow_L_h", "displacement"):
+            if self.has(channel):
+                values = self.filled(channel)
+                on: np.ndarray = values > ON * max(float(values.max()), 0.0)
+                starts = np.flatnonzero(on[1:] & ~on[:-1]) + 1
+                if len(starts) >= 6:
+                    return np.searchsorted(_before(on, starts), np.arange(len(self)), side="right")
+        return self.day
+
+    @property
+    def sensed_channel(self) -> str:
+        """The channel that tells best what the controller reads, "" where no room temperature is recorded."""
+        return next(filter(self.has, ("sensor_temperature_C", *AIR)), "")
+
+    @property
+    def has_inputs(self) -> bool:
+        """Whether what drives a room is recorded."""
+        return bool(self.sensed_channel) and self.has("outdoor_temperature_C") and self.has("supply_temperature_C")
+
+    @property
+    def inputs(self) -> Inputs:
+        """What drove the room, or stands in for it; raise `KeyError` naming a channel that is missing."""
+        air = self.drive(self.air_channel)
+        return Inputs(
+            interval_s=self.interval_s,
+            start_s=self.start_s,
+            outdoor_C=self.smooth(self.filled("outdoor_temperature_C")),
+            supply_C=self.smooth(self.filled("supply_temperature_C")),
+            solar_W=self._heat(SUN),
+            gains_W=self._heat(GAINS),
+            ventilation_C=self._optional("ventilation_supply_temperature_C"),
+            air_C=air,
+            flow_L_h=self._optional("flow_L_h"),
+            signal=self._optional("heating_signal"),
+            neighbour_C=self._optional("neighbour_temperature_C"),
+            stand_ins=frozenset(FIELDS[channel] for channel in self.stand_ins),
+        )
+
+    def _heat(self, channel: str) -> FloatArray:
+        return self.stand_ins[channel].values if channel in self.stand_ins else self.filled(channel)
+
+    def _optional(self, channel: str) -> FloatArray | None:
+        return self.filled(channel) if self.has(channel) else None
+
+    @property
+    def air_channel(self) -> str:
+        """The channel that tells the room's air best."""
+        for name in AIR:
+            if self.has(name):
+                return name
+        raise KeyError("air_temperature_C")
+
+
+def _known(values: FloatArray) -> FloatArray:
+    return values[np.isfinite(values)]
+
+
+def _before(on: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Return the sample halfway through the pause before each start."""
+    stops = np.flatnonzero(~on[1:] & on[:-1]) + 1
+    places = np.searchsorted(stops, starts) - 1
+    last = np.where(places >= 0, stops[np.clip(places, 0, None)], 0) if len(stops) else np.zeros_like(starts)
+    return np.asarray((last + starts) // 2)
+
+
+def _noise(name: str, values: FloatArray) -> float:
+    """Return a robust standard deviation of white noise, of samples that do not rest at the end of a scale."""
+    known = _known(values)
+    if name in ("control_output", "heating_signal", "setpoint_C", "solar_gain_W", "internal_gain_W") or len(known) < 10:
+        return 0.0
+    step = _resolution(known)
+    if name == "displacement":
+        return max(_resting_noise(known), RESOLUTION_SHARE * step)
+    if name == "flow_L_h":
+        known = known[known > ON * known.max()] if known.max() > 0 else known
+    second = np.diff(known, 2) / np.sqrt(6.0)
+    if len(second) < 10:
+        return RESOLUTION_SHARE * step
+    spread = 1.4826 * float(np.median(np.abs(second)))
+    return max(spread, RESOLUTION_SHARE * step)
+
+
+def _resting_noise(known: FloatArray) -> float:
+    """Return the noise of a displacement, from how far it strays from its ends while it rests there."""
+    low = known[(known > 0.0) & (known < 0.08)]
+    high = 1.0 - known[(known < 1.0) & (known > 0.92)]
+    rest = low if len(low) >= len(high) else high
+    return float(np.sqrt(np.median(rest**2)) / 0.6745) if len(rest) > 20 else 0.01
+
+
+def _resolution(known: FloatArray) -> float:
+    """Return the step of a channel that is rounded, 0 where none shows: what is open or closed is not rounded."""
+    values = np.unique(np.round(known, 9))
+    steps = np.abs(np.diff(values)) if len(values) >= FEWEST_VALUES else np.zeros(0)
+    steps = steps[steps > 1e-9]
+    return float(np.min(steps)) if len(steps) else 0.0
+
+
+def snapped(opening: FloatArray, noise: float) -> FloatArray:
+    """Return a displacement that rests at its ends where noise alone keeps it from them.
+
+    A probe that shows 0 at least once in a few samples, and never far from it, rests there: the noise is cut off at 0.
+    """
+    from scipy.ndimage import minimum_filter1d, uniform_filter1d
+
+    out = np.array(opening, dtype=float)
+    for end in (0.0, 1.0):
+        away = np.abs(out - end)
+        near = minimum_filter1d((away < 5.0 * noise).astype(float), 3) > 0
+        at_end = uniform_filter1d((near & (away <= 1e-9)).astype(float), 31)
+        out[near & (at_end >= 0.2 * uniform_filter1d(near.astype(float), 31))] = end
+    return out

@@ -1,0 +1,1 @@
+"""Which effects a record shows, and what it cannot show."""

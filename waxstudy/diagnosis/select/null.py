@@ -1,0 +1,73 @@
+"""What chance gives: gains where no effect is true, and choices were other cycles or days recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.noise_floor import NoiseFloor
+from waxstudy.diagnosis.residuals.judge import FIT, SELECT
+from waxstudy.diagnosis.select.candidate import LEAST_GAIN, Candidate
+from waxstudy.plugin import FloatArray
+
+DRAWS = 400
+
+
+def null(
+    current: Hypothesis, best: Hypothesis, fitted: Sequence[Hypothesis], floor: NoiseFloor, random: np.random.Generator
+) -> FloatArray:
+    """Return the highest gain over the effects, in draws in which none is true.
+
+    What the best of them leaves is noise and discrepancy; its blocks are drawn with random signs (wild bootstrap), with
+    the floor's noise, and each effect is fitted along the direction in which it moved the prediction.
+    """
+    rest, part, block = whole(best)
+    now = current.whitened
+    ways = np.array([now - each.whitened for each in fitted])
+    numbers, member = np.unique(block, return_inverse=True)
+    first, second = part == FIT, part == SELECT
+    power_1 = np.maximum(np.sum(ways[:, first] ** 2, axis=1), 1e-12)
+    power_2 = np.sum(ways[:, second] ** 2, axis=1)
+    along_1 = by_block(ways * (rest * first), member, len(numbers))
+    along_2 = by_block(ways * (rest * second), member, len(numbers))
+    signs = random.choice((-1.0, 1.0), (len(numbers), DRAWS))
+    noise = max(floor.white.values(), default=0.0) * random.normal(size=(2, len(ways), DRAWS))
+    first_part = along_1 @ signs + noise[0] * np.sqrt(power_1)[:, None]
+    second_part = along_2 @ signs + noise[1] * np.sqrt(power_2)[:, None]
+    size = np.maximum(first_part / power_1[:, None], 0.0)
+    gains = 2.0 * size * second_part - size**2 * power_2[:, None]
+    return np.asarray(gains.max(axis=0))
+
+
+def inclusion(
+    group: tuple[str, ...], candidates: Sequence[Candidate], current: Hypothesis, random: np.random.Generator
+) -> float:
+    """Return how often one of the group would be chosen again, were other cycles or days recorded."""
+    base, part, block = whole(current)
+    seen = (part == FIT) | (part == SELECT)
+    numbers, member = np.unique(block[seen], return_inverse=True)
+    loss = by_block(np.array([c.fitted.whitened[seen] ** 2 for c in candidates]), member, len(numbers))
+    # what the drive's noise adds is spread evenly
+    loss += np.array([[(c.loss - own.sum()) / len(numbers)] for c, own in zip(candidates, loss, strict=True)])
+    weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
+    gains = (by_block(base[None, seen] ** 2, member, len(numbers)) - loss) @ weights
+    names = [c.effect.name for c in candidates]
+    chosen = [names[best] in group for best in np.argmax(gains, axis=0)]
+    return float(np.mean(np.array(chosen) & (gains.max(axis=0) > LEAST_GAIN * candidates[0].spread)))
+
+
+def whole(fitted: Hypothesis) -> tuple[FloatArray, np.ndarray, np.ndarray]:
+    """Return whitened residual, parts and blocks of all channels, one after the other."""
+    residual = fitted.residuals
+    return (
+        fitted.whitened,
+        np.concatenate([each.part for each in residual]),
+        np.concatenate([each.block for each in residual]),
+    )
+
+
+def by_block(values: FloatArray, member: np.ndarray, count: int) -> FloatArray:
+    """Return the sums of each row (k, m) over its blocks (k, blocks)."""
+    return np.array([np.bincount(member, weights=row, minlength=count) for row in values])

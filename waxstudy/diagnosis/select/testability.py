@@ -1,0 +1,234 @@
+"""Which effects a record could not show, why, and what to measure next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.segments import ROOM_STAGES, SHOWN, Segment
+from waxstudy.diagnosis.observations.record import AIR, Record
+from waxstudy.diagnosis.result import FoundEffect, Measurement, Untestable
+from waxstudy.diagnosis.select.candidate import LEAST_GAIN
+from waxstudy.diagnosis.select.confirmation import OF_AIR, is_poor
+from waxstudy.diagnosis.select.search import Selection
+from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
+
+UNSHOWN = "no channel shows"  # how the reason begins where nothing was recorded
+FEW = 0.1  # of a first look's points
+CLEAR = 4  # noticeable steps from neutral that a record should show
+LEAST_BLOCKS = 3
+LEAST_SHARE = 0.3  # of the samples
+LEVELS = ("control_output", "displacement")
+FAR_APART_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
+STEADY = 0.1  # range of a level that stays where it is
+NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
+
+
+def too_short(segment: Segment, record: Record, belief: Belief) -> str:
+    """Return why a segment cannot be judged at all, or an empty text."""
+    channel = _best_known(segment, record)
+    blocks = np.unique((record.day if segment.with_room else record.cycle)[record.settled & _known(record, channel)])
+    if len(blocks) < LEAST_BLOCKS:
+        one = "day" if segment.with_room else "cycle"
+        found = f"1 {one} of {channel} is" if len(blocks) == 1 else f"{len(blocks)} {one}s of {channel} are"
+        return f"only {found} recorded, {LEAST_BLOCKS} are needed"
+    # what stands although it should move shows a dead motor, a signal that is always on one that stands elsewhere
+    if _is_constant(record, channel):
+        if not _should_move(segment, record, belief, channel):
+            return f"{channel} never changes in this record"
+    elif _is_constant(record, segment.driven_by) and not _stands(record, channel):
+        return f"{segment.driven_by} never changes in this record"
+    share = float(_known(record, channel).mean())
+    if share < LEAST_SHARE:
+        return f"{100 * (1 - share):.0f} % of {channel} is missing"
+    judged = float((_known(record, channel) & ~record.is_gap(segment.driven_by)).mean())
+    return f"{100 * (1 - judged):.0f} % is lost in gaps of {segment.driven_by}" if judged < LEAST_SHARE else ""
+
+
+def _is_constant(record: Record, channel: str) -> bool:
+    values = record.values[channel]
+    return bool(np.nanmax(values) - np.nanmin(values) <= 1e-9)
+
+
+def _should_move(segment: Segment, record: Record, belief: Belief, channel: str) -> bool:
+    """Whether a constant channel is elsewhere than the belief has it, at some time.
+
+    A controller that asks for nothing may have been told to: that shows nothing of it.
+    """
+    if segment.with_room or {"sensor", "controller"} & set(segment.stages):
+        return False
+    try:
+        predicted = segment.predict(record, belief, segment.conventions[0])[channel]
+    except (SimulationError, ValueError):
+        return False
+    off = np.abs(predicted - record.filled(channel))
+    return float(off.max()) > STEADY * max(float(np.abs(predicted).max()), 1e-9)
+
+
+def _best_known(segment: Segment, record: Record) -> str:
+    """Return what shows the whole of a segment: the last channel, of a room's the one that misses least."""
+    return (
+        max(segment.judged, key=lambda each: _known(record, each).mean()) if segment.with_room else segment.judged[-1]
+    )
+
+
+def _stands(record: Record, channel: str) -> bool:
+    """Whether a level stays where it is, but for noise."""
+    low, high = np.nanquantile(record.values[channel], (0.01, 0.99))
+    return channel in LEVELS and bool(high - low < STEADY)
+
+
+def _known(record: Record, channel: str) -> np.ndarray:
+    return np.isfinite(record.values[channel])
+
+
+def uncovered(effects: Sequence[EffectType], segments: Sequence[Segment], belief: Belief) -> Iterator[Untestable]:
+    """Yield the effects whose stage no segment covers, with what is missing."""
+    covered = {stage for segment in segments for stage in segment.stages}
+    for effect in effects:
+        # without a record of what drives a room no effect of its own can be thought of
+        is_lacking = belief.room is not None and belief.inputs is None and effect.stage in ROOM_STAGES
+        if effect.stage not in covered and (is_lacking or not effect.hindrance(belief)):
+            yield Untestable(effect.name, f"{UNSHOWN} the {effect.stage}: record {needed(effect.stage)}")
+
+
+def needed(stage: str) -> str:
+    """Return what to record to judge a stage."""
+    return NEEDS.get(stage) or f"{SHOWN[stage]} and what drives it"
+
+
+def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Untestable]:
+    """Yield the effects that a clear departure would not have moved what is recorded by.
+
+    In a room that stays missed by more than its form, none could be told from what is not understood of it.
+    """
+    fitter, base = selection.fitter, selection.before
+    missed_K = max(
+        (residual.gap() for residual in selection.after.residuals if residual.channel in OF_AIR), default=0.0
+    )
+    is_lost = is_poor(fitter.segment, base, selection.after)
+    lost = f"the room stays missed by {missed_K:.1f} K whatever is added" if is_lost else ""
+    now = base.whitened
+    believed = fitter.edited(base.effects, base.departures)
+    named = {name for found in selection.found for name in found.group}
+    least = 2.0 * LEAST_GAIN * max(1.0, float(np.mean(now**2)))
+    tried = [(convention, fitter.at((), base.departures, convention)) for convention in fitter.conventions]
+    stills = [(convention, still.whitened) for convention, still in tried if still]
+    for effect in effects:
+        if effect.name in named or effect.hindrance(believed):
+            continue
+        if lost:
+            yield Untestable(effect.name, lost)
+            continue
+        departures = list(clear(effect, believed))
+        if departures and not any(_moves_by(selection, effect, values, stills, least) for values in departures):
+            yield Untestable(effect.name, "nothing in this record would look different with it, unless it were large")
+
+
+def _moves_by(
+    selection: Selection,
+    effect: EffectType,
+    values: Values,
+    stills: Sequence[tuple[Convention, FloatArray]],  # the residual without it, for each way to read the record
+    least: float,
+) -> bool:
+    """Whether an effect changes the residual by a loss, however the record is read; also where that cannot be told."""
+    fitter, departures = selection.fitter, selection.before.departures
+    told = False
+    for convention, still in stills:
+        if other := fitter.at([(effect, values)], departures, convention):
+            told = True
+            if float(np.sum((other.whitened - still) ** 2)) >= least:
+                return True
+    return not told
+
+
+def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]:
+    """Yield departures from neutral that are worth naming, one parameter each and both ways.
+
+    Of what is neutral nowhere, as another kind of motor, points of its whole range.
+    """
+    neutral = effect.neutral(believed)
+    if neutral is None:
+        yield from Space(effect).points(FEW)
+        return
+    values = {**effect.Parameters(**neutral).model_dump(), **neutral}
+    for name in [each for each in effect.priors if each in neutral]:
+        prior = effect.priors[name]
+        for way in (-1, 1):
+            steps = way * CLEAR
+            value = (
+                neutral[name] * prior.noticeable**steps if prior.is_log else neutral[name] + steps * prior.noticeable
+            )
+            clipped = min(prior.high, max(prior.low, value))
+            if clipped != neutral[name]:
+                yield {**values, name: clipped}
+    yield from effect.starts(believed)
+
+
+def doubtful_noise(record: Record, segments: Sequence[Segment]) -> Iterator[str]:
+    """Yield what to say of judged channels whose noise is told from samples so far apart that it may be none."""
+    if record.interval_s < FAR_APART_S:
+        return
+    for channel in dict.fromkeys(channel for segment in segments for channel in segment.judged):
+        noise, usual = record.noise[channel], CHANNELS[channel].noise
+        if channel not in record.stated_noise and usual and noise > DOUBTFUL * usual:
+            yield (
+                f"{channel}: its noise was estimated as {noise:.2g} from samples {record.interval_s:g} s apart; that "
+                "may be real change between them, and hide a gap: state it in [noise] of dataset.toml"
+            )
+
+
+def next_measurements(
+    segments: Sequence[Segment],
+    found: Sequence[FoundEffect],
+    untestable: Sequence[Untestable],
+    stages: Mapping[str, str],
+    record: Record,
+) -> Iterator[Measurement]:
+    """Yield what to measure next: missing drives, what splits groups, separates merged stages, was never shown.
+
+    `stages` are those of the effects by name.
+    """
+    for channel in record.stand_ins:
+        yield Measurement(f"record {channel}", [segment.name for segment in segments if segment.with_room])
+    for effect in found:
+        if len(effect.group) > 1:
+            within = {stages[name] for name in effect.group if name in stages}
+            yield Measurement(_splitting(effect, segments, within, record.interval_s), list(effect.group))
+    for segment in segments:
+        for channel in separating(segment):
+            yield Measurement(f"record {channel}", [f"{segment.name}"])
+    excited = [each.name for each in untestable if each.reason.startswith("nothing")]
+    if excited:
+        yield Measurement("record more days, with long pauses, full heating, sun and cold nights", excited)
+
+
+def separating(segment: Segment) -> list[str]:
+    """Return the channels that would cut a merged segment."""
+    chain = [stage for stage in segment.stages if stage in CHAIN]
+    inner = chain if segment.with_room else chain[:-1]
+    found = [SHOWN[stage] for stage in inner if SHOWN[stage] not in (*segment.judged, segment.driven_by)]
+    reads_alone = segment.driven_by == SHOWN["sensor"] and "sensor" in inner and SHOWN["sensor"] not in segment.judged
+    return [AIR[0], *found] if reads_alone else found  # the air beside a reading shows what the sensor does
+
+
+def _splitting(effect: FoundEffect, segments: Sequence[Segment], stages: set[str], interval_s: float) -> str:
+    """Return what tells the members of a group apart: a channel between their stages, else a closer look."""
+    for segment in segments:
+        if effect.stage in segment.stages:
+            for channel in separating(segment):
+                if channel == AIR[0] and "sensor" in stages:
+                    return f"record {channel}"
+                before = segment.stages[
+                    : 1 + next((i for i, s in enumerate(segment.stages) if SHOWN.get(s) == channel), 0)
+                ]
+                if 0 < len(stages & set(before)) < len(stages):
+                    return f"record {channel}"
+    if interval_s > 20.0:
+        return f"record {effect.channel} every 10 s"
+    return f"record {effect.channel} for more days, in other weather"
