@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from waxstudy.dataset.building import built, look_at_roles
 from waxstudy.dataset.clocks import look_at_clocks
 from waxstudy.dataset.columns import channels_of, without_empty
 from waxstudy.dataset.defects import look_at_samples, without_faults
@@ -19,8 +20,7 @@ from waxstudy.dataset.stamps import stamps_of
 from waxstudy.dataset.swapped import look_at_pairs
 from waxstudy.dataset.text import read_table
 from waxstudy.dataset.turned import look_at_directions
-from waxstudy.plugin import Room
-from waxstudy.plugin.registry import PluginError, Registry, installed, told
+from waxstudy.plugin.registry import Registry, installed
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import StudyError
@@ -59,9 +59,12 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     path = _data_path(check, folder)
     notes = Notes(str(path))
     described = read_description(check, notes)
-    full_L_h = _full_flow_L_h(check, described.room)
+    room = built(check, described.room)
     is_clear = not any(problem.where in ("[dataset]", "[columns]") for problem in check.problems)
+    full_L_h = room.full_flow_L_h if room else None
     record = _record(path, described, full_L_h, notes) if path and is_clear else None
+    if room and record:
+        look_at_roles(check, room, record[0], notes)
     problems = [*check.problems, *notes.problems]
     if problems or record is None:
         raise StudyError(problems)
@@ -104,22 +107,6 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):  # too long, or with characters that no file name has
         return False
-
-
-def _full_flow_L_h(check: Check, room: Choice | None) -> float | None:
-    """Return the flow of the believed room with its valve open; note it if the room cannot be built."""
-    if room is None:
-        return None
-    component: type[Room] = room.component  # type: ignore[assignment]
-    spot = Spot.table("room" if check.source.values.get("room") else "building")
-    try:
-        with told(f"room '{component.name}'", ValueError):
-            return float(component.build(room.parameters).full_flow_L_h)
-    except ValueError as error:
-        check.problem(spot, str(error))
-    except PluginError as error:
-        check.problem(spot, str(error), of_plugin=True)
-    return None
 
 
 def _record(

@@ -38,6 +38,7 @@ from waxstudy.plugin.hook import hookimpl
 from waxstudy.plugin.outside import TRACE, Advance, BackendMissing, OutsideRoom, SimulationError, Stopped
 from waxstudy.plugin.parameters import Parameters, changed, parameter
 from waxstudy.plugin.ring import Ring, delayed
+from waxstudy.plugin.roles import Role, RoomInput
 
 __all__ = [
     "API_VERSION",
@@ -73,7 +74,9 @@ __all__ = [
     "Reference",
     "Refused",
     "Ring",
+    "Role",
     "Room",
+    "RoomInput",
     "Sensor",
     "SimulationError",
     "Stopped",
