@@ -11,7 +11,14 @@ from waxstudy.conformance.roles import answer_problems
 from waxstudy.conformance.stage import Problems, Stage, Subject
 from waxstudy.plugin import Facade, Reference, Room, Weather, WeatherRecord
 from waxstudy.plugin.registry import PluginError, told
-from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, rows_problems, weather_problems
+from waxstudy.plugin.shapes import (
+    driving_problems,
+    model_error_problems,
+    physics_problems,
+    room_problems,
+    rows_problems,
+    weather_problems,
+)
 
 DAY_S = 86400.0
 FACADES = {"south": Facade(180.0), "roof": Facade(0.0, 0.0)}
@@ -64,6 +71,14 @@ def room_roles(subject: Subject) -> Problems:
     """What a record gives for an input's role reaches the room as such a thing does."""
     for label, room, _ in _rooms(subject):
         yield from (f"example '{label}': {problem}" for problem in answer_problems(room))
+
+
+def room_errors(subject: Subject) -> Problems:
+    """What it states of its model's error, if anything, is of outputs that are judged, in kelvins, with its source."""
+    assert issubclass(subject.component, Room)
+    for label, stated, wrong in _made(subject, subject.component.model_errors):
+        found = [wrong] if wrong else (f"example '{label}': {problem}" for problem in model_error_problems(stated))
+        yield from found
 
 
 # --- weather ---------------------------------------------------------------------------------------
@@ -124,6 +139,7 @@ ROOM_STAGES = (
     Stage("physics", "stable, and heat is neither made nor lost", room_physics, needed=True),
     Stage("drive", "inputs and supply temperature from weather", room_drive, needed=True),
     Stage("roles", "each input drives the room as its role says", room_roles),
+    Stage("model-errors", "in kelvins of what is judged, with their source", room_errors),
 )
 WEATHER_STAGES = (
     Stage("load", "numbers in equal intervals for a day at least", weather_loads, needed=True),

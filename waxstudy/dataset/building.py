@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from waxstudy.dataset.notes import Notes
-from waxstudy.plugin import LinearRoom, OutsideRoom, Parameters, Role, Room
+from waxstudy.plugin import OutsideRoom, Parameters, Room
 from waxstudy.plugin.registry import PluginError, Registry, nearest, told
-from waxstudy.plugin.shapes import lost_problems, room_problems
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.spots import RawTable, Spot, Written
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-HEAT = {Role.SUN: "solar_gain_W", Role.GAINS: "internal_gain_W"}
-SUPPLY_AIR = "ventilation_supply_temperature_C"
 ROOM, BUILDING = Spot.table("room"), Spot.table("building")
 
 
@@ -30,37 +24,6 @@ def read_room(check: Check, notes: Notes) -> Choice | None:
     if room:
         return check.choice("room", RawTable.of(room, ROOM))
     return _built(check, building, notes) if building else None
-
-
-def built(check: Check, room: Choice | None) -> LinearRoom | None:
-    """Return the room that is believed, if there is one; note why it cannot be built, or what is wrong with it."""
-    if room is None:
-        return None
-    component: type[Room] = room.component  # type: ignore[assignment]
-    try:
-        with told(f"room '{component.name}'", ValueError):
-            made = component.build(room.parameters)
-            for problem in room_problems(made):
-                raise PluginError(problem)
-            return made
-    except ValueError as error:
-        check.problem(_spot(check), str(error))
-    except PluginError as error:
-        check.problem(_spot(check), str(error), of_plugin=True)
-    return None
-
-
-def look_at_roles(check: Check, room: LinearRoom, values: pd.DataFrame, notes: Notes) -> None:
-    """Note what is recorded, and no input of the room has the role for."""
-    recorded = {role: values[name].to_numpy(float) for role, name in HEAT.items() if name in values}
-    for problem in lost_problems(room, recorded):
-        check.problem(_spot(check), problem, allowed="leave them out of the record, or give a room that takes them")
-    if SUPPLY_AIR in values and not room.places(Role.SUPPLY_AIR):
-        notes.warn(f"{SUPPLY_AIR} is not used: no input of the room has the role {Role.SUPPLY_AIR}")
-
-
-def _spot(check: Check) -> Spot:
-    return ROOM if check.source.values.get("room") else BUILDING
 
 
 def _built(check: Check, values: dict[str, Any], notes: Notes) -> Choice | None:

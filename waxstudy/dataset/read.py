@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from waxstudy.dataset.building import built, look_at_roles
 from waxstudy.dataset.clocks import look_at_clocks
 from waxstudy.dataset.columns import channels_of, without_empty
 from waxstudy.dataset.defects import look_at_samples, without_faults
@@ -16,10 +15,12 @@ from waxstudy.dataset.grid import on_grid
 from waxstudy.dataset.levels import as_levels
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.plausible import look_at_units
+from waxstudy.dataset.room import built, look_at_model_errors, look_at_roles
 from waxstudy.dataset.stamps import stamps_of
 from waxstudy.dataset.swapped import look_at_pairs
 from waxstudy.dataset.text import read_table
 from waxstudy.dataset.turned import look_at_directions
+from waxstudy.plugin import Belief, Inputs
 from waxstudy.plugin.registry import Registry, installed
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
@@ -48,6 +49,11 @@ class Dataset:
     noise: Mapping[str, float]  # standard deviation by channel
     warnings: tuple[str, ...]  # what the user must know
     assumptions: tuple[str, ...]  # what was assumed, one sentence each
+    room_error_factor: float = 1.0  # on the error that the room states of its model
+
+    def believed(self, inputs: Inputs | None) -> Belief:
+        """Return what the modeller believes, with what drove the room."""
+        return Belief(self.nominal, self.room, inputs, self.room_error_factor)
 
 
 def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
@@ -60,6 +66,8 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     notes = Notes(str(path))
     described = read_description(check, notes)
     room = built(check, described.room)
+    if described.room:
+        look_at_model_errors(check, described.room, described.about.room_error_factor, notes)
     is_clear = not any(problem.where in ("[dataset]", "[columns]") for problem in check.problems)
     full_L_h = room.full_flow_L_h if room else None
     record = _record(path, described, full_L_h, notes) if path and is_clear else None
@@ -83,6 +91,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         noise=described.noise,
         warnings=tuple(dict.fromkeys(notes.warnings)),
         assumptions=tuple(dict.fromkeys(notes.assumptions)),
+        room_error_factor=described.about.room_error_factor,
     )
 
 

@@ -35,6 +35,7 @@ from waxstudy.plugin.contracts import (
 )
 from waxstudy.plugin.effect import STAGES, Belief, Effect, Inputs, Prior, Uncertainty
 from waxstudy.plugin.hook import hookimpl
+from waxstudy.plugin.model_error import ModelError
 from waxstudy.plugin.outside import TRACE, Advance, BackendMissing, OutsideRoom, SimulationError, Stopped
 from waxstudy.plugin.parameters import Parameters, changed, parameter
 from waxstudy.plugin.ring import Ring, delayed
@@ -64,6 +65,7 @@ __all__ = [
     "FloatArray",
     "Inputs",
     "LinearRoom",
+    "ModelError",
     "Modulator",
     "NoState",
     "OutsideRoom",

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from waxstudy.plugin.model_error import ModelError
 from waxstudy.plugin.parameters import Parameters, changed, checked
 from waxstudy.plugin.roles import Role, RoomInput
 
@@ -255,6 +256,11 @@ class Room(Component):
     def uncertainties(cls, p: Any) -> Sequence[Uncertainty]:
         """Return what of this room nobody knows exactly; a diagnosis fits it, held by its priors."""
         return ()
+
+    @classmethod
+    def model_errors(cls, p: Any) -> Mapping[str, ModelError]:
+        """Return how far the form of this model is off, by output (those of `ASSUMED`, which stands for the others)."""
+        return {}
 
     @classmethod
     def solar_readings(cls, p: Any) -> Mapping[str, float]:

@@ -20,6 +20,7 @@ from waxstudy.plugin.contracts import (
     PublishedRow,
     WeatherRecord,
 )
+from waxstudy.plugin.model_error import ASSUMED, ModelError
 from waxstudy.plugin.registry import PluginError, told
 from waxstudy.plugin.roles import Role, RoomInput
 
@@ -121,6 +122,22 @@ def physics_problems(room: LinearRoom) -> Problems:
     yield from wrong
     if not wrong and (conductance[0] != 0.0 or (np.diff(conductance) < 0.0).any()):
         yield "floor_conductance_W_K must be 0 without flow and never fall with more flow"
+
+
+def model_error_problems(stated: Any) -> Problems:
+    """Yield what is wrong with what a room states of its model's error."""
+    if not isinstance(stated, Mapping):
+        yield "model_errors must give a table of outputs and ModelErrors"
+        return
+    for output, error in stated.items():
+        if output not in ASSUMED:
+            yield f"model_errors: {output!r:.60} is not judged; outputs are {', '.join(ASSUMED)}"
+        elif not isinstance(error, ModelError):
+            yield f"model_errors: that of {output} is {error!r:.60}, not a ModelError(typical_K, most_K, source)"
+        elif not 0.0 < error.typical_K <= error.most_K < inf:
+            yield f"model_errors: {output} needs 0 < typical_K <= most_K, not {error.typical_K:g} and {error.most_K:g}"
+        elif not (isinstance(error.source, str) and error.source.strip()):
+            yield f"model_errors: {output} has no source: say what the model was held against"
 
 
 def driving_problems(room: LinearRoom, weather: WeatherRecord) -> Problems:

@@ -7,13 +7,14 @@ from typing import Any, Self
 
 from pydantic import ValidationError, model_validator
 
-from waxstudy.plugin import Choice, LinearRoom, Room, Uncertainty
+from waxstudy.plugin import Choice, LinearRoom, ModelError, Room, Uncertainty
 from waxstudy.plugin.wording import reasons
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.building import NzebBuilding, external_m2, parameters_of
 from waxstudy_paper.room.conditions import Air
 from waxstudy_paper.room.construction import THICKEST_M, Boundary, Facing, Layer, Material, Surface, Window
 from waxstudy_paper.room.description import HeatedFloor, RoomDescription
+from waxstudy_paper.room.model_error import MODEL_ERRORS
 from waxstudy_paper.room.panes import solar_readings
 from waxstudy_paper.room.table3 import SIDES, Side, Table3
 from waxstudy_paper.room.uncertain import uncertainties
@@ -73,6 +74,11 @@ class NzebRoom(Room):
     def solar_readings(cls, p: NzebParameters) -> Mapping[str, float]:
         """Return the ways to mean a recorded solar gain, by the panes of this room."""
         return solar_readings(p.window_g, p.window_U_W_m2K)
+
+    @classmethod
+    def model_errors(cls, p: NzebParameters) -> Mapping[str, ModelError]:
+        """Return how far the linear model is off by its form."""
+        return MODEL_ERRORS
 
     @classmethod
     def uncertainties(cls, p: NzebParameters) -> Sequence[Uncertainty]:

@@ -1,7 +1,8 @@
-"""Claims about roles and datasets: what drives a stranger's room is recorded, and what it cannot take is refused."""
+"""Claims about datasets of a stranger's room: by its roles it is recorded, and what it lacks is refused or told."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,7 +16,8 @@ from tests.simulation.strange import InParts, Strange, without
 from waxstudy.dataset.effects import believed_inputs, with_effects
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.dataset.reality import reality_loop, surroundings
-from waxstudy.plugin import Choice, FloatArray, Role, Room
+from waxstudy.plugin import Choice, FloatArray, ModelError, Role, Room
+from waxstudy.plugin.model_error import DOUBLED
 from waxstudy.plugin.registry import Registry, installed
 from waxstudy.simulation.engine import Loop
 from waxstudy.study.model import Study
@@ -87,7 +89,7 @@ def read(folder: Path, believed: dict[str, Any], *channels: str, value: float = 
     (folder / "data.csv").write_text(f"{','.join(['time', 'air_temperature_C', *channels])}\n{''.join(rows)}")
     (folder / "dataset.toml").write_text(tomli_w.dumps({"nominal": {}, **believed}))
     registry = Registry()
-    for room in (NzebRoom, Strange, Sunless, Unventilated, Named):
+    for room in (NzebRoom, Strange, Sunless, Unventilated, Named, Boastful):
         registry.add(room, "test", "1")
     return read_dataset(folder, registry)
 
@@ -118,3 +120,41 @@ def test_supply_air_that_a_room_does_not_take_is_told(tmp_path: Path) -> None:
 def test_a_room_that_names_its_inputs_only_is_refused(tmp_path: Path) -> None:
     with pytest.raises(StudyError, match=r"room 'named': input 'u0' has no role: give RoomInput"):
         read(tmp_path, {"room": {"use": "named"}})
+
+
+# --- the error of its model ------------------------------------------------------------------------
+
+
+class Boastful(Strange):
+    """Its author is wrong about its error."""
+
+    name = "boastful"
+
+    @classmethod
+    def model_errors(cls, p: Any) -> Mapping[str, ModelError]:
+        return {"air_C": ModelError(0.0, 0.0, "none")}
+
+
+def test_what_is_assumed_of_a_room_that_states_no_error_is_said(tmp_path: Path) -> None:
+    told = read(tmp_path, {"room": {"use": "strange"}})
+    (said,) = (each for each in told.assumptions if "states no error" in each)
+    assert said.startswith("Room 'strange' states no error of its model; assumed is 0.14 K of air_C (at most 0.36 K), ")
+    assert said.endswith(f"{DOUBLED}.")
+    assert not any("error" in each for each in read(tmp_path, {"room": {"use": "nzeb"}}).assumptions)
+
+
+def test_a_dataset_may_widen_the_error_of_its_room_and_nothing_else_does(tmp_path: Path) -> None:
+    factors = [
+        read(tmp_path, {"dataset": about, "room": {"use": "nzeb"}}).believed(None).room_error_factor
+        for about in ({}, {"room_tolerance": 4.0}, {"room_error_factor": 1.5})
+    ]
+    assert factors == [1.0, 1.0, 1.5]
+    wider = read(tmp_path, {"dataset": {"room_error_factor": 1.5}, "room": {"use": "nzeb"}})
+    assert "The error of the room's model is taken 1.5 times, as [dataset] room_error_factor says." in wider.assumptions
+    with pytest.raises(StudyError, match=r"room_error_factor = 0\.5: must be at least 1"):
+        read(tmp_path, {"dataset": {"room_error_factor": 0.5}, "room": {"use": "nzeb"}})
+
+
+def test_an_error_that_cannot_be_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(StudyError, match=r"room 'boastful': model_errors: air_C needs 0 < typical_K"):
+        read(tmp_path, {"room": {"use": "boastful"}})
