@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-from waxstudy.plugin import Advance, FloatArray, LinearRoom, OutsideRoom, Refused, Room, WeatherRecord
+from waxstudy.plugin import Advance, FloatArray, LinearRoom, ModelError, OutsideRoom, Refused, Room, WeatherRecord
 from waxstudy_energyplus.library import installed_version
 from waxstudy_energyplus.shell import refuse_names, refuse_windows
 from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom
@@ -32,6 +32,11 @@ class InEnergyPlus(OutsideRoom):
         refuse_names(room)
         refuse_windows(room)
         return cls.ours.build(p)
+
+    @classmethod
+    def model_errors(cls, p: Any) -> Mapping[str, ModelError]:
+        """Return those of the room that stands in: a diagnosis takes that one."""
+        return cls.ours.model_errors(p)
 
     @classmethod
     def ready(cls, p: Any, weather: WeatherRecord, step_s: float) -> str:

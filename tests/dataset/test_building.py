@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from tests.study.conftest import COMPONENTS
 from waxstudy.dataset.read import Dataset, read_dataset
-from waxstudy.plugin import LinearRoom
+from waxstudy.plugin import LinearRoom, Role
 from waxstudy.plugin.registry import Registry
 from waxstudy.study.problems import StudyError
 from waxstudy_paper.room import NzebRoom
@@ -77,7 +77,7 @@ def steady(room: LinearRoom, supply_C: float) -> dict[str, float]:
     conductance = float(room.floor_conductance_W_K(flow)[0])
     layer = room.output_matrix[1]
     held = np.zeros(len(room.inputs))
-    held[room.inputs.index("ventilation_supply_C")] = 18.0
+    held[room.places(Role.SUPPLY_AIR)] = 18.0
     # G T = B u + f K (T_supply - T_layer), with T_layer = H T
     matrix = room.conductance_W_K + conductance * np.outer(room.floor_heat_share, layer)
     nodes = np.linalg.solve(matrix, room.input_matrix @ held + conductance * supply_C * room.floor_heat_share)

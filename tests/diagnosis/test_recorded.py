@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.diagnosis.realities import PERFECT, belief, reality, record, study
 from waxstudy.diagnosis.model.room_response import built, room_response
 from waxstudy.diagnosis.model.segments import Segment, segments
-from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Room
+from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Role, Room
 from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond
 
 HOURS = 48
@@ -69,12 +69,11 @@ def test_the_sun_is_one_heat_shared_out_as_the_room_shares_it() -> None:
     original = room()
     given = inputs(solar_W=100.0)
     recorded = recorded_room(original, given)
-    column = recorded.input_matrix[:, list(recorded.inputs).index(SUN)]
-    sun = [name.startswith("irradiance") for name in original.inputs]
-    by_facade = original.input_matrix[:, sun]
+    column = recorded.input_matrix[:, recorded.inputs.index(SUN)]
+    by_facade = original.input_matrix[:, original.places(Role.SUN)]
     assert column.sum() == pytest.approx(1.0)
     assert column * by_facade.sum() == pytest.approx(by_facade.sum(axis=1))
-    assert not any(name.startswith("irradiance") for name in recorded.inputs)
+    assert recorded.places(Role.SUN) == [recorded.inputs.index(SUN)]
 
 
 @given(st.floats(0.0, 500.0))

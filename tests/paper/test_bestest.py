@@ -13,7 +13,7 @@ import pytest
 from benchmarks.bestest import EXTREMES, LOADS, RESULTS, WEATHER, Line, default_folder, figures, lines
 from benchmarks.bestest_cases import FLOOR_M2, case
 from benchmarks.ideal_air import STEP_S, hold_air
-from waxstudy.plugin import LinearRoom, WeatherRecord
+from waxstudy.plugin import LinearRoom, Role, WeatherRecord
 from waxstudy_paper.room import SurfacesRoom
 
 HEATING, COOLING, PEAK_HEATING, PEAK_COOLING = LOADS
@@ -49,8 +49,8 @@ def test_in_steady_cold_the_heater_gives_what_the_room_loses_and_the_air_stays_a
     room = SurfacesRoom.build(case("600"))
     held = hold_air(room, weather(room, -10.0), lowest_C=20.0, highest_C=27.0)
     assert held.air_C == pytest.approx(np.full(24 * COLD_DAYS, 20.0))
-    u = np.array([{"gains_W": 200.0}.get(name, -10.0 if name.endswith("_C") else 0.0) for name in room.inputs])
-    u[room.inputs.index("ventilation_supply_C")] = 18.0  # nothing is ventilated
+    u = np.array([{Role.GAINS: 200.0, Role.SUN: 0.0}.get(each.role, -10.0) for each in room.inputs])
+    u[room.places(Role.SUPPLY_AIR)] = 18.0  # nothing is ventilated
     to_air = np.array([float(name == "air") for name in room.nodes])
     per_W, free_C = np.linalg.solve(room.conductance_W_K, np.column_stack([to_air, room.input_matrix @ u])).T
     air = list(room.nodes).index("air")

@@ -84,7 +84,7 @@ class Stand:
 
 
 def _belief(dataset: Dataset, record: Record) -> Belief:
-    return Belief(dataset.nominal, dataset.room, record.inputs if record.has_inputs else None)
+    return dataset.believed(record.inputs if record.has_inputs else None)
 
 
 def sizes(case: Case, staged: Staged, seen: Dataset, with_alike: bool = True) -> list[Size | None]:

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from waxstudy.conformance.drive import interpreted
-from waxstudy.plugin import CHAIN, Belief, Block, Choice, Component, FloatArray, Inputs, OutsideRoom, Room
+from waxstudy.plugin import (
+    CHAIN,
+    Belief,
+    Block,
+    Choice,
+    Component,
+    FloatArray,
+    Inputs,
+    LinearRoom,
+    OutsideRoom,
+    Role,
+    Room,
+)
 from waxstudy.plugin.registry import PluginError, Registry, installed, told
 from waxstudy.simulation.records import plain_parameters
 
@@ -25,7 +38,7 @@ def beliefs() -> Iterator[Belief]:
     registry = installed()
     rooms = [choice for choice in _choices(registry, "room") if not issubclass(choice.component, OutsideRoom)]
     room = rooms[0] if rooms else None
-    inputs = sample_inputs()
+    inputs = _inputs_of(room)
     others = [{}, *({kind: choice} for kind in ("sensor", "actuator", "valve") for choice in _choices(registry, kind))]
     modulators = [{}, *({"modulator": choice} for choice in _choices(registry, "modulator"))]
     for controller in _choices(registry, "controller"):
@@ -34,7 +47,24 @@ def beliefs() -> Iterator[Belief]:
                 blocks: Mapping[str, Choice] = {"controller": controller, **modulator, **other}
                 yield Belief({kind: blocks[kind] for kind in CHAIN if kind in blocks}, room, inputs)
     for other_room in rooms[1:]:
-        yield Belief({}, other_room, inputs)
+        yield Belief({}, other_room, _inputs_of(other_room))
+
+
+def _inputs_of(choice: Choice | None) -> Inputs:
+    """Return sample inputs, without sun and gains for a room that takes none; of a broken one nothing is known."""
+    inputs = sample_inputs()
+    try:
+        with told():
+            room = _built(choice) if choice else None
+            sun, gains = (float(room is None or room.takes(role)) for role in (Role.SUN, Role.GAINS))
+    except PluginError:
+        return inputs
+    return replace(inputs, solar_W=sun * inputs.solar_W, gains_W=gains * inputs.gains_W)
+
+
+def _built(choice: Choice) -> LinearRoom:
+    assert issubclass(choice.component, Room)
+    return choice.component.build(choice.parameters)
 
 
 def _choices(registry: Registry, kind: str) -> Iterator[Choice]:
@@ -94,8 +124,7 @@ def _driven(choice: Choice, signal: list[float]) -> list[float]:
 def _room(choice: Choice, inputs: Inputs | None, fraction: FloatArray | None) -> dict[str, FloatArray]:
     from waxstudy.simulation.recorded import driven_by, respond
 
-    assert issubclass(choice.component, Room)
-    room = choice.component.build(choice.parameters)
+    room = _built(choice)
     shown = {} if fraction is None else {"flow_L_h": fraction * room.full_flow_L_h}
     if inputs is not None and inputs.flow_L_h is not None:
         found = respond(driven_by(room, inputs), inputs, inputs.flow_L_h)

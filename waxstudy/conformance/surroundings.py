@@ -7,10 +7,18 @@ from typing import Any
 
 import numpy as np
 
+from waxstudy.conformance.roles import answer_problems
 from waxstudy.conformance.stage import Problems, Stage, Subject
 from waxstudy.plugin import Facade, Reference, Room, Weather, WeatherRecord
 from waxstudy.plugin.registry import PluginError, told
-from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, rows_problems, weather_problems
+from waxstudy.plugin.shapes import (
+    driving_problems,
+    model_error_problems,
+    physics_problems,
+    room_problems,
+    rows_problems,
+    weather_problems,
+)
 
 DAY_S = 86400.0
 FACADES = {"south": Facade(180.0), "roof": Facade(0.0, 0.0)}
@@ -51,11 +59,26 @@ def room_physics(subject: Subject) -> Problems:
 def room_drive(subject: Subject) -> Problems:
     """`drive` turns weather into inputs and a supply temperature for each interval; the same again each time."""
     for label, room, _ in _rooms(subject):
-        weather = WeatherRecord(3600.0, "2023-01-01", np.full(24, -5.0), {name: np.zeros(24) for name in room.facades})
+        dark = {name: np.zeros(24) for name in room.facades}
+        weather = WeatherRecord(3600.0, "2023-01-01", np.full(24, -5.0), dark, sky_C=np.full(24, -15.0))
         wrong = list(driving_problems(room, weather))
         yield from (f"example '{label}': {problem}" for problem in wrong)
         if not wrong and not np.array_equal(room.drive(weather)[0], room.drive(weather)[0]):
             yield f"example '{label}': drive gives other inputs a second time"
+
+
+def room_roles(subject: Subject) -> Problems:
+    """What a record gives for an input's role reaches the room as such a thing does."""
+    for label, room, _ in _rooms(subject):
+        yield from (f"example '{label}': {problem}" for problem in answer_problems(room))
+
+
+def room_errors(subject: Subject) -> Problems:
+    """What it states of its model's error, if anything, is of outputs that are judged, in kelvins, with its source."""
+    assert issubclass(subject.component, Room)
+    for label, stated, wrong in _made(subject, subject.component.model_errors):
+        found = [wrong] if wrong else (f"example '{label}': {problem}" for problem in model_error_problems(stated))
+        yield from found
 
 
 # --- weather ---------------------------------------------------------------------------------------
@@ -113,8 +136,10 @@ def reference_rows(subject: Subject) -> Problems:
 
 ROOM_STAGES = (
     Stage("build", "a room whose arrays fit each other", room_builds, needed=True),
-    Stage("physics", "stable, and heat is neither made nor lost", room_physics),
-    Stage("drive", "inputs and supply temperature from weather", room_drive),
+    Stage("physics", "stable, and heat is neither made nor lost", room_physics, needed=True),
+    Stage("drive", "inputs and supply temperature from weather", room_drive, needed=True),
+    Stage("roles", "each input drives the room as its role says", room_roles),
+    Stage("model-errors", "in kelvins of what is judged, with their source", room_errors),
 )
 WEATHER_STAGES = (
     Stage("load", "numbers in equal intervals for a day at least", weather_loads, needed=True),

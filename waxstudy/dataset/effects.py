@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from waxstudy.dataset.march import march
-from waxstudy.dataset.reality import ROOM_INPUTS, Reality, happened, reality_loop, simulate, surroundings
-from waxstudy.plugin import Belief, Choice, Effect, Inputs, OutsideRoom, WeatherRecord
+from waxstudy.dataset.reality import ROLE_CHANNELS, Reality, happened, reality_loop, simulate, surroundings
+from waxstudy.plugin import Belief, Choice, Effect, Inputs, OutsideRoom, Role, WeatherRecord
 from waxstudy.plugin.registry import told
 from waxstudy.simulation import ensemble
 from waxstudy.simulation.engine import Loop
@@ -102,11 +102,11 @@ def believed_inputs(loop: Loop | OutsideLoop, setpoint_C: float) -> Inputs:
         outdoor_C=values["outdoor_C"],
         supply_C=values["supply_C"],
         solar_W=values["solar_gain_W"],
-        gains_W=values.get(ROOM_INPUTS["gains_W"], np.zeros(count)),
+        gains_W=values.get(ROLE_CHANNELS[Role.GAINS], np.zeros(count)),
         air_C=np.full(count, setpoint_C),
-        ventilation_C=values.get(ROOM_INPUTS["ventilation_supply_C"]),
+        ventilation_C=values.get(ROLE_CHANNELS[Role.SUPPLY_AIR]),
         flow_L_h=np.zeros(count),
-        neighbour_C=values.get(ROOM_INPUTS["neighbour_C"]),
+        neighbour_C=values.get(ROLE_CHANNELS[Role.NEIGHBOUR]),
     )
 
 

@@ -14,20 +14,13 @@ from waxstudy.plugin import TRACE, FloatArray, Inputs
 from waxstudy.plugin.registry import told
 from waxstudy.simulation.engine import DAY_S, WARM_UP_DAYS, Loop, Start, State, Week
 from waxstudy.simulation.modes import DrivenRoom
-from waxstudy.simulation.recorded import recorded_room
+from waxstudy.simulation.recorded import EXTRA, RECORDED, SUN, recorded_room
 
 PART_S = 3600.0  # short enough that the air's answer to an effect hardly changes the effect again
 AIR_K = 0.003  # how little the air of an hour may still change
 MOST_RUNS = 20
+HEAT = (SUN.name, EXTRA.name)
 FASTEST = 1e-300  # decay over a step, instead of none at all where modes of nothing fill a lane
-# a field of `Inputs` -> what a room calls such an input
-NAMED = {
-    "outdoor_C": "outdoor_C",
-    "gains_W": "gains_W",
-    "ventilation_C": "ventilation_supply_C",
-    "neighbour_C": "neighbour_C",
-}
-HEAT = ("solar_W", "extra_W")  # as the last two inputs of `recorded_room`
 Change = Callable[[Inputs], Inputs]
 
 
@@ -67,7 +60,7 @@ def added(believed: Inputs, true: Inputs) -> dict[str, FloatArray]:
         values: FloatArray | None = getattr(inputs, name)
         return zero if values is None else values
 
-    return {name: value(true, name) - value(believed, name) for name in (*NAMED, *HEAT, "supply_C")}
+    return {name: value(true, name) - value(believed, name) for name in (*RECORDED.values(), *HEAT, "supply_C")}
 
 
 @dataclass(frozen=True)
@@ -139,8 +132,9 @@ class Answer:
     def of(cls, driven: DrivenRoom, inputs: Inputs) -> Answer:
         """Return it as `modes.drive` has it: what its few modes leave out answers at once."""
         room = recorded_room(driven.room, inputs)
-        names = [name for name in NAMED if NAMED[name] in room.inputs]
-        places = [*(list(room.inputs).index(NAMED[name]) for name in names), -2, -1]
+        first = {each.role: place for place, each in enumerate(room.inputs)}
+        roles = [role for role, name in RECORDED.items() if role in first and getattr(inputs, name) is not None]
+        names, places = [RECORDED[role] for role in roles], [*(first[role] for role in roles), -2, -1]
         heat, direct = room.input_matrix[:, places], room.feedthrough[:, places]
         rates = -np.log(np.maximum(driven.decay, FASTEST)) / driven.step_s
         slow = (driven.to_modes / room.capacity_J_K) @ heat

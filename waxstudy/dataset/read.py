@@ -15,13 +15,14 @@ from waxstudy.dataset.grid import on_grid
 from waxstudy.dataset.levels import as_levels
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.plausible import look_at_units
+from waxstudy.dataset.room import built, look_at_model_errors, look_at_roles
 from waxstudy.dataset.stamps import stamps_of
 from waxstudy.dataset.swapped import look_at_pairs
 from waxstudy.dataset.tables import Site
 from waxstudy.dataset.text import read_table
 from waxstudy.dataset.turned import look_at_directions
-from waxstudy.plugin import Room
-from waxstudy.plugin.registry import PluginError, Registry, installed, told
+from waxstudy.plugin import Belief, Inputs
+from waxstudy.plugin.registry import Registry, installed
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import StudyError
@@ -50,6 +51,11 @@ class Dataset:
     site: Site | None  # where the room is
     warnings: tuple[str, ...]  # what the user must know
     assumptions: tuple[str, ...]  # what was assumed, one sentence each
+    room_error_factor: float = 1.0  # on the error that the room states of its model
+
+    def believed(self, inputs: Inputs | None) -> Belief:
+        """Return what the modeller believes, with what drove the room."""
+        return Belief(self.nominal, self.room, inputs, self.room_error_factor)
 
 
 def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
@@ -61,9 +67,14 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     path = _data_path(check, folder)
     notes = Notes(str(path))
     described = read_description(check, notes)
-    full_L_h = _full_flow_L_h(check, described.room)
+    room = built(check, described.room)
+    if described.room:
+        look_at_model_errors(check, described.room, described.about.room_error_factor, notes)
     is_clear = not any(problem.where in ("[dataset]", "[columns]") for problem in check.problems)
+    full_L_h = room.full_flow_L_h if room else None
     record = _record(path, described, full_L_h, notes) if path and is_clear else None
+    if room and record:
+        look_at_roles(check, room, record[0], notes)
     problems = [*check.problems, *notes.problems]
     if problems or record is None:
         raise StudyError(problems)
@@ -83,6 +94,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         site=described.site,
         warnings=tuple(dict.fromkeys(notes.warnings)),
         assumptions=tuple(dict.fromkeys(notes.assumptions)),
+        room_error_factor=described.about.room_error_factor,
     )
 
 
@@ -107,22 +119,6 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):  # too long, or with characters that no file name has
         return False
-
-
-def _full_flow_L_h(check: Check, room: Choice | None) -> float | None:
-    """Return the flow of the believed room with its valve open; note it if the room cannot be built."""
-    if room is None:
-        return None
-    component: type[Room] = room.component  # type: ignore[assignment]
-    spot = Spot.table("room" if check.source.values.get("room") else "building")
-    try:
-        with told(f"room '{component.name}'", ValueError):
-            return float(component.build(room.parameters).full_flow_L_h)
-    except ValueError as error:
-        check.problem(spot, str(error))
-    except PluginError as error:
-        check.problem(spot, str(error), of_plugin=True)
-    return None
 
 
 def _record(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, WeatherRecord
+from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, Role, WeatherRecord
 from waxstudy.plugin.registry import told
 from waxstudy.results.kpis import MemberWeek, key_figures
 from waxstudy.simulation import ensemble
@@ -16,14 +16,15 @@ from waxstudy.simulation.engine import DAY_S, Loop, Week
 from waxstudy.simulation.interpreted import checked
 from waxstudy.simulation.modes import drive
 from waxstudy.simulation.outside import OutsideLoop
+from waxstudy.simulation.recorded import shared_by
 from waxstudy.simulation.run import loop_of, member_week, prepare
 from waxstudy.study.model import Case, Study
 
-# a room that names an input so gives the channel
-ROOM_INPUTS = {
-    "gains_W": "internal_gain_W",
-    "ventilation_supply_C": "ventilation_supply_C",
-    "neighbour_C": "neighbour_C",
+# channels of what drives a room, by the role of its inputs
+ROLE_CHANNELS = {
+    Role.GAINS: "internal_gain_W",
+    Role.SUPPLY_AIR: "ventilation_supply_C",
+    Role.NEIGHBOUR: "neighbour_C",
 }
 EXACT = 1e-9
 
@@ -109,9 +110,10 @@ def _first_days(record: WeatherRecord, days: int | None) -> WeatherRecord:
 
 
 def surroundings(loop: Loop | OutsideLoop) -> dict[str, FloatArray]:
-    """Return what drives the room: supply, outdoor air, the sun's heat, and inputs that it has a known name for.
+    """Return what drives the room: supply, outdoor air, the sun's heat, and its inputs that a record can know.
 
-    The sun's heat is what the room's input matrix makes of the irradiance: all that reaches its nodes [W].
+    The sun's heat is what the room's input matrix makes of the irradiance: all that reaches its nodes [W]. Of several
+    inputs of a role gains are summed up, and temperatures are their mean by the heat that a kelvin of each brings.
     """
     driven, room = loop.driven, loop.driven.room
     dark = {name: np.zeros_like(values) for name, values in driven.weather.irradiance_W_m2.items()}
@@ -123,8 +125,10 @@ def surroundings(loop: Loop | OutsideLoop) -> dict[str, FloatArray]:
         "outdoor_C": driven.weather.outdoor_C,
         "solar_gain_W": (inputs - without_sun) @ room.input_matrix.sum(axis=0),
     }
-    places = {name: place for place, name in enumerate(room.inputs)}
-    found |= {ours: inputs[:, places[name]] for name, ours in ROOM_INPUTS.items() if name in places}
+    for role, channel in ROLE_CHANNELS.items():
+        if places := room.places(role):
+            by_heat = shared_by(room.input_matrix[:, places].sum(axis=0))
+            found[channel] = inputs[:, places] @ (np.ones(len(places)) if role is Role.GAINS else by_heat)
     return {name: np.repeat(values, driven.steps_per_interval) for name, values in found.items()}
 
 

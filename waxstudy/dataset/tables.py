@@ -38,6 +38,15 @@ class DatasetTable(Parameters):
         ge=0.1,
         le=20.0,
     )
+    room_error_factor: float = parameter(
+        1.0,
+        unit="1",
+        description="factor on the error that the room states of its model; above 1 for a room unlike those it was "
+        "held against",
+        source=USER,
+        ge=1.0,
+        le=20.0,
+    )
     file: str | None = parameter(
         None, unit="", description="data file, if it is not data.csv or data.parquet beside dataset.toml", source=USER
     )

@@ -14,6 +14,7 @@ from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.regimes import regimes
 from waxstudy.diagnosis.estimate.intervals import shrink
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import ROOM_STAGES, Segment
 from waxstudy.diagnosis.observations.drives import filled_in
 from waxstudy.diagnosis.observations.record import Record
@@ -90,7 +91,7 @@ def assembled(
         ],
         assumptions=[
             *work.dataset.assumptions,
-            *filled_in(work.dataset, work.record),
+            *filled_in(work.dataset, work.record, built(work.dataset.room) if work.dataset.room else None),
             *_conventions(selections),
             *_needless(selections),
         ],

@@ -37,9 +37,11 @@ from waxstudy.plugin.contracts import (
 )
 from waxstudy.plugin.effect import STAGES, Belief, Effect, Inputs, Prior
 from waxstudy.plugin.hook import hookimpl
+from waxstudy.plugin.model_error import ModelError
 from waxstudy.plugin.outside import TRACE, Advance, BackendMissing, OutsideRoom, SimulationError, Stopped
 from waxstudy.plugin.parameters import Parameters, changed, parameter
 from waxstudy.plugin.ring import Ring, delayed
+from waxstudy.plugin.roles import Role, RoomInput
 
 __all__ = [
     "API_VERSION",
@@ -66,6 +68,7 @@ __all__ = [
     "FloatArray",
     "Inputs",
     "LinearRoom",
+    "ModelError",
     "Modulator",
     "NoState",
     "OutsideRoom",
@@ -76,7 +79,9 @@ __all__ = [
     "Reference",
     "Refused",
     "Ring",
+    "Role",
     "Room",
+    "RoomInput",
     "Sensor",
     "SimulationError",
     "Stopped",

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from waxstudy.plugin.model_error import ModelError
 from waxstudy.plugin.parameters import Parameters, changed, checked
+from waxstudy.plugin.roles import Role, RoomInput
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -208,7 +210,7 @@ class LinearRoom:
     nodes: Sequence[str]
     capacity_J_K: FloatArray  # C (n,)
     conductance_W_K: FloatArray  # G (n, n)
-    inputs: Sequence[str]
+    inputs: Sequence[RoomInput]
     input_matrix: FloatArray  # B (n, m), W per unit of the input
     floor_heat_share: FloatArray  # f (n,), sums to 1
     output_matrix: FloatArray  # H (len(ROOM_OUTPUTS), n)
@@ -221,6 +223,14 @@ class LinearRoom:
     floor_conductance_W_K: Callable[[FloatArray], FloatArray]
     # weather -> (inputs (intervals, m), supply water temperature [C] (intervals,))
     drive: Callable[[WeatherRecord], tuple[FloatArray, FloatArray]]
+
+    def places(self, role: Role) -> list[int]:
+        """Return which inputs have a role."""
+        return [place for place, each in enumerate(self.inputs) if each.role is role]
+
+    def takes(self, role: Role) -> bool:
+        """Whether an input of a role gives the room anything."""
+        return bool(self.input_matrix[:, self.places(role)].any())
 
 
 @dataclass(frozen=True)
@@ -259,6 +269,11 @@ class Room(Component):
     def uncertainties(cls, p: Any) -> Sequence[Uncertainty]:
         """Return what of this room nobody knows exactly; a diagnosis fits it, held by its priors."""
         return ()
+
+    @classmethod
+    def model_errors(cls, p: Any) -> Mapping[str, ModelError]:
+        """Return how far the form of this model is off, by output (those of `ASSUMED`, which stands for the others)."""
+        return {}
 
     @classmethod
     def solar_readings(cls, p: Any) -> Mapping[str, float]:

@@ -57,6 +57,7 @@ class Belief:
     blocks: Mapping[str, Choice]
     room: Choice | None = None
     inputs: Inputs | None = None
+    room_error_factor: float = 1.0  # on the error that the room states of its model
 
     def has(self, kind: str, *parameters: str) -> bool:
         """Whether there is a block of this kind and it has all these parameters."""

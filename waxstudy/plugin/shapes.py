@@ -11,8 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin.contracts import ROOM_OUTPUTS, Facade, Finding, LinearRoom, PublishedRow, WeatherRecord
+from waxstudy.plugin.contracts import (
+    ROOM_OUTPUTS,
+    Facade,
+    Finding,
+    FloatArray,
+    LinearRoom,
+    PublishedRow,
+    WeatherRecord,
+)
+from waxstudy.plugin.model_error import ASSUMED, ModelError
 from waxstudy.plugin.registry import PluginError, told
+from waxstudy.plugin.roles import Role, RoomInput
 
 Problems = Iterator[str]
 
@@ -49,9 +59,10 @@ def room_problems(room: Any) -> Problems:
     if wrong := list(_is_of(room, LinearRoom)):
         yield from wrong
         return
-    if not (isinstance(room.nodes, Sized) and isinstance(room.inputs, Sized)):
-        yield "nodes and inputs must be lists of names"
+    if not (isinstance(room.nodes, Sized) and isinstance(room.inputs, Sequence)):
+        yield "nodes must be a list of names, inputs one of RoomInput"
         return
+    yield from role_problems(room.inputs)
     n, m, k = len(room.nodes), len(room.inputs), len(ROOM_OUTPUTS)
     shapes = {
         "capacity_J_K": (n,),
@@ -68,6 +79,25 @@ def room_problems(room: Any) -> Problems:
     facades = room.facades
     if not (isinstance(facades, Mapping) and all(isinstance(facade, Facade) for facade in facades.values())):
         yield "facades must be a table of names and Facades"
+
+
+def role_problems(inputs: Sequence[Any]) -> Problems:
+    """Yield what keeps a record from being applied to a room's inputs."""
+    for each in inputs:
+        if not (isinstance(each, RoomInput) and isinstance(each.role, Role)):
+            roles = ", ".join(str(role) for role in Role)
+            yield f"input {each!r:.60} has no role: give RoomInput(name, role), where role is one of {roles}"
+            return
+    if all(each.role is not Role.OUTDOOR for each in inputs):
+        yield f"no input has the role {Role.OUTDOOR}: give it to what the outdoor air drives the room through"
+
+
+def lost_problems(room: LinearRoom, heat_W: Mapping[Role, FloatArray]) -> Problems:
+    """Yield recorded heat that would be lost, as no input of its role brings a room anything; NaN is not known."""
+    for role, watts in heat_W.items():
+        if np.nan_to_num(watts).any() and not room.takes(role):
+            mean_W = float(np.nanmean(watts))
+            yield f"{role.value} are recorded, {mean_W:.3g} W on average, but no input with the role {role} takes them"
 
 
 def physics_problems(room: LinearRoom) -> Problems:
@@ -92,6 +122,22 @@ def physics_problems(room: LinearRoom) -> Problems:
     yield from wrong
     if not wrong and (conductance[0] != 0.0 or (np.diff(conductance) < 0.0).any()):
         yield "floor_conductance_W_K must be 0 without flow and never fall with more flow"
+
+
+def model_error_problems(stated: Any) -> Problems:
+    """Yield what is wrong with what a room states of its model's error."""
+    if not isinstance(stated, Mapping):
+        yield "model_errors must give a table of outputs and ModelErrors"
+        return
+    for output, error in stated.items():
+        if output not in ASSUMED:
+            yield f"model_errors: {output!r:.60} is not judged; outputs are {', '.join(ASSUMED)}"
+        elif not isinstance(error, ModelError):
+            yield f"model_errors: that of {output} is {error!r:.60}, not a ModelError(typical_K, most_K, source)"
+        elif not 0.0 < error.typical_K <= error.most_K < inf:
+            yield f"model_errors: {output} needs 0 < typical_K <= most_K, not {error.typical_K:g} and {error.most_K:g}"
+        elif not (isinstance(error.source, str) and error.source.strip()):
+            yield f"model_errors: {output} has no source: say what the model was held against"
 
 
 def driving_problems(room: LinearRoom, weather: WeatherRecord) -> Problems:

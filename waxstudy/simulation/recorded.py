@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba import njit, types
 
-from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, Inputs, LinearRoom, WeatherRecord
+from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, Inputs, LinearRoom, Role, RoomInput, WeatherRecord
+from waxstudy.plugin.shapes import lost_problems, role_problems
 from waxstudy.simulation.cache import cached
 from waxstudy.simulation.lanes import free_step
 from waxstudy.simulation.modes import DrivenRoom, drive, main_modes
 
-SUN, EXTRA = "solar_W", "extra_W"
-IRRADIANCE = "irradiance"  # what a room's inputs from the sun are called by, and a facade
+SUN, EXTRA = RoomInput("solar_W", Role.SUN), RoomInput("extra_W", Role.OWN)  # the last two of a recorded room
+# a role -> the field of `Inputs` that tells what was recorded of it; the sun's is a heat of its own
+RECORDED = {
+    Role.OUTDOOR: "outdoor_C",
+    Role.GAINS: "gains_W",
+    Role.SUPPLY_AIR: "ventilation_C",
+    Role.NEIGHBOUR: "neighbour_C",
+}
 DAY_S = 86400.0
 REPEATS = 7  # of the first day, before a record
 LAYER = ROOM_OUTPUTS.index("layer_C")
@@ -27,26 +35,64 @@ LONGEST_STEP_S = 150.0  # of the explicit exchange between water and floor
 
 
 def recorded_room(room: LinearRoom, inputs: Inputs) -> LinearRoom:
-    """Return the room with its inputs as recorded: the sun as one heat, shared out as the room shares the sun's.
+    """Return the room with its inputs as recorded, one for each role that a record has; they are told by their roles.
 
-    Extra heat goes to where an ensemble member's air is, by capacity. What the room asks for and no record has stays
-    as its own `drive` gives it.
+    A recorded temperature holds at all inputs of its role. Gains are shared out among theirs as the means of the
+    room's own are, the sun, as one heat, as the room shares the sun's. Extra heat goes to where an ensemble member's
+    air is, by capacity. What the room asks for and no record has stays as its own `drive` gives it. Raises
+    `ValueError` where something that was recorded would be lost.
     """
-    names = list(room.inputs)
-    sun = [name.startswith(IRRADIANCE) for name in names]
-    kept = [place for place, is_sun in enumerate(sun) if not is_sun]
+    heat_W = {Role.SUN: inputs.solar_W, Role.GAINS: inputs.gains_W}
+    for problem in chain(role_problems(room.inputs), lost_problems(room, heat_W)):
+        raise ValueError(problem)
+    columns = list(_columns(room, inputs))
+    sun, air = room.places(Role.SUN), _air_share(room)
     heat, direct = room.input_matrix[:, sun].sum(axis=1), room.feedthrough[:, sun].sum(axis=1)
     whole = heat.sum() or 1.0
-    air = _air_share(room)
     still = np.zeros(len(ROOM_OUTPUTS))
     return replace(
         room,
-        inputs=[*(names[place] for place in kept), SUN, EXTRA],
-        input_matrix=np.column_stack((room.input_matrix[:, kept], heat / whole, air)),
-        feedthrough=np.column_stack((room.feedthrough[:, kept], direct / whole, still)),
+        inputs=[*(column.input for column in columns), SUN, EXTRA],
+        input_matrix=np.column_stack((*(room.input_matrix @ column.shares for column in columns), heat / whole, air)),
+        feedthrough=np.column_stack((*(room.feedthrough @ column.shares for column in columns), direct / whole, still)),
         facades={},
-        drive=lambda weather: _driven(room, kept, inputs, weather),
+        drive=lambda weather: _driven(room, columns, inputs, weather),
     )
+
+
+@dataclass(frozen=True)
+class _Column:
+    """An input of a recorded room."""
+
+    input: RoomInput
+    shares: FloatArray  # (m,) of each of the room's inputs in it
+    recorded: FloatArray | None  # (n,); None where the room's own drive gives it
+
+
+def _columns(room: LinearRoom, inputs: Inputs) -> Iterator[_Column]:
+    own = np.eye(len(room.inputs))
+    for place, each in enumerate(room.inputs):
+        alike = room.places(each.role)
+        recorded = getattr(inputs, RECORDED[each.role]) if each.role in RECORDED else None
+        if recorded is None and each.role is not Role.SUN:
+            yield _Column(each, own[place], None)
+        elif recorded is not None and place == alike[0]:
+            whole = each.role is not Role.GAINS or len(alike) == 1
+            shares = own[alike].sum(axis=0) if whole else _gain_shares(room, inputs)
+            yield _Column(RoomInput(RECORDED[each.role], each.role), shares, recorded)
+
+
+def _gain_shares(room: LinearRoom, inputs: Inputs) -> FloatArray:
+    """Return the share of each input (m,) in recorded gains, by the means of the room's own."""
+    places, shares = room.places(Role.GAINS), np.zeros(len(room.inputs))
+    shares[places] = shared_by(_own_inputs(room, inputs, weather_of(inputs)).mean(axis=0)[places])
+    return shares
+
+
+def shared_by(weights: FloatArray) -> FloatArray:
+    """Return shares that sum to 1, by weights, or equal ones where these are all 0."""
+    whole = weights.sum()
+    return weights / whole if whole else np.full(len(weights), 1.0 / len(weights))
 
 
 def _air_share(room: LinearRoom) -> FloatArray:
@@ -55,28 +101,27 @@ def _air_share(room: LinearRoom) -> FloatArray:
     return np.asarray(row / row.sum())
 
 
-def _driven(room: LinearRoom, kept: list[int], inputs: Inputs, weather: WeatherRecord) -> tuple[FloatArray, FloatArray]:
-    dark = {name: np.zeros(len(inputs.outdoor_C)) for name in room.facades}
-    own, _ = room.drive(replace(weather, irradiance_W_m2=dark))
-    columns = own[:, kept].copy()
-    recorded = {
-        "outdoor_C": inputs.outdoor_C,
-        "gains_W": inputs.gains_W,
-        "ventilation_supply_C": inputs.ventilation_C,
-        "neighbour_C": inputs.neighbour_C,
-    }
-    for column, place in enumerate(kept):
-        values = recorded.get(room.inputs[place])
-        if values is not None:
-            columns[:, column] = values
-    extra = np.zeros(len(columns)) if inputs.extra_W is None else inputs.extra_W
-    return np.column_stack((columns, inputs.solar_W, extra)), inputs.supply_C
+def _driven(
+    room: LinearRoom, columns: Sequence[_Column], inputs: Inputs, weather: WeatherRecord
+) -> tuple[FloatArray, FloatArray]:
+    own = _own_inputs(room, inputs, weather)
+    values = [own @ column.shares if column.recorded is None else column.recorded for column in columns]
+    extra = np.zeros(len(own)) if inputs.extra_W is None else inputs.extra_W
+    return np.column_stack((*values, inputs.solar_W, extra)), inputs.supply_C
+
+
+def _own_inputs(room: LinearRoom, inputs: Inputs, weather: WeatherRecord) -> FloatArray:
+    """Return what the room's own drive makes of weather without sun (n, m)."""
+    return room.drive(_dark(room, inputs, weather))[0]
+
+
+def _dark(room: LinearRoom, inputs: Inputs, weather: WeatherRecord) -> WeatherRecord:
+    return replace(weather, irradiance_W_m2={name: np.zeros(len(inputs.outdoor_C)) for name in room.facades})
 
 
 def believed_supply_C(room: LinearRoom, inputs: Inputs) -> FloatArray:
     """Return the supply temperature that the room's own heating curve would give (n,)."""
-    dark = {name: np.zeros(len(inputs.outdoor_C)) for name in room.facades}
-    return room.drive(replace(weather_of(inputs), irradiance_W_m2=dark))[1]
+    return room.drive(_dark(room, inputs, weather_of(inputs)))[1]
 
 
 def weather_of(inputs: Inputs) -> WeatherRecord:

@@ -8,7 +8,7 @@ from math import ceil, sqrt
 
 import numpy as np
 
-from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, WeatherRecord
+from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, Role, RoomInput, WeatherRecord
 from waxstudy_paper.room.construction import Layer, Part, Surface, Window
 from waxstudy_paper.room.description import RoomDescription, facade_name
 from waxstudy_paper.room.hydronics import WATER_J_L_K, floor_conductance_W_K, full_flow_L_h, supply_C
@@ -41,7 +41,7 @@ def linear_room(room: RoomDescription) -> LinearRoom:
         nodes=system.nodes,
         capacity_J_K=system.capacity_J_K,
         conductance_W_K=system.conductance_W_K,
-        inputs=assembly.network.inputs,
+        inputs=[RoomInput(name, role) for name, role in inputs_of(room).items()],
         input_matrix=system.input_matrix,
         floor_heat_share=system.heat_share,
         output_matrix=system.output_matrix,
@@ -57,11 +57,13 @@ def linear_room(room: RoomDescription) -> LinearRoom:
     )
 
 
-def inputs_of(room: RoomDescription) -> tuple[str, ...]:
-    """Return the names of the slow inputs."""
-    ground = () if room.ground_temperature_C is None else ("ground_C",)
-    sky = ("sky_C",) if room.films.sky_W_m2K else ()
-    return ("outdoor_C", "ventilation_supply_C", *ground, *sky, "gains_W", *map(irradiance, room.facades))
+def inputs_of(room: RoomDescription) -> dict[str, Role]:
+    """Return the slow inputs with their roles."""
+    ground = {} if room.ground_temperature_C is None else {"ground_C": Role.OWN}
+    sky = {"sky_C": Role.SKY} if room.films.sky_W_m2K else {}
+    air = {"outdoor_C": Role.OUTDOOR, "ventilation_supply_C": Role.SUPPLY_AIR}
+    sun = dict.fromkeys(map(irradiance, room.facades), Role.SUN)
+    return {**air, **ground, **sky, "gains_W": Role.GAINS, **sun}
 
 
 def irradiance(facade: str) -> str:
@@ -95,7 +97,7 @@ def drive(room: RoomDescription, weather: WeatherRecord) -> tuple[FloatArray, Fl
 
 def assemble(room: RoomDescription) -> Assembly:
     """Return the full network of a room."""
-    network = Network(inputs_of(room))
+    network = Network(tuple(inputs_of(room)))
     air = network.node("air", AIR_J_L_K * 1000 * room.air.volume_m3 * room.air.capacity_multiplier)
     assembly = Assembly(room, network, air, network.node("radiation"))
     _add_air_exchange(assembly)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from waxstudy.plugin import LinearRoom, Room, Uncertainty
+from waxstudy.plugin import LinearRoom, ModelError, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.building import NzebBuilding, parameters_of
 from waxstudy_paper.room.corner import NzebParameters, describe, described
 from waxstudy_paper.room.description import RoomDescription
+from waxstudy_paper.room.model_error import MODEL_ERRORS
 from waxstudy_paper.room.panes import solar_readings
 from waxstudy_paper.room.surfaces import SurfacesRoom
 from waxstudy_paper.room.uncertain import uncertainties
@@ -37,6 +38,11 @@ class NzebRoom(Room):
     def solar_readings(cls, p: NzebParameters) -> Mapping[str, float]:
         """Return the ways to mean a recorded solar gain, by the panes of this room."""
         return solar_readings(p.window_g, p.window_U_W_m2K)
+
+    @classmethod
+    def model_errors(cls, p: NzebParameters) -> Mapping[str, ModelError]:
+        """Return how far the linear model is off by its form."""
+        return MODEL_ERRORS
 
     @classmethod
     def uncertainties(cls, p: NzebParameters) -> Sequence[Uncertainty]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from waxstudy.plugin import LinearRoom, Room, Uncertainty
+from waxstudy.plugin import LinearRoom, ModelError, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.corner import NzebParameters, describe, described
 from waxstudy_paper.room.description import RoomDescription
+from waxstudy_paper.room.model_error import MODEL_ERRORS
 from waxstudy_paper.room.uncertain import uncertainties
 
 
@@ -23,6 +24,11 @@ class SurfacesRoom(Room):
     def build(cls, p: RoomDescription) -> LinearRoom:
         """Return the linear room of the description (equations: docs/room.md)."""
         return linear_room(p)
+
+    @classmethod
+    def model_errors(cls, p: RoomDescription) -> Mapping[str, ModelError]:
+        """Return how far the linear model is off by its form."""
+        return MODEL_ERRORS
 
     @classmethod
     def uncertainties(cls, p: RoomDescription) -> Sequence[Uncertainty]:

@@ -17,7 +17,7 @@ Json = dict[str, Any]
 def taken(dataset: Dataset) -> tuple[Record, Belief]:
     """Return a dataset as a diagnosis takes it."""
     record = record_of(dataset)
-    return record, Belief(dataset.nominal, dataset.room, record.inputs if record.has_inputs else None)
+    return record, dataset.believed(record.inputs if record.has_inputs else None)
 
 
 def answer(dataset: Dataset, found: Sequence[tuple[EffectType, Mapping[str, float]]], untestable: str = "") -> Json:

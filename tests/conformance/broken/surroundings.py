@@ -42,7 +42,8 @@ from dataclasses import replace
 import numpy as np
 
 from waxstudy.plugin import (
-    Effect, Parameters, Prior, PublishedRow, Reference, Room, Weather, WeatherRecord, hookimpl, parameter
+    Effect, Parameters, Prior, PublishedRow, Reference, Role, Room, RoomInput, Weather, WeatherRecord, hookimpl,
+    parameter
 )
 
 {OF_EFFECT if kind == "Effect" else ""}
@@ -72,7 +73,7 @@ WEATHER: Mapping[str, str] = {
     "weather-of-texts": "return " + DAYS.replace("np.zeros(48), {", "np.full(48, 'cold'), {"),
     "weather-with-a-text-interval": f"return {DAYS.replace('3600.0', repr('1 h'))}",
 }
-ROOMS: Mapping[str, str] = {
+ROOMS: dict[str, str] = {
     "room-of-nothing": "return None",
     "room-exits": "raise SystemExit('no such house')",
     "room-cannot-drive": f"{NZEB}return replace(room, drive=lambda weather: {{}}['sun'])",
@@ -81,6 +82,58 @@ ROOMS: Mapping[str, str] = {
     "room-of-negative-mass": f"{NZEB}return replace(room, capacity_J_K=-room.capacity_J_K)",
     "room-of-one-conductance": f"{NZEB}return replace(room, floor_conductance_W_K=lambda flow: 3.0)",
     "room-of-one-supply": f"{NZEB}return replace(room, drive=lambda w: (room.drive(w)[0], np.full(1, 45.0)))",
+}
+ROLES = f"{NZEB}inputs = list(room.inputs)\n"
+ROOMS |= {
+    "room-of-names": f"{NZEB}return replace(room, inputs=[each.name for each in room.inputs])",
+    "room-without-outdoors": f"{ROLES}inputs[0] = RoomInput('ta', Role.OWN)\nreturn replace(room, inputs=inputs)",
+}
+# a room that a run takes, and the kit does not -> what it says
+MISTAKEN: Mapping[str, tuple[str, str]] = {
+    "gains-per-area": (
+        f"{ROLES}B = room.input_matrix * [1.0, 1.0, 10.4, 1.0, 1.0]\nreturn replace(room, input_matrix=B)",
+        "input 'gains_W', Role.GAINS: of 1 W the room gets 10.3 W; gains are in W",
+    ),
+    "outdoors-in-fahrenheit": (
+        f"{NZEB}B, f = [room.input_matrix * [5 / 9, 1, 1, 1, 1], np.array([1.8, 1, 1, 1, 1])]\n"
+        "return replace(room, input_matrix=B, drive=lambda w: (room.drive(w)[0] * f, room.drive(w)[1]))",
+        "input 'outdoor_C', Role.OUTDOOR: drive does not give it the temperature of the outdoor air",
+    ),
+    "outdoors-that-cool": (
+        f"{NZEB}return replace(room, input_matrix=room.input_matrix * [-1, 1, 1, 1, 1])",
+        "input 'outdoor_C', Role.OUTDOOR: 1 K more changes the air by -",
+    ),
+    "outdoors-too-warm": (
+        f"{NZEB}return replace(room, input_matrix=room.input_matrix * [2, 1, 1, 1, 1])",
+        "1 K more of all around it warms the air by 1.",
+    ),
+    "outdoors-out-of-reach": (
+        f"{NZEB}return replace(room, input_matrix=room.input_matrix * [0, 1, 1, 1, 1])",
+        "the inputs with the role Role.OUTDOOR do not reach the air",
+    ),
+    "a-second-outdoors": (
+        f"{ROLES}inputs[1] = RoomInput('ground_C', Role.OWN)\n"
+        "return replace(room, inputs=inputs, drive=lambda w: (room.drive(w)[0][:, [0, 0, 2, 3, 4]], room.drive(w)[1]))",
+        "input 'ground_C', Role.OWN is the outdoor air's temperature: its role is Role.OUTDOOR",
+    ),
+    "sun-of-no-role": (
+        f"{ROLES}inputs[3:] = [RoomInput('south', Role.OWN), RoomInput('west', Role.OWN)]\n"
+        "return replace(room, inputs=inputs)",
+        "input 'south', Role.OWN changes with the sun: give that an input of its own, Role.SUN",
+    ),
+    "sun-that-does-nothing": (
+        f"{NZEB}lit = [1, 1, 1, 0, 0]\n"
+        "return replace(room, drive=lambda w: (room.drive(w)[0] * lit, room.drive(w)[1]))",
+        "which changes no input with the role Role.SUN",
+    ),
+    "sun-that-cools": (
+        f"{NZEB}return replace(room, input_matrix=room.input_matrix * [1, 1, 1, 1, -1])",
+        "Role.SUN: the sun cools the room",
+    ),
+    "sky-of-outdoors": (
+        f"{ROLES}inputs[1] = RoomInput('sky_C', Role.SKY)\nreturn replace(room, inputs=inputs)",
+        "input 'sky_C', Role.SKY: drive does not give it the temperature of the sky",
+    ),
 }
 ROWS = "return [PublishedRow('O_0', 'january', 0.0, 0.0, 1.0, 0.0)]"
 REFERENCES: Mapping[str, str] = {

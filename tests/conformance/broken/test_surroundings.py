@@ -10,7 +10,7 @@ import pytest
 
 from tests.cli.conftest import Entry
 from tests.conformance.broken.plugin import CHECK_FAILED, PLUGIN, install, module_of
-from tests.conformance.broken.surroundings import EFFECTS, REFERENCES, ROOMS, WEATHER, source
+from tests.conformance.broken.surroundings import EFFECTS, MISTAKEN, REFERENCES, ROOMS, WEATHER, source
 from tests.conformance.broken.test_runs import STUDY
 from waxstudy.plugin.registry import installed
 
@@ -27,7 +27,7 @@ def offer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Offer]:
         installed.cache_clear()
 
     yield load
-    for name in {**WEATHER, **ROOMS, **REFERENCES, **EFFECTS}:
+    for name in {**WEATHER, **ROOMS, **MISTAKEN, **REFERENCES, **EFFECTS}:
         sys.modules.pop(module_of(name), None)
     installed.cache_clear()
 
@@ -87,4 +87,16 @@ def test_the_kit_says_of_each_effect_what_is_wrong(entry: Entry, offer: Offer, n
     done = entry("plugins", "check", name)
     assert (done.code, done.stderr) == (CHECK_FAILED, "")
     assert says in done.stdout
+    assert "the check failed with" not in done.stdout
+
+
+@pytest.mark.parametrize("name", MISTAKEN)
+def test_the_kit_says_which_input_of_a_room_does_not_act_as_its_role_says(
+    entry: Entry, offer: Offer, name: str
+) -> None:
+    body, says = MISTAKEN[name]
+    offer(name, "Room", body)
+    done = entry("plugins", "check", name)
+    assert (done.code, done.stderr) == (CHECK_FAILED, "")
+    assert says in " ".join(done.stdout.split())
     assert "the check failed with" not in done.stdout

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from waxstudy.plugin import FloatArray, LinearRoom, WeatherRecord
+from waxstudy.plugin import FloatArray, LinearRoom, Role, WeatherRecord
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,12 +21,9 @@ if TYPE_CHECKING:
     from waxstudy.dataset.tables import Site
     from waxstudy.diagnosis.observations.record import Record
 
-SUN, GAINS = "solar_gain_W", "internal_gain_W"
+SUN, GAINS, SUPPLY_AIR = "solar_gain_W", "internal_gain_W", "ventilation_supply_temperature_C"
 FIELDS = {SUN: "solar_W", GAINS: "gains_W"}  # of `Inputs`
-# temperatures without which the room goes on, and how
-UNHEATED = {
-    "ventilation_supply_temperature_C": "the supply air is as the room has it",
-}
+ROLES = {SUN: Role.SUN, GAINS: Role.GAINS}
 HELD = ("outdoor_temperature_C", "supply_temperature_C")
 LONG_GAP_H = 1.0
 DAY_H = 24.0
@@ -62,14 +59,14 @@ class StandIn:
 def stand_ins(
     lacking: Sequence[str], room: LinearRoom, time: pd.DatetimeIndex, interval_s: float, site: Site | None
 ) -> dict[str, StandIn]:
-    """Return what stands in for sun and gains that were not recorded; `time` are the ends of the intervals."""
+    """Return what stands in for sun and gains that the room takes and nobody recorded; `time`: ends of the intervals."""
     middle = (time - time.normalize()).total_seconds().to_numpy() / 3600.0 - interval_s / 7200.0
     hour = np.asarray(middle % DAY_H, dtype=float)
     made: Mapping[str, Callable[[], StandIn]] = {
         SUN: lambda: _sun(room, time, hour, interval_s, site),
         GAINS: lambda: _gains(room, hour),
     }
-    return {channel: made[channel]() for channel in lacking}
+    return {channel: made[channel]() for channel in lacking if room.places(ROLES[channel])}
 
 
 # --- sun ---
@@ -134,30 +131,29 @@ def _gains(room: LinearRoom, hour: FloatArray) -> StandIn:
 
 
 def own_gains_W(room: LinearRoom, hour: FloatArray) -> FloatArray:
-    """Return the gains that a room's own drive has at hours of the day (n,); 0 where it has none."""
-    if "gains_W" not in room.inputs:
-        return np.zeros(len(hour))
+    """Return the gains that a room's own drive has at hours of the day (n,) [W]."""
     count = 288
     mild = np.full(count, 10.0)
     dark = {name: np.zeros(count) for name in room.facades}
     day = WeatherRecord(DAY_H * 3600.0 / count, "2000-01-01", mild, dark, sky_C=mild)
-    own = room.drive(day)[0][:, list(room.inputs).index("gains_W")]
-    return np.asarray(own[(hour / DAY_H * count).astype(int) % count])
+    own_W = room.drive(day)[0][:, room.places(Role.GAINS)].sum(axis=1)
+    return np.asarray(own_W[(hour / DAY_H * count).astype(int) % count])
 
 
 # --- what is said of it ---
 
 
-def filled_in(dataset: Dataset, record: Record) -> Iterator[str]:
+def filled_in(dataset: Dataset, record: Record, room: LinearRoom | None) -> Iterator[str]:
     """Yield a sentence for each input of the room that was not recorded, or not all the time, and what stands in."""
     if "setpoint_C" in dataset.values and dataset.values["setpoint_C"].isna().iloc[0]:
         yield "setpoint_C begins later than the record: its first value is taken for the time before."
-    if dataset.room is None or not record.has_inputs:
+    if room is None or not record.has_inputs:
         return
     yield from (each.sentence for each in record.stand_ins.values())
-    for channel, other in UNHEATED.items():
-        if not record.has(channel):
-            yield f"{channel} was not recorded: {other}."
+    if room.places(Role.SUPPLY_AIR) and not record.has(SUPPLY_AIR):
+        yield f"{SUPPLY_AIR} was not recorded: the supply air is as the room has it."
+    if room.places(Role.SKY):
+        yield "The temperature of the sky was not recorded: it is taken for that of the air outside."
     for channel in (*HELD, SUN, GAINS):
         if record.has(channel) and (lost_h := _longest_gap_h(record, channel)) > LONG_GAP_H:
             yield f"{channel} is missing for up to {lost_h:.3g} h: a straight line stands in for it."

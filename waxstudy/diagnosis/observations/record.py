@@ -227,7 +227,8 @@ class Record:
         )
 
     def _heat(self, channel: str) -> FloatArray:
-        return self.stand_ins[channel].values if channel in self.stand_ins else self.filled(channel)
+        """Return a drive, or what stands in for it; none of what the room does not take."""
+        return self.stand_ins[channel].values if channel in self.stand_ins else self.filled_or_zero(channel)
 
     def _optional(self, channel: str) -> FloatArray | None:
         return self.filled(channel) if self.has(channel) else None
