@@ -17,8 +17,9 @@ from waxstudy.dataset.measure import Instruments
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.dataset.write import Telling, write
 from waxstudy.diagnosis.diagnose import diagnose, installed_effects
-from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.model.segments import Segment
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.plugin import Choice, Effect
 from waxstudy.plugin.trial import Cause
@@ -108,13 +109,16 @@ class Size:
     @property
     def beyond(self) -> float:
         """Largest gap over its floor once what nobody knows of the room is fitted; at other segments nothing is."""
-        return over(gaps(Fitter(self.segment, self.stand.free, self.stand.belief).base.residuals), self.floors)
+        return over(
+            gaps(Estimator(SegmentProblem(self.segment, self.stand.free, self.stand.belief)).base.residuals),
+            self.floors,
+        )
 
     def tells_apart(self, name: str) -> bool:
         """Whether an effect, fitted to the record without noise, leaves more of some channel than noise would."""
         effect = next((each for each in installed_effects() if each.name == name), None)
         if effect is None or effect.stage not in self.segment.stages:
             return True
-        fitter = Fitter(self.segment, self.stand.free, self.stand.belief, thorough=THOROUGH)
+        fitter = Estimator(SegmentProblem(self.segment, self.stand.free, self.stand.belief), THOROUGH)
         fitted = fitter.fit(effect, fitter.base)
         return fitted is None or not is_alike(fitted, self.floors, {})

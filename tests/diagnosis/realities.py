@@ -17,8 +17,10 @@ from waxstudy.dataset.measure import Instruments, measure
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.reality import Reality, reality_loop, simulate
 from waxstudy.diagnosis.diagnose import record_of
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import Belief, Effect, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
@@ -127,6 +129,13 @@ def record(case: str, days: int = 4, without: Sequence[str] = (), effects: Effec
 
 def belief(case: str, record: Record) -> Belief:
     return Belief(study().cases[case].blocks, study().room, record.inputs if record.has_inputs else None)
+
+
+def estimator(
+    segment: Segment, record: Record, believed: Belief, thorough: float = 1.0, **how: Any
+) -> Estimator[SegmentProblem]:
+    """Something that fits hypotheses to a segment of a record."""
+    return Estimator(SegmentProblem(segment, record, believed, **how), thorough)
 
 
 def plain(values: Mapping[str, FloatArray], interval_s: float = 60.0, **more: Any) -> Record:

@@ -11,16 +11,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.diagnosis.realities import EFFECTS, PERFECT, belief, effects, planted, record, with_effects
-from waxstudy.diagnosis.estimate.fitter import Fitter
+from tests.diagnosis.realities import EFFECTS, PERFECT, belief, effects, estimator, planted, record, with_effects
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.intervals import parameter_intervals
 from waxstudy.diagnosis.estimate.parameter_space import Space, descend
 from waxstudy.diagnosis.model.nuisance import FLOOR, START
 from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR
 from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.partition import BOTH, FIT
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.residuals.judge import BOTH, FIT
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.intervals import parameter_intervals
 from waxstudy.plugin import Belief, Prior
 
 OF_START = (START, FLOOR)
@@ -56,14 +57,14 @@ def segment_of(name: str, cut: Sequence[Segment]) -> Segment:
 
 
 @cache
-def found(name: str) -> tuple[Fitter, Hypothesis]:
+def found(name: str) -> tuple[Estimator[SegmentProblem], Hypothesis]:
     """An effect put into the record of what is believed, and fitted again."""
     case, values = PLANTED[name]
     true = ((name, tuple(values.items())),)
     seen, believed, cut = ready(case)
     segment = segment_of(name, cut)
     seen = record(case, days=6, effects=true) if name in IN_LOOP else planted(segment, seen, believed, true)
-    fitter = Fitter(segment, seen, belief(case, seen) if name in IN_LOOP else believed)
+    fitter = estimator(segment, seen, belief(case, seen) if name in IN_LOOP else believed)
     fitted = fitter.fit(EFFECTS[name], fitter.base, BOTH)
     assert fitted
     return fitter, fitted
@@ -100,9 +101,9 @@ def test_a_slow_stroke_is_not_taken_for_a_late_and_sudden_one(
     seen, believed, cut = ready("REAL")
     segment = segment_of("constant-times", cut)
     slow = planted(segment, seen, believed, effects(constant_times=times_s))
-    fitter, motor = Fitter(segment, slow, believed), EFFECTS["constant-times"]
+    fitter, motor = estimator(segment, slow, believed), EFFECTS["constant-times"]
     fitted = fitter.fit(motor, fitter.base)
-    true = fitter.at([(motor, times_s)], fitter.base.departures, fitter.base.convention)
+    true = fitter.problem.at([(motor, times_s)], fitter.base.departures, fitter.base.convention)
     assert fitted
     assert true
     assert fitted.loss(FIT) < 1.05 * true.loss(FIT)
@@ -115,13 +116,13 @@ def test_what_is_found_lies_within_the_bounds_it_was_looked_for_in(name: str) ->
         assert prior.low <= values[parameter] <= prior.high
 
 
-def of_room(days: int, **true: Mapping[str, float]) -> tuple[Fitter, Hypothesis]:
+def of_room(days: int, **true: Mapping[str, float]) -> tuple[Estimator[SegmentProblem], Hypothesis]:
     """A room's effect put into its segment of a short record, and the best fit of its name."""
     seen = record("REAL", days=days)
     believed = belief("REAL", seen)
     segment = segment_of(next(iter(true)).replace("_", "-"), segments(seen, believed))
     put_in = effects(**true)
-    fitter = Fitter(segment, planted(segment, seen, believed, put_in), believed)
+    fitter = estimator(segment, planted(segment, seen, believed, put_in), believed)
     fitted = fitter.fit(EFFECTS[put_in[0][0]], fitter.base, BOTH)
     assert fitted
     return fitter, fitted
@@ -142,12 +143,16 @@ def test_a_room_that_was_colder_than_its_first_day_is_no_other_room() -> None:
     assert believed.inputs
     colder = replace(believed, inputs=replace(believed.inputs, start_K=-3.0, start_floor_K=-1.0))
     segment = segment_of("solar-factor", segments(seen, believed))
-    fitter = Fitter(segment, planted(segment, seen, colder), believed)
-    names = [unknown.name for unknown in fitter.nuisances]
+    fitter = estimator(segment, planted(segment, seen, colder), believed)
+    names = [unknown.name for unknown in fitter.problem.nuisances]
     start_K, floor_K = (fitter.base.departures[names.index(name)] for name in OF_START)
     assert start_K < -2.0
     assert start_K + floor_K == pytest.approx(-4.0, abs=0.5)
-    others = [abs(z) for name, z in zip(names, fitter.base.departures / fitter.sd, strict=True) if name not in OF_START]
+    others = [
+        abs(z)
+        for name, z in zip(names, fitter.base.departures / fitter.problem.sd, strict=True)
+        if name not in OF_START
+    ]
     assert max(others) < 1.0
 
 
@@ -155,7 +160,7 @@ def test_a_room_that_leaves_little_shows_that_its_form_is_good_and_one_that_has_
     fitter, fitted = of_room(6, floor_cover={"resistance_m2K_W": 0.05})
     assert 0.0 < fitter.spread(fitted) < 0.5
     assert fitter.spread(fitter.base) == 1.0
-    strained = replace(fitted, departures=2.0 * fitter.sd)
+    strained = replace(fitted, departures=2.0 * fitter.problem.sd)
     assert fitter.spread(strained) == 1.0
 
 
@@ -166,11 +171,11 @@ def test_a_room_in_long_steps_is_refined_to_what_short_ones_give(true: Mapping[s
     segment = segment_of("thermal-mass", segments(seen, believed))
     convention, edited = segment.conventions[0], with_effects(believed, effects(**true))
     fine, coarse = (segment.predict(seen, edited, convention, is_fine=way) for way in (True, False))
-    refined = Fitter(segment, seen, believed).predicted(edited, convention)
+    refined = estimator(segment, seen, believed).predicted(edited, convention)
     for channel in OF_AIR_AND_FLOOR:
         off_K = [np.nanstd((each[channel] - fine[channel])[24:]) for each in (refined, coarse)]
         assert off_K[0] <= 0.25 * off_K[1], channel
-    whole = Fitter(segment, seen, believed).predicted.fine(edited, convention)
+    whole = estimator(segment, seen, believed).predicted.fine(edited, convention)
     assert all(np.array_equal(whole[channel], fine[channel], equal_nan=True) for channel in OF_AIR_AND_FLOOR)
 
 
@@ -182,7 +187,7 @@ def test_a_room_that_is_as_believed_is_missed_by_thousandths_whatever_the_sample
     seen = record(case, interval_s=interval_s, **PERFECT)
     believed = belief(case, seen)
     segment = segment_of("thermal-mass", segments(seen, believed))
-    for residual in Fitter(segment, seen, believed, room_tolerance=0.0).base.residuals:
+    for residual in estimator(segment, seen, believed, room_tolerance=0.0).base.residuals:
         if residual.channel in OF_AIR_AND_FLOOR:
             assert residual.gap() < most_K, residual.channel
 
@@ -198,7 +203,7 @@ def test_where_nothing_was_put_in_neutral_is_found(name: str) -> None:
     seen, believed, cut = ready("REAL")
     effect = EFFECTS[name]
     segment = segment_of(name, cut)
-    fitter = Fitter(segment, planted(segment, seen, believed), believed)
+    fitter = estimator(segment, planted(segment, seen, believed), believed)
     fitted = fitter.fit(effect, fitter.base, BOTH)
     assert fitted
     ((_, values),) = fitted.effects
@@ -212,7 +217,7 @@ def test_where_nothing_was_put_in_neutral_is_found(name: str) -> None:
 @pytest.mark.parametrize("name", ["let-by", "supply-offset"])
 def test_the_same_record_gives_the_same_fit(name: str) -> None:
     fitter, fitted = found(name)
-    again = Fitter(fitter.segment, fitter.record, fitter.belief)
+    again = estimator(fitter.problem.segment, fitter.problem.record, fitter.problem.belief)
     ((effect, values),) = fitted.effects
     other = again.fit(effect, again.base, BOTH)
     assert other
@@ -224,13 +229,13 @@ def test_where_a_parameter_may_move_and_nothing_changes_its_interval_says_so() -
     """Pulses of a record are in steps: only what lies between two of them tells a shortest pulse."""
     seen = record("PWM", days=6, effects=effects(min_pulse={"min_pulse_s": 200.0}))
     segment = segment_of("min-pulse", segments(seen, belief("PWM", seen)))
-    fitter = Fitter(segment, seen, belief("PWM", seen))
+    fitter = estimator(segment, seen, belief("PWM", seen))
     fitted = fitter.fit(EFFECTS["min-pulse"], fitter.base, BOTH)
     assert fitted
     interval = parameter_intervals(fitter, fitted)[EFFECTS["min-pulse"]]["min_pulse_s"]
     assert interval.low < interval.value < interval.high
     assert interval.low <= 200.0 <= interval.high
-    same = fitter.at([(EFFECTS["min-pulse"], {"min_pulse_s": 200.0})], fitted.departures, fitted.convention)
+    same = fitter.problem.at([(EFFECTS["min-pulse"], {"min_pulse_s": 200.0})], fitted.departures, fitted.convention)
     assert same
     assert sum(map(same.loss, BOTH)) == sum(map(fitted.loss, BOTH))
 
@@ -240,9 +245,11 @@ def test_a_fit_does_not_end_in_a_notch_of_a_jagged_loss() -> None:
     seen, believed, cut = ready("REAL")
     true = effects(slow_actuator={"factor": 1.6})
     segment = segment_of("slow-actuator", cut)
-    fitter = Fitter(segment, planted(segment, seen, believed, true), believed)
+    fitter = estimator(segment, planted(segment, seen, believed, true), believed)
     fitted = fitter.fit(EFFECTS["slow-actuator"], fitter.base, BOTH)
-    at_truth = fitter.at([(EFFECTS["slow-actuator"], {"factor": 1.6})], fitter.base.departures, fitter.base.convention)
+    at_truth = fitter.problem.at(
+        [(EFFECTS["slow-actuator"], {"factor": 1.6})], fitter.base.departures, fitter.base.convention
+    )
     assert fitted
     assert at_truth
     assert sum(map(fitted.loss, BOTH)) < sum(map(at_truth.loss, BOTH)) + 9.0
@@ -253,7 +260,7 @@ def test_an_effect_that_cannot_apply_is_not_fitted() -> None:
     effect = EFFECTS["slow-actuator"]
     assert effect.hindrance(believed)
     segment = next(each for each in cut if each.stages == ("actuator",))
-    fitter = Fitter(segment, seen, believed)
+    fitter = estimator(segment, seen, believed)
     assert fitter.fit(effect, fitter.base) is None
 
 
@@ -261,7 +268,7 @@ def test_a_second_effect_is_fitted_together_with_the_first() -> None:
     seen, believed, cut = ready("REAL")
     truth = effects(let_by={"fraction": 0.03}, max_flow={"factor": 0.8})
     segment = next(each for each in cut if each.stages == ("valve",))
-    fitter = Fitter(segment, planted(segment, seen, believed, truth), believed)
+    fitter = estimator(segment, planted(segment, seen, believed, truth), believed)
     first = fitter.fit(EFFECTS["max-flow"], fitter.base, BOTH)
     assert first
     both = fitter.fit(EFFECTS["let-by"], first, BOTH)
@@ -275,17 +282,17 @@ def test_a_room_s_departures_take_up_what_its_priors_allow() -> None:
     """A standard deviation of each is fitted away."""
     seen, believed, cut = ready("REAL")
     segment = next(each for each in cut if each.with_room)
-    plain = Fitter(segment, seen, believed)
+    plain = estimator(segment, seen, believed)
     moved = planted(segment, seen, plain.edited((), plain.sd))
-    fitter = Fitter(segment, moved, believed)
-    believed_only = fitter.at((), np.zeros(len(fitter.sd)), fitter.base.convention)
+    fitter = estimator(segment, moved, believed)
+    believed_only = fitter.problem.at((), np.zeros(len(fitter.problem.sd)), fitter.base.convention)
     assert believed_only
     before, after = (
         next(e for e in m.residuals if e.channel == "air_temperature_C") for m in (believed_only, fitter.base)
     )
     assert before.gap() > 0.1
     assert after.gap() < 0.05
-    assert (np.abs(fitter.base.departures) < 3.0 * fitter.sd).all()
+    assert (np.abs(fitter.base.departures) < 3.0 * fitter.problem.sd).all()
 
 
 # --- the cube --------------------------------------------------------------------------------------------

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.diagnosis.realities import EFFECTS, belief, effects, planted, record
-from waxstudy.diagnosis.estimate.fitter import Fitter
-from waxstudy.diagnosis.estimate.intervals import CLOCK_S, _reaching, _timing, parameter_intervals, shrink
+from tests.diagnosis.realities import EFFECTS, belief, effects, estimator, planted, record
 from waxstudy.diagnosis.estimate.parameter_space import Space
+from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.residuals.judge import FIT, SELECT, SHRINK, Residual
+from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.result import Interval
+from waxstudy.diagnosis.select.intervals import CLOCK_S, _reaching, _timing, parameter_intervals, shrink
 from waxstudy.plugin import FloatArray, Prior
 
 SAMPLES = 2000
@@ -122,7 +122,7 @@ def test_a_parameter_s_interval_covers_it_as_often_as_it_says() -> None:
     effect, covered, widths = EFFECTS["max-flow"], 0, []
     for seed in range(20):
         made = planted(segment, seen, believed, effects(max_flow={"factor": 0.8}), seed=seed)
-        fitter = Fitter(segment, made, believed)
+        fitter = estimator(segment, made, believed)
         fitted = fitter.fit(effect, fitter.base, (FIT, SELECT))
         assert fitted
         interval = parameter_intervals(fitter, fitted)[effect]["factor"]
@@ -137,9 +137,9 @@ def test_a_motor_s_times_are_known_no_better_than_its_switches_nor_than_when_it_
     seen = record("IDEAL", days=2, interval_s=interval_s)
     believed = belief("IDEAL", seen)
     segment = next(each for each in segments(seen, believed) if each.stages == ("actuator",))
-    fitter, motor = Fitter(segment, seen, believed), EFFECTS["wax-motor"]
+    fitter, motor = estimator(segment, seen, believed), EFFECTS["wax-motor"]
     times = {"dead_time_s": 120.0, "rise_time_s": 100.0, "hold_time_s": 80.0, "fall_time_s": 140.0}
-    fitted = fitter.at([(motor, times)], np.zeros(0), fitter.base.convention)
+    fitted = fitter.problem.at([(motor, times)], np.zeros(0), fitter.base.convention)
     assert fitted
     for place, name in enumerate(Space(motor).names):
         prior = motor.priors[name]
@@ -152,7 +152,7 @@ def test_an_effect_of_a_model_without_parameters_has_no_intervals() -> None:
     seen = record("REAL", days=6)
     believed = belief("REAL", seen)
     segment = next(each for each in segments(seen, believed) if each.stages == ("valve",))
-    fitter = Fitter(segment, seen, believed)
+    fitter = estimator(segment, seen, believed)
     assert parameter_intervals(fitter, fitter.base) == {}
 
 

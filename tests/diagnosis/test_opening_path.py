@@ -12,7 +12,8 @@ from tests.diagnosis.realities import PERFECT, belief, dataset, record, rows
 from waxstudy.diagnosis.diagnose import diagnose
 from waxstudy.diagnosis.model.opening_path import cells, path
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.residuals.judge import Judge, is_lone
+from waxstudy.diagnosis.residuals.continuous import is_lone
+from waxstudy.diagnosis.residuals.judge import Judge
 
 
 @given(arrays(float, st.integers(2, 60), elements=st.sampled_from([0.0, 0.1, 0.35, 0.6, 0.9, 1.0])))

@@ -8,7 +8,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import plain, record
-from waxstudy.diagnosis.observations.record import AFTER_GAP_S, Record, snapped
+from waxstudy.diagnosis.observations.noise import snapped
+from waxstudy.diagnosis.observations.record import AFTER_GAP_S, Record
 from waxstudy.plugin import FloatArray
 
 DAY = 1440  # minutes

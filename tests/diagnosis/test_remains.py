@@ -11,17 +11,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.diagnosis.realities import EFFECTS, PERFECT, SETPOINT_C, belief, effects, plain, planted, record
+from tests.diagnosis.realities import EFFECTS, PERFECT, SETPOINT_C, belief, effects, estimator, plain, planted, record
 from waxstudy.diagnosis.consequence.closed_loop import closed_loop, distance, free_run, recorded
 from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.regimes import LONG_PAUSE_S, PHASES, of_chain, of_room, regimes
-from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.model.travel import is_covered, opening, published_error_s
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.residuals.judge import Judge, Residual
+from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.diagnosis.result import FoundEffect, Interval, Untestable
-from waxstudy.diagnosis.select.confirmation import is_distinct
+from waxstudy.diagnosis.select.evidence import distinct
 from waxstudy.diagnosis.select.search import Selection, select
 from waxstudy.diagnosis.select.testability import (
     clear,
@@ -50,7 +50,7 @@ def segment_at(stage: str, cut: Sequence[Segment]) -> Segment:
 
 
 def searched(segment: Segment, seen: Record, believed: Belief, names: Sequence[str] = ()) -> Selection:
-    return select(Fitter(segment, seen, believed), [EFFECTS[name] for name in names], 1, lambda name: None)
+    return select(estimator(segment, seen, believed), [EFFECTS[name] for name in names], 1, lambda name: None)
 
 
 # --- what stays ------------------------------------------------------------------------------------------
@@ -124,9 +124,9 @@ def test_the_opening_that_is_believed_is_what_was_recorded_of_it() -> None:
 
 def test_covered_is_what_moves_the_opening_little_and_nothing_else() -> None:
     seen, believed, cut = ready()
-    fitter = Fitter(segment_at("actuator", cut), seen, believed)
+    fitter = estimator(segment_at("actuator", cut), seen, believed)
     for factor, is_little in ((1.02, True), (2.0, False)):
-        moved = fitter.at([(EFFECTS["slow-actuator"], {"factor": factor})], np.zeros(0), fitter.base.convention)
+        moved = fitter.problem.at([(EFFECTS["slow-actuator"], {"factor": factor})], np.zeros(0), fitter.base.convention)
         assert moved
         assert is_covered(fitter, fitter.base, moved) is is_little
 
@@ -317,7 +317,7 @@ def test_a_claim_is_noticeably_off_what_is_believed_and_its_interval_leaves_that
     low, high = value * (1.0 - below), value * (1.0 + above)
     noticeable = slow.priors["factor"].noticeable
     is_off = max(value, 1.0 / value) > noticeable and not low <= 1.0 <= high
-    assert is_distinct(slow, factor_of(value, low, high), believed) is is_off
+    assert (distinct(slow, factor_of(value, low, high), believed) > 1.0) is is_off
 
 
 @pytest.mark.parametrize("seed", [4, 5])

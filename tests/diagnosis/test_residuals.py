@@ -8,15 +8,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from tests.diagnosis.realities import PERFECT, belief, plain, record
-from waxstudy.diagnosis.estimate.fitter import Fitter
-from waxstudy.diagnosis.estimate.noise_floor import NoiseFloor
-from waxstudy.diagnosis.model.room_response import Predicted
-from waxstudy.diagnosis.model.segments import Segment, segments
-from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.residuals.judge import FIT, SELECT, SHRINK, Judge, Residual, losses, parts_of, softened, stands
 from waxstudy.diagnosis.select.criteria import LEAST_GAP, LEAST_SMOOTHED_GAP
+
+from tests.diagnosis.realities import PERFECT, belief, estimator, plain, record
+from waxstudy.diagnosis.estimate.residual import Residual
+from waxstudy.diagnosis.model.predicted import Predicted
+from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals.continuous import stands
+from waxstudy.diagnosis.residuals.judge import Judge
+from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
+from waxstudy.diagnosis.residuals.switching import softened
 from waxstudy.plugin import Belief
 
 DAY = 1440
@@ -155,8 +158,10 @@ def test_losses_of_parts_and_of_blocks_add_up_to_the_whole(missing: float) -> No
             parts = [each.loss(part) for part in (FIT, SELECT, SHRINK)]
             assert sum(parts) == pytest.approx(each.loss())
         for part in (FIT, SELECT, SHRINK):
-            by_block = losses(residual, part)
-            assert sum(by_block.values()) == pytest.approx(sum(each.loss(part) for each in residual))
+            for each in residual:
+                chosen = each.part == part
+                by_block = np.bincount(each.block[chosen], weights=each.whitened[chosen] ** 2)
+                assert by_block.sum() == pytest.approx(each.loss(part))
 
 
 @pytest.mark.parametrize("missing", [0.0, 0.2])
@@ -204,8 +209,8 @@ def test_how_often_a_room_s_temperatures_are_logged_moves_its_prediction_by_no_t
 def test_a_right_controller_misses_no_more_than_what_its_own_drive_s_noise_makes_of_it(interval_s: float) -> None:
     seen = record("PI", days=4, interval_s=interval_s)
     believed = belief("PI", seen)
-    fitter = Fitter(segments(seen, believed)[0], seen, believed, 1.0, 1.0)
-    floor = NoiseFloor.of(fitter, fitter.base)
+    fitter = estimator(segments(seen, believed)[0], seen, believed, 1.0, 1.0)
+    floor = NoiseFloor.of(fitter.problem, fitter.base)
     for each in fitter.base.residuals:
         least = LEAST_SMOOTHED_GAP if each.channel == "control_output" else LEAST_GAP
         assert 0.7 < each.gap() / floor.plain[each.channel] < least

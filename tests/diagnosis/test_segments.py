@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import belief, record
-from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, PLAIN, RAW, Perturbation
+from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, PLAIN, RAW
+from waxstudy.diagnosis.model.perturbation import Perturbation
 from waxstudy.diagnosis.model.segments import SHOWN, Segment, segments
 from waxstudy.diagnosis.observations.record import ROOM_CHANNELS, Record
 from waxstudy.plugin import CHAIN, STAGES, Belief

@@ -12,14 +12,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, planted, record
-from waxstudy.diagnosis.assembly import _alternative, _why_not
-from waxstudy.diagnosis.estimate.fitter import Fitter
-from waxstudy.diagnosis.model.segments import Segment, segments
-from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.residuals.judge import FIT, SELECT, SHRINK, parts_of
-from waxstudy.diagnosis.select.candidate import LEVEL, best_of, explained
 from waxstudy.diagnosis.select.criteria import (
     LEAST_GAP,
     LEAST_OF_TRAVEL,
@@ -27,7 +19,16 @@ from waxstudy.diagnosis.select.criteria import (
     LEAST_SMOOTHED_GAP,
     least_gap,
 )
+
+from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, estimator, planted, record
+from waxstudy.diagnosis.assembly import _alternative
+from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.select.candidate import best_of
+from waxstudy.diagnosis.select.evidence import explained
 from waxstudy.diagnosis.select.search import Selection, _Search, select
+from waxstudy.diagnosis.sentences import why_not
 from waxstudy.plugin import Belief, Effect, hookimpl
 from waxstudy.plugin.registry import Registry, _register
 
@@ -50,7 +51,7 @@ def searched(
     segment: Segment, seen: Record, believed: Belief, more: Sequence[type[Effect]] = (), seed: int = 1
 ) -> Selection:
     tried = [effect for effect in (*EFFECTS.values(), *more) if effect.stage in segment.stages]
-    return select(Fitter(segment, seen, believed), tried, seed, lambda name: None)
+    return select(estimator(segment, seen, believed), tried, seed, lambda name: None)
 
 
 @cache
@@ -87,9 +88,9 @@ def test_a_motor_is_claimed_by_more_where_its_pulses_or_its_path_are_not_known(
     seen = record("REAL", days=2, interval_s=interval_s, without=without)
     believed = belief("REAL", seen)
     segment = segment_at("actuator", segments(seen, believed))
-    assert least_gap(Fitter(segment, seen, believed), "displacement", "1") == least
+    assert least_gap(estimator(segment, seen, believed), "displacement", "1") == least
     of_flow = max(LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP if without else 0.0) if interval_s == 300.0 else least
-    assert least_gap(Fitter(segment, seen, believed), "flow_L_h", "L/h") == of_flow
+    assert least_gap(estimator(segment, seen, believed), "flow_L_h", "L/h") == of_flow
 
 
 @pytest.mark.slow
@@ -133,9 +134,9 @@ def test_what_was_put_in_is_claimed_and_nothing_beside_it(stage: str, true: Effe
     ((name, _),) = true
     (found,) = selection.found
     assert name in found.group
-    assert found.candidate.p <= LEVEL
+    assert found.candidate.evidence.p <= 0.01
     assert found.inclusion > 0.9
-    assert found.candidate.share > 0.8
+    assert found.candidate.evidence.share > 0.8
 
 
 CURVE = effects(quick_opening={"h_min": 0.25, "h_mid": 0.6, "v_mid": 0.2, "authority": 0.8})
@@ -152,7 +153,7 @@ def test_another_curve_is_claimed_though_other_circuits_take_from_all_of_the_flo
     shared = replace(made, values={**made.values, "flow_L_h": made.values["flow_L_h"] * pressure})
     found = searched(segment, shared, believed).found
     assert [each.effect.name for each in found] == names
-    assert all(each.candidate.share < 0.5 < each.candidate.plain_share for each in found)
+    assert all(each.candidate.evidence.share < 0.5 < each.candidate.evidence.plain_share for each in found)
 
 
 @pytest.mark.slow
@@ -185,13 +186,13 @@ def test_a_room_departs_only_so_far_and_what_needs_more_is_claimed() -> None:
 
     def of_sun(factor: float) -> Selection:
         made = planted(segment, seen, believed, effects(solar_factor={"factor": factor}))
-        return select(Fitter(segment, made, believed), tried, 1, lambda name: None)
+        return select(estimator(segment, made, believed), tried, 1, lambda name: None)
 
     half = of_sun(0.5)
     assert ["solar-factor" in found.group for found in half.found] == [True]
     less = of_sun(0.8)
-    names = [unknown.name for unknown in less.fitter.nuisances]
-    departure = (less.after.departures / less.fitter.sd)[names.index("solar gain")]
+    names = [unknown.name for unknown in less.fitter.problem.nuisances]
+    departure = (less.after.departures / less.fitter.problem.sd)[names.index("solar gain")]
     assert (less.found, departure < -1.0) == ((), True)
 
 
@@ -209,7 +210,7 @@ def test_one_of_a_pair_that_is_enough_only_together_is_no_other_name_of_the_othe
     seen, believed, cut = ready()
     segment = segment_at("valve", cut)
     made = planted(segment, seen, believed, effects(let_by={"fraction": 0.03}, max_flow={"factor": 0.8}))
-    fitter = Fitter(segment, made, believed)
+    fitter = estimator(segment, made, believed)
     search = _Search(fitter, [EFFECTS["let-by"], EFFECTS["max-flow"]], np.random.default_rng(1), lambda name: None)
     alone = search.tried(fitter.base)
     first = next(each for each in alone if each.effect.name == "let-by")
@@ -239,7 +240,7 @@ def test_an_effect_that_later_days_do_not_confirm_is_withdrawn() -> None:
     assert selection.found == ()
     (withdrawn,) = selection.withdrawn
     assert "let-by" in withdrawn.group
-    assert _why_not(selection, withdrawn.candidate) == "the last days do not confirm it"
+    assert why_not(selection, withdrawn.candidate) == "the last days do not confirm it"
 
 
 def test_what_explains_less_than_half_of_a_room_over_the_whole_record_is_not_claimed() -> None:
@@ -252,12 +253,12 @@ def test_what_explains_less_than_half_of_a_room_over_the_whole_record_is_not_cla
     odd = {name: warm.values[name] + other_K for name in ("air_temperature_C", "operative_temperature_C")}
     for values, is_claimed in ((warm.values, True), ({**warm.values, **odd}, False)):
         tried = [EFFECTS["supply-offset"]]
-        selection = select(Fitter(segment, replace(warm, values=values), believed), tried, 1, lambda name: None)
+        selection = select(estimator(segment, replace(warm, values=values), believed), tried, 1, lambda name: None)
         named = selection.found if is_claimed else selection.distrusted
         assert [each.effect.name for each in named] == ["supply-offset"]
         assert bool(selection.found) is is_claimed
         why = "another explains more" if is_claimed else "too much stays"
-        assert _why_not(selection, named[0].candidate) == why
+        assert why_not(selection, named[0].candidate) == why
 
 
 @pytest.mark.parametrize(("true", "is_form"), [(CURVE, True), (effects(max_flow={"factor": 0.8}), False)])
@@ -270,7 +271,7 @@ def test_a_form_of_several_parameters_is_claimed_only_where_little_else_is_left(
     wave = 0.3 * np.sin(2.0 * np.pi * np.arange(len(seen)) / 60.0) * (parts_of(seen) == FIT)
     for values, is_claimed in ((flow, True), (flow * (1.0 + wave), not is_form)):
         record = replace(seen, values={**seen.values, "flow_L_h": values})
-        selection = select(Fitter(segment, record, believed), [EFFECTS[name]], 1, lambda name: None)
+        selection = select(estimator(segment, record, believed), [EFFECTS[name]], 1, lambda name: None)
         assert [each.effect.name for each in (selection.found if is_claimed else selection.distrusted)] == [name]
         assert bool(selection.found) is is_claimed
 

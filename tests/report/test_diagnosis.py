@@ -31,7 +31,7 @@ from tests.report.diagnoses import (
 )
 from tests.report.test_page import Page, browse, needs_browser
 from waxstudy.diagnosis.result import Diagnosis, Measurement, Tried, Untestable
-from waxstudy.diagnosis.sentences import told
+from waxstudy.diagnosis.sentences import group_sentence
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.figures.ranking import figure_ranking
 from waxstudy.report.diagnosis.figures.traces import course
@@ -186,13 +186,13 @@ def test_every_member_of_a_group_has_its_say_and_of_a_long_one_the_first_three()
     both = (
         "Either the valve lets 7.1 % of its flow through when it is closed, or the valve never closes beyond 3.2 % of"
     )
-    assert told(together) == f"{both} its travel."
+    assert group_sentence(together) == f"{both} its travel."
     assert both in page_text(as_html(GROUP))
     more = [replace(STUCK, name=name, sentence=f"PI {name}.") for name in ("b", "c", "d", "e")]
     long = replace(together, group=("let-by", *(each.name for each in more)), alternatives=more)
-    assert told(long).endswith("when it is closed, or PI b, or PI c, or one of: d, e.")
-    assert told(replace(long, group=("let-by", "b", "c", "d"))).endswith(", or PI c, or d.")
-    assert told(LET_BY) == LET_BY.sentence
+    assert group_sentence(long).endswith("when it is closed, or PI b, or PI c, or one of: d, e.")
+    assert group_sentence(replace(long, group=("let-by", "b", "c", "d"))).endswith(", or PI c, or d.")
+    assert group_sentence(LET_BY) == LET_BY.sentence
 
 
 def test_a_quick_look_says_so_before_anything_else_and_where_the_cause_is_told() -> None:

@@ -68,7 +68,7 @@ def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: 
     from waxstudy.blind_test.record import without_noise
     from waxstudy.blind_test.truth import Stand
     from waxstudy.diagnosis.diagnose import installed_effects
-    from waxstudy.diagnosis.residuals.judge import BOTH, SELECT, SHRINK
+    from waxstudy.diagnosis.observations.partition import BOTH, SELECT, SHRINK
 
     case = _case(box)
     free = without_noise(engine_of(case.engine).make(case.scene), case.measured)

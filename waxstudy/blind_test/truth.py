@@ -17,13 +17,17 @@ from waxstudy.blind_test.record import shown, without_noise
 from waxstudy.dataset.effects import EffectError, applied
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import installed_effects, record_of
-from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.model.room_response import Predicted
+from waxstudy.diagnosis.model.predicted import Predicted
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.residuals.judge import Judge, Residual
+from waxstudy.diagnosis.residuals.continuous import Continuous
+from waxstudy.diagnosis.residuals.judge import Judge
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.plugin import Belief, Choice
 from waxstudy.plugin.trial import Cause, Staged
 
@@ -78,9 +82,9 @@ class Stand:
         found = segments(self.noisy, self.noisy_belief)
         return next((segment for segment in found if cause.stages[0] in segment.stages and not segment.is_supply), None)
 
-    def fitter(self, segment: Segment, record: Record, belief: Belief) -> Fitter:
+    def fitter(self, segment: Segment, record: Record, belief: Belief) -> Estimator[SegmentProblem]:
         thorough = self.thorough_room if segment.with_room else THOROUGH
-        return Fitter(segment, record, belief, thorough, self.room_tolerance)
+        return Estimator(SegmentProblem(segment, record, belief, self.room_tolerance), thorough)
 
 
 def _belief(dataset: Dataset, record: Record) -> Belief:
@@ -132,9 +136,9 @@ def gap_and_floor(stand: Stand, segment: Segment, choices: Sequence[Choice], own
     free, seen = stand.fitter(segment, stand.free, stand.belief), stand.fitter(segment, stand.noisy, stand.noisy_belief)
     convention = min(segment.conventions, key=lambda each: sum(e.loss() for e in missed(free, truth, each)))
     noise = Judge(segment, stand.noisy, noisy_truth)
-    floors = gaps(noise.residuals(seen.predicted(noisy_truth, convention)))
+    floors = gaps(noise.residuals(seen.problem.predicted(noisy_truth, convention)))
     # no switch is known better than to the interval
-    floors |= {c: max(floors[c], noise.timing_s(c)) for c in segment.judged if c in stand.noisy.binary}
+    floors |= {c: max(floors[c], typical_s(noise, c)) for c in segment.judged if c in stand.noisy.binary}
     return floors, gaps(missed(free, belief, convention))
 
 
@@ -148,9 +152,9 @@ def _of_channels(case: Case, staged: Staged, stand: Stand, segment: Segment, pla
     true_gaps = gaps(judge.residuals(_as_measured(segment, null, belief)))
     noise = Judge(segment, stand.noisy, belief)
     floors = gaps(noise.residuals(_as_measured(segment, stand.free, belief)))
-    floors |= {channel: noise.timing_s(channel) for channel in segment.judged if channel in stand.noisy.binary}
+    floors |= {channel: typical_s(noise, channel) for channel in segment.judged if channel in stand.noisy.binary}
     if CONTINUOUS in segment.judged and CONTINUOUS not in stand.noisy.binary:
-        floors[CONTINUOUS] = max(floors[CONTINUOUS], noise.moved(CONTINUOUS))
+        floors[CONTINUOUS] = max(floors[CONTINUOUS], moved(noise))
     form = gaps(stand.fitter(segment, null, belief).base.residuals) if with_alike else {}
     return _sized(stand.fitter(segment, stand.free, belief), case.causes[place], true_gaps, floors, form, with_alike)
 
@@ -166,7 +170,7 @@ def _null_record(case: Case, staged: Staged, free: Record, place: int) -> Record
 def _as_measured(segment: Segment, record: Record, belief: Belief) -> Predicted:
     """Return a record's channels as those of a segment are judged."""
     judge = Judge(segment, record, belief)
-    return Predicted({channel: judge.measured(channel) for channel in segment.judged})
+    return Predicted({channel: judge.ways[channel].measured for channel in segment.judged})
 
 
 # --- a record that was measured ---
@@ -180,7 +184,7 @@ def _of_house(case: Case, staged: Staged, stand: Stand, segment: Segment, place:
     null = _null_record(case, staged, stand.free, place)
     untouched = stand.fitter(segment, null, replace(stand.belief, inputs=null.inputs))
     altered, base = stand.fitter(segment, stand.free, stand.belief), untouched.base
-    moved = altered.at((), base.departures, base.convention)
+    moved = altered.problem.at((), base.departures, base.convention)
     assert moved
     floors = gaps(base.residuals)
     pairs = zip(moved.residuals, base.residuals, strict=True)
@@ -192,20 +196,22 @@ def _of_house(case: Case, staged: Staged, stand: Stand, segment: Segment, place:
 # --- all ---
 
 
-def _sized(fitter: Fitter, own: Cause, true_gaps: Gaps, floors: Gaps, form: Gaps, with_alike: bool) -> Size:
+def _sized(
+    fitter: Estimator[SegmentProblem], own: Cause, true_gaps: Gaps, floors: Gaps, form: Gaps, with_alike: bool
+) -> Size:
     channel = max(true_gaps, key=lambda name: true_gaps[name] / max(floors[name], LEAST))
     gap, floor = true_gaps[channel], max(floors[channel], LEAST)
     beyond, names = 0.0, []
     if with_alike:
         beyond = over(gaps(fitter.base.residuals), {c: math.hypot(floors[c], form.get(c, 0.0)) for c in floors})
         names = list(_alike(fitter, own, floors, form)) if gap > floor else []
-    return Size(fitter.segment.name, channel, gap, floor, beyond, tuple(names))
+    return Size(fitter.problem.segment.name, channel, gap, floor, beyond, tuple(names))
 
 
-def _alike(fitter: Fitter, own: Cause, floors: Gaps, form: Gaps) -> Iterable[str]:
+def _alike(fitter: Estimator[SegmentProblem], own: Cause, floors: Gaps, form: Gaps) -> Iterable[str]:
     """Yield the effects that explain the record without noise but for the floor, and for what the form leaves."""
     for effect in installed_effects():
-        if effect.name != own.name and effect.stage in fitter.segment.stages:
+        if effect.name != own.name and effect.stage in fitter.problem.segment.stages:
             fitted = fitter.fit(effect, fitter.base)
             if fitted is not None and is_alike(fitted, floors, form):
                 yield effect.name
@@ -216,8 +222,21 @@ def is_alike(fitted: Hypothesis, floors: Mapping[str, float], form: Mapping[str,
     return all(left[c] ** 2 <= floors[c] ** 2 + form.get(c, 0.0) ** 2 for c in left)
 
 
-def missed(fitter: Fitter, belief: Belief, convention: Convention) -> list[Residual]:
-    return Judge(fitter.segment, fitter.record, belief).residuals(fitter.predicted(belief, convention))
+def missed(fitter: Estimator[SegmentProblem], belief: Belief, convention: Convention) -> list[Residual]:
+    return Judge(fitter.problem.segment, fitter.problem.record, belief).residuals(
+        fitter.problem.predicted(belief, convention)
+    )
+
+
+def typical_s(judge: Judge, channel: str) -> float:
+    way = judge.ways[channel]
+    return way.typical_s if isinstance(way, Switching) else 0.0
+
+
+def moved(judge: Judge) -> float:
+    """Return how far the noise of the drive moves a control output that runs on."""
+    way = judge.ways[CONTINUOUS]
+    return float((way.driven**2).mean() ** 0.5) if isinstance(way, Continuous) else 0.0
 
 
 def gaps(residual: Iterable[Residual]) -> Gaps:

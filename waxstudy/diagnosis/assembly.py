@@ -12,19 +12,19 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.consequence.closed_loop import closed_loop
 from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.regimes import regimes
-from waxstudy.diagnosis.estimate.intervals import shrink
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.model.room_response import built
-from waxstudy.diagnosis.model.segments import ROOM_STAGES, Segment
+from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.drives import filled_in
+from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.residuals.judge import FIT, SELECT, SHRINK, parts_of
 from waxstudy.diagnosis.result import (
     Alternative,
     BeforeAfter,
     Diagnosis,
     FoundEffect,
     Interval,
+    Lack,
     StageGap,
     Step,
     Tried,
@@ -33,17 +33,11 @@ from waxstudy.diagnosis.result import (
     Verdict,
 )
 from waxstudy.diagnosis.select.candidate import Candidate
+from waxstudy.diagnosis.select.intervals import shrink
 from waxstudy.diagnosis.select.search import Selection
-from waxstudy.diagnosis.select.testability import (
-    UNSHOWN,
-    doubtful_noise,
-    next_measurements,
-    separating,
-    uncovered,
-    unshown,
-)
+from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import stage_of, unexplained
-from waxstudy.diagnosis.sentences import told
+from waxstudy.diagnosis.sentences import logged, needless, summary, warned, why_not
 from waxstudy.plugin import STAGES, Belief
 
 
@@ -75,7 +69,7 @@ def assembled(
     return Diagnosis(
         dataset=work.dataset.name,
         verdict=verdict,
-        summary=_summary(verdict, found, remains, untestable),
+        summary=summary(verdict, found, remains, untestable),
         stages=[stage for selection in selections for stage in _stages(work, selection, selections)],
         effects=found,
         unexplained=remains,
@@ -87,13 +81,13 @@ def assembled(
         warnings=[
             *work.dataset.warnings,
             *doubtful_noise(work.record, cut),
-            *_warned(selections),
+            *warned(selections),
         ],
         assumptions=[
             *work.dataset.assumptions,
             *filled_in(work.dataset, work.record, built(work.dataset.room) if work.dataset.room else None),
-            *_conventions(selections),
-            *_needless(selections),
+            *logged(selections),
+            *needless(selections),
         ],
         departures=_departures(selections),
         parts=_parts(work, selections),
@@ -117,7 +111,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             group=list(found.group),
             parameters=selection.intervals[found.effect],
             inclusion=found.inclusion,
-            p=found.candidate.p,
+            p=found.candidate.evidence.p,
             channel=channel,
             gap_before=before.gap(),
             gap_after=after.gap(),
@@ -135,7 +129,7 @@ def _alternative(candidate: Candidate) -> Alternative:
 
 
 def _stages(work: Work, selection: Selection, selections: Sequence[Selection]) -> Iterator[StageGap]:
-    segment = selection.fitter.segment
+    segment = selection.segment
     believed = _believed(work, selections, with_effects=False)
     for before, after in zip(selection.before.residuals, selection.after.residuals, strict=True):
         yield StageGap(
@@ -153,14 +147,14 @@ def _stages(work: Work, selection: Selection, selections: Sequence[Selection]) -
 
 
 def _impact(work: Work, selection: Selection, believed: Belief, channel: str) -> Mapping[str, float]:
-    segment, before = selection.fitter.segment, selection.before
+    segment, before = selection.segment, selection.before
     if segment.with_room:
         air = [each.gap() for each in before.residuals if each.channel == "air_temperature_C"]
         return {"air_K": air[0]} if air else {}
     if channel != segment.judged[-1]:
         return {}
-    belief = selection.fitter.edited(before.effects, before.departures)
-    modelled = selection.fitter.predicted(belief, before.convention)[channel]
+    belief = selection.problem.edited(before.effects, before.departures)
+    modelled = selection.problem.predicted(belief, before.convention)[channel]
     return impact(work.record, believed, segment, modelled)
 
 
@@ -174,36 +168,25 @@ def _autocorrelation(error: np.ndarray) -> float:
 
 def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tried]:
     named = {name for effect in effects for name in effect.group}
-    for each in sorted(selection.tried, key=lambda c: -c.gain):
-        figures = each.gain, each.p, each.share
-        why = "" if each.effect.name in named else _why_not(selection, each)
-        yield Tried(each.effect.name, each.effect.stage, *figures, each.channel, why)
-
-
-def _why_not(selection: Selection, candidate: Candidate) -> str:
-    """Return why an effect that was tried is not named."""
-    name = candidate.effect.name
-    if any(name in found.group for found in selection.withdrawn):
-        return "the last days do not confirm it"
-    if any(name in found.group for found in selection.distrusted):
-        return "too much stays"
-    if any(name in found.group for found in selection.indistinct):
-        return "it may as well be what is believed"
-    return candidate.why_not or ("another explains more" if selection.found else "another was better, and withdrawn")
+    for each in sorted(selection.tried, key=lambda c: -c.evidence.gain):
+        evidence = each.evidence
+        figures = evidence.gain, evidence.p, evidence.share
+        why = "" if each.effect.name in named else why_not(selection, each)
+        yield Tried(each.effect.name, each.effect.stage, *figures, evidence.channel, why)
 
 
 def _untestable(
     work: Work, cut: Sequence[Segment], short: Mapping[Segment, str], selections: Sequence[Selection]
 ) -> Iterator[Untestable]:
     yield from uncovered(work.effects, cut, work.belief)
-    looked_at = [each for each in selections if not each.fitter.segment.is_supply]
-    tried = [effect for selection in looked_at for effect in of_segment(selection.fitter.segment, work.effects)]
+    looked_at = [each for each in selections if not each.segment.is_supply]
+    tried = [effect for selection in looked_at for effect in of_segment(selection.segment, work.effects)]
     for segment, reason in short.items():
         for effect in of_segment(segment, work.effects):
             if effect not in tried and not effect.hindrance(work.belief):
-                yield Untestable(effect.name, reason)
+                yield Untestable(effect.name, reason, Lack.TOO_LITTLE)
     for selection in looked_at:
-        yield from unshown(selection, of_segment(selection.fitter.segment, work.effects))
+        yield from unshown(selection, of_segment(selection.segment, work.effects))
 
 
 def _verdict(
@@ -218,38 +201,18 @@ def _verdict(
         return "group"
     if any(each.is_finding for each in remains):
         return "unknown"
-    looked_at = [each for each in selections if not each.fitter.segment.is_supply]
+    looked_at = [each for each in selections if not each.segment.is_supply]
     tested = {each.effect.name for selection in looked_at for each in selection.tried}
     return "none" if tested - {each.name for each in untestable} else "untestable"
-
-
-def _summary(
-    verdict: Verdict, found: Sequence[FoundEffect], remains: Sequence[Unexplained], untestable: Sequence[Untestable]
-) -> str:
-    if verdict in ("effect", "group"):
-        return " ".join(told(effect) for effect in found)
-    if verdict == "unknown":
-        places = ", ".join(dict.fromkeys(each.stage for each in remains if each.is_finding))
-        return f"Something that no known effect explains lies at: {places}."
-    if verdict == "untestable":
-        return f"This record cannot be judged: {_main_reason(untestable)}."
-    return "The record shows no effect that the model lacks."
-
-
-def _main_reason(untestable: Sequence[Untestable]) -> str:
-    """Return the commonest reason, rather of what was recorded than of what was not."""
-    reasons = [each.reason for each in untestable]
-    recorded = [reason for reason in reasons if not reason.startswith(UNSHOWN)]
-    return max(recorded or reasons, key=reasons.count, default="it holds too little")
 
 
 def _believed(work: Work, selections: Sequence[Selection], with_effects: bool) -> Belief:
     """Return what is believed, its room as fitted and its sun as read, with or without the effects found."""
     belief = work.belief
-    for selection in sorted(selections, key=lambda s: not s.fitter.segment.with_room):
+    for selection in sorted(selections, key=lambda s: not s.segment.with_room):
         model = selection.after if with_effects else selection.before
-        if selection.fitter.segment.with_room:
-            belief = selection.fitter.edited((), model.departures)
+        if selection.segment.with_room:
+            belief = selection.problem.edited((), model.departures)
             assert belief.inputs
             factor = model.convention.solar_factor
             belief = replace(belief, inputs=replace(belief.inputs, solar_W=factor * belief.inputs.solar_W))
@@ -259,7 +222,7 @@ def _believed(work: Work, selections: Sequence[Selection], with_effects: bool) -
 
 
 def _closed_loop(work: Work, selections: Sequence[Selection]) -> Mapping[str, BeforeAfter]:
-    has_room = any(selection.fitter.segment.with_room for selection in selections)
+    has_room = any(selection.segment.with_room for selection in selections)
     if not has_room or "controller" not in work.belief.blocks or not work.record.has("setpoint_C"):
         return {}
     before, after = (_believed(work, selections, with_effects) for with_effects in (False, True))
@@ -273,46 +236,18 @@ def _waterfall(selection: Selection) -> Iterator[Step]:
             yield Step(residual.channel, residual.unit, name, residual.gap())
 
 
-def _conventions(selections: Sequence[Selection]) -> list[str]:
-    return [
-        s.before.convention.words
-        for s in selections
-        if s.before.convention.words and len(s.fitter.segment.conventions) > 1
-    ]
-
-
-def _needless(selections: Sequence[Selection]) -> Iterator[str]:
-    for selection in selections:
-        if selection.fitter.is_exact_room:
-            names = " and ".join(found.effect.name for found in selection.found)
-            yield f"The room is as believed to the letter: with {names} nothing has to depart but how it began."
-
-
-def _warned(selections: Sequence[Selection]) -> list[str]:
-    names = [found.effect.name for selection in selections for found in selection.withdrawn]
-    told = [f"{name} fitted the first days, but the last days do not confirm it: it is not claimed" for name in names]
-    late = [found.effect.name for s in selections if not s.fitter.holds_out for found in s.found]
-    told += [f"{name} shows in the last days only: they took part in finding it, none are held out" for name in late]
-    for effect, channel in ((found.effect, found.channel) for s in selections for found in s.distrusted):
-        missed = "the room" if effect.stage in ROOM_STAGES else channel
-        told.append(f"{effect.name} explains a part of what {missed} is missed by, but too much stays: not claimed")
-    for name in (found.effect.name for s in selections for found in s.indistinct):
-        told.append(f"{name} explains a gap, but by its interval it may as well be what is believed: it is not claimed")
-    return told
-
-
 def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:
     found = {}
     for selection in selections:
-        fitter = selection.fitter
-        for unknown, value in zip(fitter.nuisances, selection.after.departures / fitter.sd, strict=True):
+        problem = selection.problem
+        for unknown, value in zip(problem.nuisances, selection.after.departures / problem.sd, strict=True):
             found[unknown.name] = float(value)
     return found
 
 
 def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence[str]]:
     """Return first and last day of each part, as the chain has them; a room alone has days in turn."""
-    has_chain = any(not selection.fitter.segment.with_room for selection in selections)
+    has_chain = any(not selection.segment.with_room for selection in selections)
     part = parts_of(work.record, days_in_turn=not has_chain)
     days = (work.dataset.time - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")  # midnight ends a day
     found = {}
@@ -328,10 +263,10 @@ def _traces(work: Work, selections: Sequence[Selection]) -> pd.DataFrame:
     columns: dict[str, np.ndarray] = {}
     count = len(work.record)
     for selection in selections:
-        fitter = selection.fitter
+        problem = selection.problem
         for name, model in (("before", selection.before), ("after", selection.after)):
-            belief = fitter.edited(model.effects, model.departures)
-            predicted = fitter.predicted(belief, model.convention)
+            belief = problem.edited(model.effects, model.departures)
+            predicted = problem.predicted(belief, model.convention)
             for channel, values in predicted.items():
                 columns[f"{channel}_measured"] = work.record.values[channel]
                 columns[f"{channel}_{name}"] = _spread(values, count)

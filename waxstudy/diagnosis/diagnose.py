@@ -9,18 +9,19 @@ import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
-from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.drives import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.diagnosis.select.exact_room import with_exact_room
 from waxstudy.diagnosis.select.search import Selection, Tick, select
 from waxstudy.diagnosis.select.testability import too_short
-from waxstudy.plugin import Belief, Effect, Inputs
+from waxstudy.plugin import Effect, Inputs
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
@@ -43,7 +44,7 @@ def diagnose(
     `tick` is told what is being tried and the share done.
     """
     record = record_of(dataset)
-    belief = Belief(dataset.nominal, dataset.room, _inputs(record))
+    belief = dataset.believed(_inputs(record))
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
     cut = segments(record, belief)
@@ -105,12 +106,13 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
 def _selection(
     work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick, holds_out: bool = True
 ) -> Selection:
-    fitter = Fitter(segment, work.record, work.belief, work.thorough, work.dataset.room_tolerance, holds_out)
+    problem = SegmentProblem(segment, work.record, work.belief, work.dataset.room_tolerance, holds_out)
+    estimator = Estimator(problem, work.thorough)
     try:
-        assert fitter.base
+        assert estimator.base
     except ValueError as error:
         raise StudyError([_impossible(work.dataset, segment, str(error))]) from error
-    return select(fitter, effects, seed, tick)
+    return select(estimator, effects, seed, tick)
 
 
 def _impossible(dataset: Dataset, segment: Segment, reason: str) -> Problem:

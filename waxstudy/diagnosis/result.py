@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from enum import StrEnum
 from math import inf, nan
 from typing import Any, Literal
 
@@ -113,12 +114,22 @@ class Unexplained:
         return not (self.is_room_form or self.is_covered or self.is_of_drives)
 
 
+class Lack(StrEnum):
+    """Why an effect could not be shown."""
+
+    NOT_RECORDED = "not recorded"  # no channel shows its stage
+    TOO_LITTLE = "too little"  # of what was recorded, or nothing happened in it
+    NOT_EXCITED = "not excited"  # what happened would look the same with it
+    NOT_UNDERSTOOD = "not understood"  # too much stays of the room
+
+
 @dataclass(frozen=True)
 class Untestable:
     """An effect that this record could not show."""
 
     name: str
     reason: str
+    lack: Lack
 
 
 @dataclass(frozen=True)

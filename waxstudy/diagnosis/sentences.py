@@ -1,13 +1,82 @@
-"""A found effect in one sentence, in which every member of its group has its say."""
+"""What a diagnosis says in words; nothing is decided here."""
 
 from __future__ import annotations
 
-from waxstudy.diagnosis.result import FoundEffect
+from collections.abc import Iterator, Sequence
+
+from waxstudy.diagnosis.model.segments import ROOM_STAGES
+from waxstudy.diagnosis.result import FoundEffect, Lack, Unexplained, Untestable, Verdict
+from waxstudy.diagnosis.select.candidate import Candidate
+from waxstudy.diagnosis.select.search import Found, Selection
 
 MOST_TOLD = 3  # sentences of a group; the others by name
 
 
-def told(effect: FoundEffect) -> str:
+def summary(
+    verdict: Verdict, found: Sequence[FoundEffect], remains: Sequence[Unexplained], untestable: Sequence[Untestable]
+) -> str:
+    if verdict in ("effect", "group"):
+        return " ".join(group_sentence(effect) for effect in found)
+    if verdict == "unknown":
+        places = ", ".join(dict.fromkeys(each.stage for each in remains if each.is_finding))
+        return f"Something that no known effect explains lies at: {places}."
+    if verdict == "untestable":
+        return f"This record cannot be judged: {_main_reason(untestable)}."
+    return "The record shows no effect that the model lacks."
+
+
+def _main_reason(untestable: Sequence[Untestable]) -> str:
+    """Return the commonest reason, rather of what was recorded than of what was not."""
+    recorded = [each.reason for each in untestable if each.lack is not Lack.NOT_RECORDED]
+    reasons = recorded or [each.reason for each in untestable]
+    return max(reasons, key=reasons.count, default="it holds too little")
+
+
+def why_not(selection: Selection, candidate: Candidate) -> str:
+    """Return why an effect that was tried is not named."""
+    name = candidate.effect.name
+    for each in selection.withdrawn:
+        if name in each.found.group:
+            return each.criterion.name
+    return candidate.why_not or ("another explains more" if selection.found else "another was better, and withdrawn")
+
+
+def warned(selections: Sequence[Selection]) -> Iterator[str]:
+    """Yield what is to be said of effects that were found and not kept, or kept by days that chose them."""
+    for selection in selections:
+        for each in selection.withdrawn:
+            yield _withdrawn(each.found.effect.name, each.criterion.statistic, _place(each.found))
+        for found in () if selection.problem.holds_out else selection.found:
+            name = found.effect.name
+            yield f"{name} shows in the last days only: they took part in finding it, none are held out"
+
+
+def _place(found: Found) -> str:
+    return "the room" if found.effect.stage in ROOM_STAGES else found.channel
+
+
+def _withdrawn(name: str, statistic: str, missed: str) -> str:
+    if statistic == "fresh_share":
+        return f"{name} fitted the first days, but the last days do not confirm it: it is not claimed"
+    if statistic == "distinct":
+        return f"{name} explains a gap, but by its interval it may as well be what is believed: it is not claimed"
+    return f"{name} explains a part of what {missed} is missed by, but too much stays: not claimed"
+
+
+def logged(selections: Sequence[Selection]) -> list[str]:
+    """Return how the record was taken to be logged, where its words leave a choice."""
+    chosen = [selection.before.convention for selection in selections if len(selection.segment.conventions) > 1]
+    return [convention.words for convention in chosen if convention.words]
+
+
+def needless(selections: Sequence[Selection]) -> Iterator[str]:
+    for selection in selections:
+        if selection.problem.is_exact_room:
+            names = " and ".join(found.effect.name for found in selection.found)
+            yield f"The room is exactly as believed: with {names} nothing has to depart but how it began."
+
+
+def group_sentence(effect: FoundEffect) -> str:
     """Return the sentence of an effect; of a group those of its members, lest the first be taken for the cause."""
     others = effect.alternatives[: MOST_TOLD - 1]
     known = {effect.name, *(each.name for each in others)}

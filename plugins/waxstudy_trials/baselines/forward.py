@@ -9,11 +9,12 @@ from collections.abc import Sequence
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import installed_effects
-from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.residuals.judge import FIT, SELECT, SHRINK
+from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy_trials.baselines import Json, answer, taken
 
 LEVEL = 0.01  # over the effects of a segment (Bonferroni)
@@ -28,16 +29,18 @@ def diagnose(dataset: Dataset) -> Json:
     cut = segments(record, belief)
     found: dict[str, tuple[EffectType, dict[str, float]]] = {}
     for segment in (each for each in cut if not each.is_supply):
-        fitter = Fitter(segment, record, belief, THOROUGH, dataset.room_tolerance)
-        for effect, values in _added(fitter, [e for e in installed_effects() if e.stage in segment.stages]):
+        estimator = Estimator(SegmentProblem(segment, record, belief, dataset.room_tolerance), THOROUGH)
+        for effect, values in _added(estimator, [e for e in installed_effects() if e.stage in segment.stages]):
             found.setdefault(effect.name, (effect, values))
     return answer(dataset, list(found.values()), "" if cut else "nothing to judge")
 
 
-def _added(fitter: Fitter, effects: Sequence[EffectType]) -> list[tuple[EffectType, dict[str, float]]]:
-    current = fitter.base
+def _added(
+    estimator: Estimator[SegmentProblem], effects: Sequence[EffectType]
+) -> list[tuple[EffectType, dict[str, float]]]:
+    current = estimator.base
     for _ in range(MOST):
-        tried = [one for e in effects if e.name not in current.names and (one := fitter.fit(e, current, WHOLE))]
+        tried = [one for e in effects if e.name not in current.names and (one := estimator.fit(e, current, WHOLE))]
         accepted = [one for one in tried if _gain(current, one) > _threshold(one, len(effects))]
         if not accepted:
             break

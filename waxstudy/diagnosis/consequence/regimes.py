@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.travel import SIGNALS, opening, signal_of
-from waxstudy.diagnosis.observations.record import ON, Record
-from waxstudy.diagnosis.residuals.judge import Residual
+from waxstudy.diagnosis.observations.noise import ON
+from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import Regime
 from waxstudy.plugin import Belief, FloatArray
 

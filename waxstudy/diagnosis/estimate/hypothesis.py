@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
+from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.residuals.judge import Residual
 from waxstudy.plugin import FloatArray
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A belief with effects and departures fitted to a segment: what it says, and what it misses."""
+    """A belief with effects and departures fitted to a problem, and what it misses."""
 
     effects: tuple[tuple[EffectType, Values], ...]
     convention: Convention
@@ -34,9 +34,9 @@ class Hypothesis:
 
     @property
     def whitened(self) -> FloatArray:
-        """Whitened residual of all channels, one after the other."""
+        """Whitened residuals of all channels, one after the other."""
         return np.concatenate([each.whitened for each in self.residuals])
 
     def missed(self, parts: Sequence[int]) -> FloatArray:
-        """Whitened residual of all channels on some parts."""
+        """Whitened residuals of all channels on some parts."""
         return np.concatenate([each.whitened[np.isin(each.part, parts)] for each in self.residuals])

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, valued
+from waxstudy.diagnosis.estimate.problem import Problem
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.plugin import FloatArray
-
-if TYPE_CHECKING:
-    from waxstudy.diagnosis.estimate.fitter import Fitter
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 
 LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before
@@ -26,23 +23,23 @@ class LeastSquares:
 
     def __init__(
         self,
-        fitter: Fitter,
+        problem: Problem,
         effects: Sequence[tuple[EffectType, Values]],
         convention: Convention,
         parts: Sequence[int],
         reach: float = 0.01,  # share of a parameter's range over which its slope is taken
     ) -> None:
-        self.fitter, self.effects, self.convention, self.parts, self.reach = fitter, effects, convention, parts, reach
+        self.problem, self.effects, self.convention, self.parts, self.reach = problem, effects, convention, parts, reach
         self.spaces = [Space(effect) for effect, _ in effects]
-        self.count = len(fitter.sd)
+        self.count = len(problem.sd)
 
     def vector(self, departures: FloatArray) -> FloatArray:
         inside = [space.inside(values) for space, (_, values) in zip(self.spaces, self.effects, strict=True)]
-        return np.concatenate((departures / self.fitter.sd, *inside))
+        return np.concatenate((departures / self.problem.sd, *inside))
 
     def at(self, x: FloatArray) -> Hypothesis | None:
         effects = valued(self.effects, self.spaces, x[self.count :])
-        return self.fitter.at(effects, x[: self.count] * self.fitter.sd, self.convention)
+        return self.problem.at(effects, x[: self.count] * self.problem.sd, self.convention)
 
     def missed(self, fitted: Hypothesis, x: FloatArray) -> FloatArray:
         chosen = [each.whitened * np.isin(each.part, self.parts) for each in fitted.residuals]
@@ -84,7 +81,7 @@ class LeastSquares:
     def kept(self, fitted: Hypothesis, known: FloatArray) -> FloatArray:
         """Return slopes of the departures (per unit) as those of `missed`, per standard deviation."""
         parts = np.concatenate([np.isin(each.part, self.parts) for each in fitted.residuals])
-        return np.vstack((known * parts[:, None] * self.fitter.sd, np.eye(self.count)))
+        return np.vstack((known * parts[:, None] * self.problem.sd, np.eye(self.count)))
 
     def slopes(self, x: FloatArray, missed: FloatArray, places: Sequence[int]) -> FloatArray:
         columns = []

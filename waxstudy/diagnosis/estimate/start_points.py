@@ -1,22 +1,19 @@
-"""A first look at an effect: points all over its parameters, the room's departures following in a straight line."""
+"""Where to start a fit of an effect: points all over its parameters, the nuisances following in a straight line."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from operator import itemgetter
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.estimate.problem import Problem
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.plugin import FloatArray
-
-if TYPE_CHECKING:
-    from waxstudy.diagnosis.estimate.fitter import Fitter
 
 STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
@@ -25,24 +22,36 @@ MANY = 4  # parameters of a chain, from which on the best point of a first look 
 STARTS, STEPS, FAR = 8, 5, 0.1  # such points, steps from each, and the share of a range that their slopes look over
 
 
-class FirstLook:
-    """Where an effect, added to a fit, may be worth a closer look."""
+class StartPoints:
+    """Where an effect, added to a hypothesis, may be worth a closer look.
 
-    def __init__(self, fitter: Fitter, effect: EffectType, given: Hypothesis, parts: Sequence[int]) -> None:
-        self.fitter, self.effect, self.given, self.parts = fitter, effect, given, parts
-        self.space = Space(effect)
+    `straight` is how the nuisances follow: slopes, what solves for them, which residuals are fitted; None without any.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        score: Callable[[Hypothesis | None, Sequence[int]], float],
+        effect: EffectType,
+        given: Hypothesis,
+        parts: Sequence[int],
+        straight: tuple[FloatArray, FloatArray, np.ndarray] | None,
+        thorough: float,
+    ) -> None:
+        self.problem, self.score, self.effect, self.given, self.parts = problem, score, effect, given, parts
+        self.straight, self.thorough, self.space = straight, thorough, Space(effect)
 
     def best(self, convention: Convention) -> tuple[float, Values]:
         """Return the least score, and the values that it is found at, with one way to read the record."""
-        tried = [*self.space.points(self.fitter.thorough), *self.effect.starts(self.fitter.belief)]
+        tried = [*self.space.points(self.thorough), *self.effect.starts(self.problem.belief)]
         looks = [self._with(values, convention) for values in tried]
         more = self._scaled(tried, looks, convention)
         looks += [self._with(values, convention) for values in more]
-        scores = [self.fitter.score(each, self.parts) for each in looks]
+        scores = [self.score(each, self.parts) for each in looks]
         found = sorted(zip(scores, [*tried, *more], strict=True), key=itemgetter(0))
-        if self.fitter.nuisances or len(self.space.names) < MANY:
+        if self.straight or len(self.space.names) < MANY:
             return found[0]
-        starts = round(STARTS * min(1.0, self.fitter.thorough))
+        starts = round(STARTS * min(1.0, self.thorough))
         walked = [self._walked(values, convention) for _, values in found[:starts]]
         return min((found[0], *walked), key=itemgetter(0))
 
@@ -51,10 +60,10 @@ class FirstLook:
 
         A stroke that is shorter than a sample has no slope of its own that leads to a longer one.
         """
-        problem = LeastSquares(self.fitter, (*self.given.effects, (self.effect, values)), convention, self.parts, FAR)
+        problem = LeastSquares(self.problem, (*self.given.effects, (self.effect, values)), convention, self.parts, FAR)
         walked = problem.solved(problem.vector(self.given.departures), STEPS, None)
         found = dict(walked.effects)[self.effect] if walked else values
-        return self.fitter.score(self._with(found, convention), self.parts), found
+        return self.score(self._with(found, convention), self.parts), found
 
     def _scaled(
         self, tried: Sequence[Values], looks: Sequence[Hypothesis | None], convention: Convention
@@ -64,8 +73,8 @@ class FirstLook:
         A window of the right hours, but of thrice the flow, would look worse than none.
         """
         given = self.given
-        neutral = self.effect.neutral(self.fitter.edited(given.effects, given.departures))
-        still = self._at(given.effects, convention) if self.fitter.nuisances and neutral else None
+        neutral = self.effect.neutral(self.problem.edited(given.effects, given.departures))
+        still = self._at(given.effects, convention) if self.straight and neutral else None
         if still is None or neutral is None:
             return []
         before = still.missed(self.parts)
@@ -83,11 +92,10 @@ class FirstLook:
 
     def _at(self, effects: Sequence[tuple[EffectType, Values]], convention: Convention) -> Hypothesis | None:
         """Return a hypothesis with the room's departures where they would go, were everything straight from here."""
-        fitted = self.fitter.at(effects, self.given.departures, convention)
-        if fitted is None or not self.fitter.nuisances:
+        fitted = self.problem.at(effects, self.given.departures, convention)
+        if fitted is None or self.straight is None:
             return fitted
-        slopes, solution, fit = self.fitter.straight(tuple(self.parts))
-        sd = self.fitter.sd
+        (slopes, solution, fit), sd = self.straight, self.problem.sd
         whole = fitted.whitened
         step = -solution @ np.concatenate((whole[fit], fitted.departures / sd))
         step = np.clip(fitted.departures + step, -MOST_SD * sd, MOST_SD * sd) - fitted.departures

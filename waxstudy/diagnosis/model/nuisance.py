@@ -32,10 +32,10 @@ class Nuisance:
     is_event: bool = False  # something that happened once, no property of the room: it shows from then on only
 
 
-def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float = 1.0) -> list[Nuisance]:
+def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float | None = 1.0) -> list[Nuisance]:
     """Return what the room says of itself, how well its gains are known, how warm it was at first, and lost flows.
 
-    `tolerance` multiplies the spreads of the first two; 0 takes the room as it is believed, to the letter.
+    `tolerance` multiplies the spreads of the first two; with None the room is exactly as believed.
     """
     found = []
     room = belief.room
@@ -52,9 +52,8 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float =
         found.append(
             Nuisance(SUN, sd, _scaled(lambda inputs, factor: replace(inputs, solar_W=factor * inputs.solar_W)))
         )
-    spread = [replace(nuisance, sd=tolerance * nuisance.sd) for nuisance in found if tolerance > 0.0]
     return [
-        *spread,
+        *(replace(nuisance, sd=tolerance * nuisance.sd) for nuisance in found if tolerance is not None),
         *_unrecorded(record),
         Nuisance(START, START_K, _started),
         Nuisance(FLOOR, START_K, _floor_started),
@@ -63,7 +62,7 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float =
 
 
 def _unrecorded(record: Record) -> Iterator[Nuisance]:
-    """Yield what is nuisance of what stands in for drives that nobody recorded."""
+    """Yield what is unknown of what stands in for drives that nobody recorded."""
     for channel, found in record.stand_ins.items():
         field = FIELDS[channel]
         if found.factor_sd:

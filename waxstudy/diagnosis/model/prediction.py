@@ -6,8 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from waxstudy.diagnosis.model.conventions import STILL, Convention, Perturbation
-from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR, Predicted
+from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
+from waxstudy.diagnosis.model.predicted import Predicted
+from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Belief, FloatArray

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from waxstudy.diagnosis.model.conventions import PLAIN, Convention
+from waxstudy.diagnosis.model.predicted import Predicted
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, Room
+from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, ModelError, Room
+from waxstudy.plugin.model_error import model_errors
 from waxstudy.simulation.recorded import driven_by, respond
 from waxstudy.study.model import Choice
 
@@ -28,28 +28,6 @@ JUDGED_S = 900.0
 FINE_STEP_S = 5.0
 VALVE_S = 120.0  # chosen: a stroke takes up to 180 s (Table 2), and most of the flow comes in its middle
 
-# what the form of a room's model may leave: twice what is seen against other engines' rooms without any effect, and
-# of the return, whose first minutes of each pulse are others in each, half as much again
-ROOM_FORM_K = {
-    "air_temperature_C": 0.18,
-    "operative_temperature_C": 0.18,
-    "floor_surface_temperature_C": 0.16,
-    "return_temperature_C": 0.5,
-}
-
-
-class Predicted(dict[str, FloatArray]):
-    """What is predicted of channels, each (n,), of a room's (quarters,).
-
-    `shifted` (shifts, n) has those that a switch drives, for each part of an interval in which it may have been thrown.
-    """
-
-    def __init__(
-        self, values: Mapping[str, FloatArray] = MappingProxyType({}), shifted: Mapping[str, FloatArray] | None = None
-    ) -> None:
-        super().__init__(values)
-        self.shifted = shifted or {}
-
 
 def full_flow_L_h(record: Record, belief: Belief) -> float:
     """Return the flow with the valve open: the room's, or the usual one of the largest that were recorded."""
@@ -58,6 +36,12 @@ def full_flow_L_h(record: Record, belief: Belief) -> float:
     flow = record.values["flow_L_h"]
     usual = flow[flow > 0.8 * np.nanquantile(flow, 0.99)]
     return float(np.median(usual)) if len(usual) else 0.0
+
+
+def error_of(belief: Belief, channel: str) -> ModelError:
+    """Return how far a room's model is off at a channel by its form: as it states, widened by the dataset."""
+    assert belief.room
+    return model_errors(belief.room)[OF_ROOM[channel]].times(belief.room_error_factor)
 
 
 @lru_cache(maxsize=256)

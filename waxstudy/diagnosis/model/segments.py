@@ -7,21 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from waxstudy.diagnosis.model.conventions import (
-    AFTER,
-    BEFORE,
-    LATE,
-    LONG_S,
-    MEAN,
-    PLAIN,
-    RAW,
-    STILL,
-    Convention,
-    Perturbation,
-)
+from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, LONG_S, MEAN, PLAIN, RAW, Convention
 from waxstudy.diagnosis.model.modulator_clock import late_s
 from waxstudy.diagnosis.model.opening_path import cells, path
-from waxstudy.diagnosis.model.room_response import Predicted, built, full_flow_L_h, means, room_response
+from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
+from waxstudy.diagnosis.model.predicted import Predicted
+from waxstudy.diagnosis.model.room_response import built, full_flow_L_h, means, room_response
 from waxstudy.diagnosis.observations.record import ROOM_CHANNELS, Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, Room
 from waxstudy.simulation.chain import Chain

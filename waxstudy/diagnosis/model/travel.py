@@ -1,14 +1,13 @@
-"""Whether an actuator's gap lies within what real actuators are known to stray from the believed one."""
+"""How far an actuator's opening moves, beside what real actuators are known to stray from the believed one."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.fitter import Fitter
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.model.opening_path import CELL_S
 from waxstudy.diagnosis.model.segments import chain_of
-from waxstudy.diagnosis.observations.record import ON, Record
+from waxstudy.diagnosis.observations.noise import ON
+from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Actuator, Belief, FloatArray
 from waxstudy.simulation.replay import replay
 
@@ -21,20 +20,16 @@ def signal_of(record: Record) -> str:
     return next((name for name in SIGNALS if name in record.binary), otherwise)
 
 
-def is_covered(fitter: Fitter, current: Hypothesis, fitted: Hypothesis) -> bool:
-    """Whether an effect moves the opening less, per switch, than published residual of the believed actuator are.
+def travel(record: Record, believed: Belief, other: Belief) -> float:
+    """Return how far another belief moves the opening per switch, over what real actuators are known to stray.
 
-    Or by no more than the time at which a sample was taken is known.
-
-    The believed actuator's `stray_s` is the published |displacement error| integrated over a switch [s].
+    The believed actuator's `stray_s` is the published |displacement error| integrated over a switch [s]; less than the
+    time at which a sample was taken is known does not count either. Infinite where no signal was recorded.
     """
-    believed = fitter.edited(current.effects, current.departures)
-    allowed = tolerated_s(fitter.record, believed)
-    before = opening(fitter.record, believed)
-    after = opening(fitter.record, fitter.edited(fitted.effects, fitted.departures))
+    before, after = opening(record, believed), opening(record, other)
     if before is None or after is None:
-        return False
-    return opening_difference_s(fitter.record, before - after) <= allowed
+        return float("inf")
+    return opening_difference_s(record, before - after) / tolerated_s(record, believed)
 
 
 def tolerated_s(record: Record, belief: Belief) -> float:

@@ -59,7 +59,7 @@ class StandIn:
 def stand_ins(
     lacking: Sequence[str], room: LinearRoom, time: pd.DatetimeIndex, interval_s: float, site: Site | None
 ) -> dict[str, StandIn]:
-    """Return what stands in for sun and gains that the room takes and nobody recorded; `time`: ends of the intervals."""
+    """Return what stands in for sun and gains that the room takes and nobody recorded; `time`: ends of intervals."""
     middle = (time - time.normalize()).total_seconds().to_numpy() / 3600.0 - interval_s / 7200.0
     hour = np.asarray(middle % DAY_H, dtype=float)
     made: Mapping[str, Callable[[], StandIn]] = {

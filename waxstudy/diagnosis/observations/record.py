@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from waxstudy.diagnosis.observations.drives import FIELDS, GAINS, SUN, StandIn
+from waxstudy.diagnosis.observations.noise import ON, estimated, measured, of_rounding, snapped
 from waxstudy.plugin import FloatArray, Inputs
 
 T = TypeVar("T")
@@ -18,9 +19,6 @@ SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blo
 AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
 LONG_GAP_S, FEW_LOST = 600.0, 3  # up to which a channel that runs on is known between its samples
 DAY_S = 86_400.0
-ON = 0.5
-FEWEST_VALUES = 4  # of a channel whose step tells of rounding
-RESOLUTION_SHARE = 12.0**-0.5  # standard deviation of rounding, in steps
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
 ROOM_CHANNELS = (
@@ -55,7 +53,7 @@ class Record:
         return frozenset(
             name
             for name in ("control_output", "heating_signal")
-            if self.has(name) and np.isin(_known(self.values[name]), (0.0, 1.0)).all()
+            if self.has(name) and np.isin(measured(self.values[name]), (0.0, 1.0)).all()
         )
 
     @cached_property
@@ -65,7 +63,7 @@ class Record:
 
     def _noise_of(self, name: str, values: FloatArray) -> float:
         stated = self.stated_noise.get(name)
-        return max(stated, RESOLUTION_SHARE * _resolution(_known(values))) if stated else _noise(name, values)
+        return max(stated, of_rounding(measured(values))) if stated else estimated(name, values)
 
     def between(self, channel: str) -> float:
         """Return what a straight line from sample to sample misses of a channel (root mean square).
@@ -124,10 +122,9 @@ class Record:
         width = self._width
         if not width:
             return values
-        half, basis = width // 2, np.vander(np.arange(width) - width // 2, 3)
-        through = basis @ np.linalg.pinv(basis)  # what the parabola through a window is at each of its samples
-        middle = np.convolve(values, through[half], "valid")
-        return np.concatenate((through[:half] @ values[:width], middle, through[half + 1 :] @ values[-width:]))
+        from scipy.signal import savgol_filter
+
+        return np.asarray(savgol_filter(values, width, polyorder=2))
 
     @property
     def _width(self) -> int:
@@ -242,62 +239,9 @@ class Record:
         raise KeyError("air_temperature_C")
 
 
-def _known(values: FloatArray) -> FloatArray:
-    return values[np.isfinite(values)]
-
-
 def _before(on: np.ndarray, starts: np.ndarray) -> np.ndarray:
     """Return the sample halfway through the pause before each start."""
     stops = np.flatnonzero(~on[1:] & on[:-1]) + 1
     places = np.searchsorted(stops, starts) - 1
     last = np.where(places >= 0, stops[np.clip(places, 0, None)], 0) if len(stops) else np.zeros_like(starts)
     return np.asarray((last + starts) // 2)
-
-
-def _noise(name: str, values: FloatArray) -> float:
-    """Return a robust standard deviation of white noise, of samples that do not rest at the end of a scale."""
-    known = _known(values)
-    if name in ("control_output", "heating_signal", "setpoint_C", "solar_gain_W", "internal_gain_W") or len(known) < 10:
-        return 0.0
-    step = _resolution(known)
-    if name == "displacement":
-        return max(_resting_noise(known), RESOLUTION_SHARE * step)
-    if name == "flow_L_h":
-        known = known[known > ON * known.max()] if known.max() > 0 else known
-    second = np.diff(known, 2) / np.sqrt(6.0)
-    if len(second) < 10:
-        return RESOLUTION_SHARE * step
-    spread = 1.4826 * float(np.median(np.abs(second)))
-    return max(spread, RESOLUTION_SHARE * step)
-
-
-def _resting_noise(known: FloatArray) -> float:
-    """Return the noise of a displacement, from how far it strays from its ends while it rests there."""
-    low = known[(known > 0.0) & (known < 0.08)]
-    high = 1.0 - known[(known < 1.0) & (known > 0.92)]
-    rest = low if len(low) >= len(high) else high
-    return float(np.sqrt(np.median(rest**2)) / 0.6745) if len(rest) > 20 else 0.01
-
-
-def _resolution(known: FloatArray) -> float:
-    """Return the step of a channel that is rounded, 0 where none shows: what is open or closed is not rounded."""
-    values = np.unique(np.round(known, 9))
-    steps = np.abs(np.diff(values)) if len(values) >= FEWEST_VALUES else np.zeros(0)
-    steps = steps[steps > 1e-9]
-    return float(np.min(steps)) if len(steps) else 0.0
-
-
-def snapped(opening: FloatArray, noise: float) -> FloatArray:
-    """Return a displacement that rests at its ends where noise alone keeps it from them.
-
-    A probe that shows 0 at least once in a few samples, and never far from it, rests there: the noise is cut off at 0.
-    """
-    from scipy.ndimage import minimum_filter1d, uniform_filter1d
-
-    out = np.array(opening, dtype=float)
-    for end in (0.0, 1.0):
-        away = np.abs(out - end)
-        near = minimum_filter1d((away < 5.0 * noise).astype(float), 3) > 0
-        at_end = uniform_filter1d((near & (away <= 1e-9)).astype(float), 31)
-        out[near & (at_end >= 0.2 * uniform_filter1d(near.astype(float), 31))] = end
-    return out

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.noise_floor import NoiseFloor
-from waxstudy.diagnosis.residuals.judge import FIT, SELECT
-from waxstudy.diagnosis.select.candidate import LEAST_GAIN, Candidate
+from waxstudy.diagnosis.observations.partition import FIT, SELECT
+from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
+from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.plugin import FloatArray
 
 DRAWS = 400
@@ -20,8 +21,9 @@ def null(
 ) -> FloatArray:
     """Return the highest gain over the effects, in draws in which none is true.
 
-    What the best of them leaves is noise and discrepancy; its blocks are drawn with random signs (wild bootstrap), with
-    the floor's noise, and each effect is fitted along the direction in which it moved the prediction.
+    What the best of them leaves is noise and discrepancy; its blocks are drawn with random signs (wild bootstrap, Wu
+    1986, doi:10.1214/aos/1176350142), with the floor's noise, and each effect is fitted along the direction in which it
+    moved the prediction.
     """
     rest, part, block = whole(best)
     now = current.whitened
@@ -50,12 +52,12 @@ def inclusion(
     numbers, member = np.unique(block[seen], return_inverse=True)
     loss = by_block(np.array([c.fitted.whitened[seen] ** 2 for c in candidates]), member, len(numbers))
     # what the drive's noise adds is spread evenly
-    loss += np.array([[(c.loss - own.sum()) / len(numbers)] for c, own in zip(candidates, loss, strict=True)])
+    loss += np.array([[(c.evidence.loss - own.sum()) / len(numbers)] for c, own in zip(candidates, loss, strict=True)])
     weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
     gains = (by_block(base[None, seen] ** 2, member, len(numbers)) - loss) @ weights
-    names = [c.effect.name for c in candidates]
+    names, least = [c.effect.name for c in candidates], limit(Question.CLAIM, "gain_per_form", candidates[0].evidence)
     chosen = [names[best] in group for best in np.argmax(gains, axis=0)]
-    return float(np.mean(np.array(chosen) & (gains.max(axis=0) > LEAST_GAIN * candidates[0].spread)))
+    return float(np.mean(np.array(chosen) & (gains.max(axis=0) > least * candidates[0].evidence.form)))
 
 
 def whole(fitted: Hypothesis) -> tuple[FloatArray, np.ndarray, np.ndarray]:

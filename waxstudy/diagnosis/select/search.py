@@ -4,38 +4,45 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.fitter import Fitter
+from waxstudy.diagnosis.criteria import Criterion, Question, criteria, failed, meets, meets_one
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.intervals import parameter_intervals
-from waxstudy.diagnosis.estimate.noise_floor import NoiseFloor
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.model.room_response import ROOM_FORM_K
-from waxstudy.diagnosis.model.segments import ROOM_STAGES
-from waxstudy.diagnosis.model.travel import is_covered
-from waxstudy.diagnosis.residuals.judge import BOTH, FIT, SELECT
+from waxstudy.diagnosis.model.segments import ROOM_STAGES, Segment
+from waxstudy.diagnosis.model.travel import travel
+from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT
+from waxstudy.diagnosis.observations.record import CONTINUOUS
+from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval
-from waxstudy.diagnosis.select.candidate import (
-    Candidate,
-    alike,
-    best_of,
+from waxstudy.diagnosis.select.candidate import Candidate, alike, best_of
+from waxstudy.diagnosis.select.evidence import (
+    AirLeft,
+    Evidence,
+    Kept,
+    Late,
+    departure,
+    distinct,
     explained,
-    is_worth_naming,
     over_floor,
-    shared,
+    strongest,
 )
-from waxstudy.diagnosis.select.confirmation import is_confirmed, is_distinct, is_late, is_poor, kept_share
-from waxstudy.diagnosis.select.criteria import CLEAR_GAIN, EXPLAINED, LEAST_OF_FORM, LEAST_SHARE, Needs
+from waxstudy.diagnosis.select.intervals import parameter_intervals
 from waxstudy.diagnosis.select.null import inclusion, null
 from waxstudy.plugin import FloatArray
 
-LEAST_JOINT_SHARE = 0.7  # that two effects together must explain where none does alone
 MOST_EFFECTS = 3
 PAIRED = 2  # effects that others are tried beside, where none is enough alone
+OF_AIR = ("air_temperature_C", "operative_temperature_C")
+KEEP = Question.KEEP
+NOT_UNDERSTOOD = next(each for each in criteria() if Question.UNDERSTOOD in each.questions)
 
+T = TypeVar("T")
 Tick = Callable[[str], None]
 
 
@@ -55,36 +62,63 @@ class Found:
     @property
     def channel(self) -> str:
         """Where it acts most."""
-        return self.candidate.channel
+        return self.candidate.evidence.channel
+
+
+@dataclass(frozen=True)
+class Withdrawn:
+    """An effect that was accepted and then not kept, by the criterion that it does not meet."""
+
+    found: Found
+    criterion: Criterion
+
+    @property
+    def is_blurred(self) -> bool:
+        """Whether it explains its gap, but may as well be what is believed."""
+        return self.criterion.statistic == "distinct"
 
 
 @dataclass(frozen=True)
 class Selection:
     """What was found at one segment; `models`: the believed one and each with one more effect, on both parts."""
 
-    fitter: Fitter
+    estimator: Estimator[SegmentProblem]
     models: tuple[Hypothesis, ...]
     without: tuple[Hypothesis, ...]  # the last model without each effect found
     found: tuple[Found, ...]
     tried: tuple[Candidate, ...]  # of the first round
     floor: NoiseFloor
-    withdrawn: tuple[Found, ...] = ()  # accepted, but not confirmed by the last part
-    distrusted: tuple[Found, ...] = ()  # accepted, but they leave too much over the whole record
-    indistinct: tuple[Found, ...] = ()  # accepted, but as fitted in the end they may be what is believed
+    withdrawn: tuple[Withdrawn, ...] = ()
     intervals: Mapping[EffectType, Mapping[str, Interval]] = field(default_factory=dict)  # of what was found
+
+    @property
+    def problem(self) -> SegmentProblem:
+        return self.estimator.problem
+
+    @property
+    def segment(self) -> Segment:
+        return self.problem.segment
 
     @property
     def is_late(self) -> bool:
         """Whether nothing was found, and the last days, which took no part in it, show a gap that the others do not."""
-        return not self.found and any(
-            is_late(self.fitter.segment, residual, self.floor) for residual in self.after.residuals
-        )
+        if self.found:
+            return False
+        is_room, floor = self.segment.with_room, self.floor.plain
+        residuals = self.after.residuals
+        return any(meets(Question.LATE, Late.of(each, floor[each.channel], is_room)) for each in residuals)
 
     @property
     def slight(self) -> frozenset[str]:
-        """Channels whose gap an effect explains that is too small to be named."""
-        tried = {candidate.channel for candidate in self.tried if candidate.is_slight}
-        return frozenset(tried | {found.channel for found in self.indistinct})
+        """Channels whose gap an effect explains that is too small, or too little known, to be named."""
+        if any(each.is_blurred for each in self.withdrawn):
+            return frozenset(self.segment.judged)
+        return frozenset(candidate.evidence.channel for candidate in self.tried if candidate.is_slight)
+
+    @property
+    def is_poor(self) -> bool:
+        """Whether the air of a room by itself stays missed by too much, whatever is added."""
+        return is_poor(self.segment, self.before, self.after)
 
     @property
     def before(self) -> Hypothesis:
@@ -95,19 +129,31 @@ class Selection:
         return self.models[-1]
 
 
-def select(fitter: Fitter, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
+def select(estimator: Estimator[SegmentProblem], effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
     """Add the effects of a segment one by one, as long as one of them explains enough of what is left."""
-    return _Search(fitter, effects, np.random.default_rng(seed), tick).run()
+    return _Search(estimator, effects, np.random.default_rng(seed), tick).run()
 
 
 class _Search:
-    def __init__(self, fitter: Fitter, effects: Sequence[EffectType], random: np.random.Generator, tick: Tick) -> None:
-        self.fitter, self.random, self.tick = fitter, random, tick
+    def __init__(
+        self,
+        estimator: Estimator[SegmentProblem],
+        effects: Sequence[EffectType],
+        random: np.random.Generator,
+        tick: Tick,
+    ) -> None:
+        self.estimator, self.problem, self.random, self.tick = estimator, estimator.problem, random, tick
         # what can be only because another effect is there would change that one's parameters, and means nothing alone
-        self.effects = [effect for effect in effects if not effect.hindrance(fitter.belief)]
+        self.effects = [effect for effect in effects if not effect.hindrance(self.problem.belief)]
+        self.made: dict[str, tuple[Hypothesis, Any]] = {}
 
     def run(self) -> Selection:
-        current = self.fitter.base
+        found, first, convention = self.added()
+        return self.kept(found, first, convention)
+
+    def added(self) -> tuple[list[Found], list[Candidate], Convention]:
+        """Return the effects that are accepted one after the other, the first candidates, and how the log is read."""
+        current = self.estimator.base
         found: list[Found] = []
         first: list[Candidate] = []
         while len(found) < MOST_EFFECTS:
@@ -125,48 +171,71 @@ class _Search:
                 found += [self.found(each, [*candidates, best], current, names) for each in pair]
             else:
                 break
-            if self.fitter.is_quick and is_enough(self.fitter, best):
-                current = best.fitted
-                break
-            current = self.fitter.with_best_convention(self.fitter.settled(best.fitted))
-        models, without = self.models(found, current.convention)
-        withdrawn: list[Found] = []
-        while doubtful := unconfirmed(found, models[-1], without):
-            withdrawn.append(doubtful)
-            found.remove(doubtful)
-            models, without = self.models(found, current.convention if found else self.fitter.base.convention)
-        floor = NoiseFloor.of(self.fitter, models[-1])
-        if distrusted := self.distrusted(found, models, without, floor):
-            found = [each for each in found if each not in distrusted]
-            models, without = self.models(found, current.convention if found else self.fitter.base.convention)
-            floor = NoiseFloor.of(self.fitter, models[-1])
-        indistinct: list[Found] = []
-        intervals = parameter_intervals(self.fitter, models[-1]) if found else {}
-        while blurred := [each for each in found if not self.is_distinct(each, models[-1], intervals)]:
-            indistinct += blurred
-            found = [each for each in found if each not in blurred]
-            models, without = self.models(found, current.convention if found else self.fitter.base.convention)
-            floor = NoiseFloor.of(self.fitter, models[-1])
-            intervals = parameter_intervals(self.fitter, models[-1]) if found else {}
-        left_out = tuple(withdrawn), tuple(distrusted), tuple(indistinct)
-        return Selection(self.fitter, models, without, tuple(found), tuple(first), floor, *left_out, intervals)
+            if self.estimator.is_quick and self.is_enough(best):
+                return found, first, best.fitted.convention
+            current = self.estimator.with_best_convention(self.estimator.settled(best.fitted))
+        return found, first, current.convention
 
-    def is_distinct(
-        self, found: Found, last: Hypothesis, intervals: Mapping[EffectType, Mapping[str, Interval]]
-    ) -> bool:
-        """Return whether an effect, as fitted in the end, is noticeably another than what is believed without it."""
-        rest = [(effect, values) for effect, values in last.effects if effect is not found.effect]
-        believed = self.fitter.edited(rest, last.departures)
-        return is_distinct(found.effect, intervals[found.effect], believed)
+    def kept(self, found: list[Found], first: Sequence[Candidate], convention: Convention) -> Selection:
+        """Return what is kept of the effects once all are fitted to all days: the last days first, one at a time."""
+        withdrawn: list[Withdrawn] = []
+        models, without = self.models(found, convention)
+        for withdraw in (self.unconfirmed, self.distrusted, self.blurred):
+            while found and (out := withdraw(found, models, without)):
+                withdrawn += out
+                found = [each for each in found if each not in [one.found for one in out]]
+                models, without = self.models(found, convention if found else self.estimator.base.convention)
+        floor, intervals = self.floor(models[-1]), self.intervals(models[-1]) if found else {}
+        rest = tuple(found), tuple(first), floor, tuple(withdrawn), intervals
+        return Selection(self.estimator, models, without, *rest)
+
+    def floor(self, last: Hypothesis) -> NoiseFloor:
+        return self.once("floor", last, lambda: NoiseFloor.of(self.problem, last))
+
+    def intervals(self, last: Hypothesis) -> Mapping[EffectType, Mapping[str, Interval]]:
+        return self.once("intervals", last, lambda: parameter_intervals(self.estimator, last))
+
+    def once(self, what: str, last: Hypothesis, make: Callable[[], T]) -> T:
+        """Return what belongs to the last model, made once as long as it is the last."""
+        if self.made.get(what, (None, None))[0] is not last:
+            self.made[what] = last, make()
+        found: T = self.made[what][1]
+        return found
+
+    def unconfirmed(
+        self, found: Sequence[Found], models: Sequence[Hypothesis], without: Sequence[Hypothesis]
+    ) -> list[Withdrawn]:
+        """Return the last effect that the last days do not confirm."""
+        pairs = zip(reversed(found), reversed(without), strict=True)
+        tested = ((each, failed(KEEP, Kept.of(each.effect, each.channel, one, models[-1]))) for each, one in pairs)
+        return [Withdrawn(each, criterion) for each, criterion in tested if criterion][:1]
 
     def distrusted(
-        self, found: Sequence[Found], models: Sequence[Hypothesis], without: Sequence[Hypothesis], floor: NoiseFloor
-    ) -> Sequence[Found]:
-        """Return effects of a room that is not understood, and those that explain too little of the whole record."""
-        if is_poor(self.fitter.segment, models[0], models[-1]):
-            return [each for each in found if each.effect.stage in ROOM_STAGES]
-        pairs = zip(found, without, strict=True)
-        return [each for each, before in pairs if kept_share(each.channel, before, models[-1], floor) < least(each)]
+        self, found: Sequence[Found], models: Sequence[Hypothesis], without: Sequence[Hypothesis]
+    ) -> list[Withdrawn]:
+        """Return effects of a room that is not understood, else those that explain too little of the whole record."""
+        if is_poor(self.problem.segment, models[0], models[-1]):
+            of_room = [each for each in found if each.effect.stage in ROOM_STAGES]
+            return [Withdrawn(each, NOT_UNDERSTOOD) for each in of_room]
+        floor, pairs = self.floor(models[-1]), zip(found, without, strict=True)
+        tested = [
+            (each, failed(KEEP, Kept.of(each.effect, each.channel, one, models[-1], floor))) for each, one in pairs
+        ]
+        return [Withdrawn(each, criterion) for each, criterion in tested if criterion]
+
+    def blurred(
+        self, found: Sequence[Found], models: Sequence[Hypothesis], without: Sequence[Hypothesis]
+    ) -> list[Withdrawn]:
+        """Return effects that, as fitted in the end, may as well be what is believed without them."""
+        last = models[-1]
+        intervals, out = self.intervals(last), []
+        for each, before in zip(found, without, strict=True):
+            rest = [(effect, values) for effect, values in last.effects if effect is not each.effect]
+            steps = distinct(each.effect, intervals[each.effect], self.problem.edited(rest, last.departures))
+            evidence = Kept.of(each.effect, each.channel, before, last, distinct=steps)
+            if criterion := failed(KEEP, evidence):
+                out.append(Withdrawn(each, criterion))
+        return out
 
     def models(
         self, found: Sequence[Found], convention: Convention
@@ -175,13 +244,13 @@ class _Search:
 
         All are fitted to both first parts, under one convention.
         """
-        whole = [self.fitter.base_on_both(convention)]
+        whole = [self.estimator.base_on_both(convention)]
         for each in found:
             fitted = each.candidate.fitted
             earlier = dict(whole[-1].effects)
             values = dict(fitted.effects) | earlier
             effects = [(effect, values[effect]) for effect in (*earlier, each.effect)]
-            again = self.fitter.refined(effects, fitted.departures, convention, BOTH)
+            again = self.estimator.refined(effects, fitted.departures, convention, BOTH)
             whole.append(again or fitted)
         if len(found) < 2:
             return tuple(whole), tuple(whole[:-1])
@@ -191,7 +260,7 @@ class _Search:
         """Return the last model without one of its effects, the rest fitted again."""
         last = models[-1]
         rest = [(other, values) for other, values in last.effects if other is not effect]
-        return self.fitter.refined(rest, last.departures, last.convention, BOTH) or models[0]
+        return self.estimator.refined(rest, last.departures, last.convention, BOTH) or models[0]
 
     def tried(self, current: Hypothesis) -> list[Candidate]:
         """Return every effect that applies, fitted on top of a model and judged."""
@@ -199,7 +268,7 @@ class _Search:
         for effect in self.effects:
             if effect.name not in current.names:
                 self.tick(effect.name)
-                one = self.fitter.fit(effect, current)
+                one = self.estimator.fit(effect, current)
                 if one is not None:
                     fitted.append((effect, one))
         return self.judged(current, fitted)
@@ -208,13 +277,13 @@ class _Search:
         if not fitted:
             return []
         best = min((one for _, one in fitted), key=lambda one: one.loss(SELECT))
-        floor, own = NoiseFloor.of(self.fitter, best), NoiseFloor.of(self.fitter, current)
+        floor, own = NoiseFloor.of(self.problem, best), NoiseFloor.of(self.problem, current)
         highest = null(current, best, [one for _, one in fitted], floor, self.random)
         under_convention = {one.convention: self.under_convention(current, one.convention) for _, one in fitted}
         most = self.loss(current, SELECT)
-        spread = self.fitter.spread(best)
+        form = self.estimator.spread(best)
         return [
-            self.candidate(effect, one, under_convention[one.convention], most, floor, own, highest, spread)
+            self.candidate(effect, one, under_convention[one.convention], most, floor, own, highest, form)
             for effect, one in fitted
         ]
 
@@ -222,7 +291,7 @@ class _Search:
         """Return a model under another convention of the record: what that alone changes is no effect's doing."""
         if convention == current.convention:
             return current
-        return self.fitter.refined(current.effects, current.departures, convention) or current
+        return self.estimator.refined(current.effects, current.departures, convention) or current
 
     def candidate(
         self,
@@ -233,55 +302,62 @@ class _Search:
         floor: NoiseFloor,
         own: NoiseFloor,
         highest: FloatArray,
-        spread: float,
+        form: float,
     ) -> Candidate:
         """Return a candidate beside a model under its own convention; its gain is over the better of both."""
         gain = min(most, self.loss(current, SELECT)) - self.loss(fitted, SELECT)
-        channel, share, left = shared(current, fitted, floor)
-        p = float((1 + np.sum(highest >= gain)) / (1 + len(highest)))
-        covered = effect.stage == "actuator" and gain > 0.0 and is_covered(self.fitter, current, fitted)
+        channel, share, left = strongest(current, fitted, floor)
         before, after = (each.residual_of(channel).gap(SELECT) for each in (current, fitted))
-        plain_share = explained(before**2, after**2, floor.plain[channel] ** 2)
-        over = min(over_floor(current, channel, each, gain < CLEAR_GAIN) for each in (floor, own))
-        both = self.loss(fitted, FIT) + self.loss(fitted, SELECT)
-        strain = self.fitter.strain(fitted)
-        missed = left * floor.white[channel]
-        believed = self.fitter.edited(fitted.effects[:-1], fitted.departures)  # what it was added to
-        worth = is_worth_naming(effect, dict(fitted.effects)[effect], believed)
-        return Candidate(
-            effect=effect,
-            fitted=fitted,
-            gain=gain,
-            loss=both,
-            strain=strain,
-            p=p,
-            share=share,
-            plain_share=plain_share,
-            left=left,
-            missed=missed,
+        believed = self.problem.edited(fitted.effects[:-1], fitted.departures)  # what it was added to
+        values, runs_on = dict(fitted.effects)[effect], runs_on_at(fitted, channel)
+        evidence = Evidence(
+            stage=effect.stage,
             channel=channel,
-            spread=spread,
-            over=over,
-            needs=Needs.of(self.fitter, effect.stage, channel, fitted.residual_of(channel).unit, gain, over),
-            is_covered=covered,
-            is_worth_naming=worth,
+            parameters=len(effect.priors),
+            interval_s=self.problem.record.interval_s,
+            runs_on=runs_on,
+            is_behind_smoothed=self.problem.segment.driven_by in CONTINUOUS,
+            gain=gain,
+            form=form,
+            p=float((1 + np.sum(highest >= gain)) / (1 + len(highest))),
+            loss=self.loss(fitted, FIT) + self.loss(fitted, SELECT),
+            strain=self.estimator.strain(fitted),
+            over=min(over_floor(current, channel, each, gain) for each in (floor, own)),
+            share=share,
+            plain_share=explained(before**2, after**2, floor.plain[channel] ** 2),
+            left=left,
+            missed=left * floor.white[channel],
+            departure=departure(effect, values, believed),
+            travel=self.travel(effect, current, fitted) if gain > 0.0 else np.inf,
         )
+        return Candidate(effect, fitted, evidence)
+
+    def travel(self, effect: EffectType, current: Hypothesis, fitted: Hypothesis) -> float:
+        if effect.stage != "actuator":
+            return np.inf
+        return travel(self.problem.record, self.problem.belief_of(current), self.problem.belief_of(fitted))
+
+    def is_enough(self, best: Candidate) -> bool:
+        """Whether what an effect leaves would be no finding: of a room its form, of a chain little over the floor."""
+        if not self.problem.segment.with_room or self.problem.is_exact_room:
+            return meets(Question.ENOUGH, best.evidence)
+        return all(residual.gap() <= residual.form for residual in best.fitted.residuals)
 
     def loss(self, fitted: Hypothesis, part: int) -> float:
         """Return a model's loss without what the noise of its drive adds to it."""
-        return fitted.loss(part) - self.fitter.drive_noise(fitted).get(part, 0.0)
+        return fitted.loss(part) - self.problem.drive_noise(fitted).get(part, 0.0)
 
     def pair(self, current: Hypothesis, candidates: Sequence[Candidate]) -> tuple[Candidate, Candidate] | None:
         """Return two effects that explain together what neither does alone, or None; a quick search does not look."""
-        if self.fitter.is_quick:
+        if self.estimator.is_quick:
             return None
-        seen = sorted((c for c in candidates if c.is_part), key=lambda c: -c.gain)
+        seen = sorted((c for c in candidates if c.is_part), key=lambda c: -c.evidence.gain)
         best: tuple[Candidate, Candidate] | None = None
         for first in seen[:PAIRED]:
             for second in self.tried(first.fitted):
                 whole = self.judged(current, [(second.effect, second.fitted)])[0]
-                enough = whole.share >= LEAST_JOINT_SHARE and second.is_accepted
-                if enough and (best is None or whole.gain > best[1].gain):
+                enough = meets(Question.JOINT, whole.evidence) and second.is_accepted
+                if enough and (best is None or whole.evidence.gain > best[1].evidence.gain):
                     best = first, whole
         return best
 
@@ -295,21 +371,14 @@ class _Search:
         return Found(best, group, often, tuple(others[name] for name in group[1:]))
 
 
-def least(found: Found) -> float:
-    """Return the share of its gap that an effect must explain over the whole record, all else fitted again."""
-    if found.effect.stage in ROOM_STAGES:
-        return LEAST_SHARE
-    return LEAST_OF_FORM if len(found.effect.priors) > 1 else -np.inf
+def is_poor(segment: Segment, before: Hypothesis, after: Hypothesis) -> bool:
+    """Whether the air of a room by itself stays missed by more than its form may leave, and by much of what it was."""
+    if segment.stages != ROOM_STAGES:
+        return False
+    pairs = [each for each in zip(before.residuals, after.residuals, strict=True) if each[0].channel in OF_AIR]
+    return not all(meets_one(Question.UNDERSTOOD, AirLeft.of(old, new)) for old, new in pairs)
 
 
-def is_enough(fitter: Fitter, best: Candidate) -> bool:
-    """Whether what an effect leaves would be no finding: of a room its form, of a chain little over the floor."""
-    if not fitter.segment.with_room or fitter.is_exact_room:
-        return best.left <= EXPLAINED
-    return all(residual.gap() <= ROOM_FORM_K.get(residual.channel, 0.0) for residual in best.fitted.residuals)
-
-
-def unconfirmed(found: Sequence[Found], after: Hypothesis, without: Sequence[Hypothesis]) -> Found | None:
-    """Return the last effect that the last days do not confirm, or None."""
-    pairs = zip(reversed(found), reversed(without), strict=True)
-    return next((each for each, before in pairs if not is_confirmed(each.channel, before, after)), None)
+def runs_on_at(fitted: Hypothesis, channel: str) -> bool:
+    """Whether a channel is a control output that does not switch."""
+    return channel == "control_output" and fitted.residual_of(channel).unit != "s"

@@ -7,24 +7,21 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.segments import ROOM_STAGES, SHOWN, Segment
 from waxstudy.diagnosis.observations.record import AIR, Record
-from waxstudy.diagnosis.result import FoundEffect, Measurement, Untestable
-from waxstudy.diagnosis.select.candidate import LEAST_GAIN
-from waxstudy.diagnosis.select.confirmation import OF_AIR, is_poor
-from waxstudy.diagnosis.select.search import Selection
+from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
+from waxstudy.diagnosis.select.search import OF_AIR, Selection
 from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
 
-UNSHOWN = "no channel shows"  # how the reason begins where nothing was recorded
 FEW = 0.1  # of a first look's points
 CLEAR = 4  # noticeable steps from neutral that a record should show
-LEAST_BLOCKS = 3
-LEAST_SHARE = 0.3  # of the samples
 LEVELS = ("control_output", "displacement")
 FAR_APART_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
+JUDGE = Question.JUDGE
 NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
 
 
@@ -32,10 +29,11 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     """Return why a segment cannot be judged at all, or an empty text."""
     channel = _best_known(segment, record)
     blocks = np.unique((record.day if segment.with_room else record.cycle)[record.settled & _known(record, channel)])
-    if len(blocks) < LEAST_BLOCKS:
+    least_blocks, least_share = limit(JUDGE, "blocks"), limit(JUDGE, "known_share")
+    if len(blocks) < least_blocks:
         one = "day" if segment.with_room else "cycle"
         found = f"1 {one} of {channel} is" if len(blocks) == 1 else f"{len(blocks)} {one}s of {channel} are"
-        return f"only {found} recorded, {LEAST_BLOCKS} are needed"
+        return f"only {found} recorded, {least_blocks:g} are needed"
     # what stands although it should move shows a dead motor, a signal that is always on one that stands elsewhere
     if _is_constant(record, channel):
         if not _should_move(segment, record, belief, channel):
@@ -43,10 +41,11 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     elif _is_constant(record, segment.driven_by) and not _stands(record, channel):
         return f"{segment.driven_by} never changes in this record"
     share = float(_known(record, channel).mean())
-    if share < LEAST_SHARE:
+    if share < least_share:
         return f"{100 * (1 - share):.0f} % of {channel} is missing"
     judged = float((_known(record, channel) & ~record.is_gap(segment.driven_by)).mean())
-    return f"{100 * (1 - judged):.0f} % is lost in gaps of {segment.driven_by}" if judged < LEAST_SHARE else ""
+    is_lost = judged < limit(JUDGE, "driven_share")
+    return f"{100 * (1 - judged):.0f} % is lost in gaps of {segment.driven_by}" if is_lost else ""
 
 
 def _is_constant(record: Record, channel: str) -> bool:
@@ -93,7 +92,8 @@ def uncovered(effects: Sequence[EffectType], segments: Sequence[Segment], belief
         # without a record of what drives a room no effect of its own can be thought of
         is_lacking = belief.room is not None and belief.inputs is None and effect.stage in ROOM_STAGES
         if effect.stage not in covered and (is_lacking or not effect.hindrance(belief)):
-            yield Untestable(effect.name, f"{UNSHOWN} the {effect.stage}: record {needed(effect.stage)}")
+            reason = f"no channel shows the {effect.stage}: record {needed(effect.stage)}"
+            yield Untestable(effect.name, reason, Lack.NOT_RECORDED)
 
 
 def needed(stage: str) -> str:
@@ -106,45 +106,42 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
 
     In a room that stays missed by more than its form, none could be told from what is not understood of it.
     """
-    fitter, base = selection.fitter, selection.before
-    missed_K = max(
-        (residual.gap() for residual in selection.after.residuals if residual.channel in OF_AIR), default=0.0
-    )
-    is_lost = is_poor(fitter.segment, base, selection.after)
-    lost = f"the room stays missed by {missed_K:.1f} K whatever is added" if is_lost else ""
-    now = base.whitened
-    believed = fitter.edited(base.effects, base.departures)
+    estimator, problem, base = selection.estimator, selection.problem, selection.before
+    missed_K = max((each.gap() for each in selection.after.residuals if each.channel in OF_AIR), default=0.0)
+    believed, is_poor = problem.belief_of(base), selection.is_poor
     named = {name for found in selection.found for name in found.group}
-    least = 2.0 * LEAST_GAIN * max(1.0, float(np.mean(now**2)))
-    tried = [(convention, fitter.at((), base.departures, convention)) for convention in fitter.conventions]
+    least = 2.0 * limit(Question.SLIGHT, "gain_per_form") * max(1.0, float(np.mean(base.whitened**2)))
+    tried = [(convention, problem.at((), base.departures, convention)) for convention in estimator.conventions]
     stills = [(convention, still.whitened) for convention, still in tried if still]
     for effect in effects:
         if effect.name in named or effect.hindrance(believed):
             continue
-        if lost:
-            yield Untestable(effect.name, lost)
+        if is_poor:
+            yield Untestable(
+                effect.name, f"the room stays missed by {missed_K:.1f} K whatever is added", Lack.NOT_UNDERSTOOD
+            )
             continue
         departures = list(clear(effect, believed))
         if departures and not any(_moves_by(selection, effect, values, stills, least) for values in departures):
-            yield Untestable(effect.name, "nothing in this record would look different with it, unless it were large")
+            reason = "nothing in this record would look different with it, unless it were large"
+            yield Untestable(effect.name, reason, Lack.NOT_EXCITED)
 
 
 def _moves_by(
     selection: Selection,
     effect: EffectType,
     values: Values,
-    stills: Sequence[tuple[Convention, FloatArray]],  # the residual without it, for each way to read the record
+    stills: Sequence[tuple[Convention, FloatArray]],  # whitened residuals without it, for each way to read the record
     least: float,
 ) -> bool:
-    """Whether an effect changes the residual by a loss, however the record is read; also where that cannot be told."""
-    fitter, departures = selection.fitter, selection.before.departures
-    told = False
+    """Whether an effect changes the residuals by a loss, however the record is read; also where nobody can say."""
+    departures, could_be = selection.before.departures, False
     for convention, still in stills:
-        if other := fitter.at([(effect, values)], departures, convention):
-            told = True
+        if other := selection.problem.at([(effect, values)], departures, convention):
+            could_be = True
             if float(np.sum((other.whitened - still) ** 2)) >= least:
                 return True
-    return not told
+    return not could_be
 
 
 def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]:
@@ -203,7 +200,7 @@ def next_measurements(
     for segment in segments:
         for channel in separating(segment):
             yield Measurement(f"record {channel}", [f"{segment.name}"])
-    excited = [each.name for each in untestable if each.reason.startswith("nothing")]
+    excited = [each.name for each in untestable if each.lack is Lack.NOT_EXCITED]
     if excited:
         yield Measurement("record more days, with long pauses, full heating, sun and cold nights", excited)
 
@@ -224,9 +221,8 @@ def _splitting(effect: FoundEffect, segments: Sequence[Segment], stages: set[str
             for channel in separating(segment):
                 if channel == AIR[0] and "sensor" in stages:
                     return f"record {channel}"
-                before = segment.stages[
-                    : 1 + next((i for i, s in enumerate(segment.stages) if SHOWN.get(s) == channel), 0)
-                ]
+                places = (place for place, stage in enumerate(segment.stages) if SHOWN.get(stage) == channel)
+                before = segment.stages[: 1 + next(places, 0)]
                 if 0 < len(stages & set(before)) < len(stages):
                     return f"record {channel}"
     if interval_s > 20.0:

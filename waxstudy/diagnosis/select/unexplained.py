@@ -4,110 +4,113 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from waxstudy.diagnosis.model.room_response import ROOM_FORM_K
+from waxstudy.diagnosis.criteria import Criterion, Question, criteria, limit, meets
+from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
-from waxstudy.diagnosis.residuals.judge import Residual
-from waxstudy.diagnosis.result import Unexplained
-from waxstudy.diagnosis.select.criteria import LEAST_SMOOTHED_GAP, runs_on
+from waxstudy.diagnosis.result import Unexplained, in_floors
+from waxstudy.diagnosis.select.evidence import Left
 from waxstudy.diagnosis.select.null import by_block
-from waxstudy.diagnosis.select.search import Selection
-from waxstudy.diagnosis.select.testability import LEAST_BLOCKS
+from waxstudy.diagnosis.select.search import Selection, runs_on_at
+from waxstudy.plugin import FloatArray
 
-LEAST_EXCESS = 1.5  # of what is left over the noise floor
-LEVEL = 0.01
 DRAWS = 1000
-COURSE_SHARE = 0.5  # chosen: of what a drive does, that a course of another shape may leave
-LEAST_TYPICAL = 2.5  # standard deviations by which what makes up a gap is off
+SURELY = 4.0  # standard deviations of a channel's noise, beyond which a sample is off
 
 
 def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
     """Yield the channels of a segment whose gap stays over its floor in 99 % of the ways to draw its cycles or days."""
-    if selection.fitter.segment.is_supply:
+    if selection.segment.is_supply:
         return  # the curve is only looked at for a shift
     random = np.random.default_rng([seed, 3])
     for residual in selection.after.residuals:
-        floor, white = selection.floor.plain[residual.channel], selection.floor.white[residual.channel]
-        # by what each switch and sample can be known to: one that hangs on noise says little
-        weighed = residual if selection.fitter.segment.with_room else replace(residual, error=residual.whitened)
-        least = LEAST_SMOOTHED_GAP if runs_on(residual.channel, residual.unit) else LEAST_EXCESS
-        p = _p(weighed, least * (floor if weighed is residual else white), random)
-        is_large = residual.gap() > least * floor and residual.channel not in selection.slight
-        if p <= LEVEL and is_large and (weighed is residual or carried_by(weighed) >= LEAST_TYPICAL):
-            yield _described(selection, residual, floor, p)
+        floor = selection.floor.plain[residual.channel]
+        left = _left(selection, residual, random)
+        if meets(Question.UNKNOWN, left) and residual.channel not in selection.slight:
+            yield _described(selection, residual, floor, left)
 
 
-def _described(selection: Selection, residual: Residual, floor: float, p: float) -> Unexplained:
-    stage = stage_of(selection, residual.channel)
-    is_room = selection.fitter.segment.with_room
-    form = is_room and residual.gap() <= ROOM_FORM_K.get(residual.channel, 0.0)
-    covered = not is_room and is_covered(selection, residual)
-    if is_room and not form:
-        stage = selection.fitter.segment.name  # what a model's form does not leave may as well lie in the emitter
-    drives = is_room and residual.gap() <= reach_of_drives(selection, residual)
-    return Unexplained(stage, residual.gap(), floor, p, form, covered, drives, residual.channel)
+def _left(selection: Selection, residual: Residual, random: np.random.Generator) -> Left:
+    is_room, channel = selection.segment.with_room, residual.channel
+    bare = Left(is_room, runs_on_at(selection.after, channel))
+    # by what each switch and sample can be known to: one that hangs on noise says little
+    errors, floor = (residual.error, selection.floor.plain) if is_room else (residual.whitened, selection.floor.white)
+    p = _p(residual, errors, limit(Question.UNKNOWN, "over", bare) * floor[channel], random)
+    over = in_floors(residual.gap(), selection.floor.plain[channel])
+    return replace(bare, over=over, p=p, typical=typical(errors[residual.judged]))
 
 
-def reach_of_drives(selection: Selection, residual: Residual) -> float:
-    """Return what the course of drives that nobody recorded may leave of a channel, in its unit.
+def _described(selection: Selection, residual: Residual, floor: float, left: Left) -> Unexplained:
+    gap, is_room = residual.gap(), selection.segment.with_room
+    left = replace(
+        left,
+        over_form=in_floors(gap, residual.form),
+        travel=travel_left(selection, residual),
+        of_drives=in_floors(gap, done_by_drives(selection, residual)),
+    )
+    excused = {each.statistic: each.holds(left) for each in _excuses(left)}
+    form, covered, drives = (excused.get(name, False) for name in ("over_form", "travel", "of_drives"))
+    # what a model's form does not leave may as well lie in the emitter
+    stage = selection.segment.name if is_room and not form else stage_of(selection, residual.channel)
+    return Unexplained(stage, gap, floor, left.p, form, covered, drives, residual.channel)
 
-    Their size was fitted; of what they do, by the hour, a part may still be missed (root mean square).
+
+def _excuses(left: Left) -> Iterator[Criterion]:
+    return (each for each in criteria() if Question.EXCUSED in each.questions and each.where.applies(left))
+
+
+def done_by_drives(selection: Selection, residual: Residual) -> float:
+    """Return what drives that nobody recorded do to a channel as they were fitted (root mean square, in its unit).
+
+    Another course of them could leave a part of that.
     """
-    fitter, after = selection.fitter, selection.after
-    if not fitter.record.stand_ins or not residual.judged.any():
+    problem, after = selection.problem, selection.after
+    if not problem.record.stand_ins or not residual.judged.any():
         return 0.0
-    belief = fitter.edited(after.effects, after.departures)
-    assert belief.inputs
-    none: dict[str, Any] = dict.fromkeys(belief.inputs.stand_ins, np.zeros(len(belief.inputs.solar_W)))
-    still = fitter.predicted(replace(belief, inputs=replace(belief.inputs, **none)), after.convention)
-    without = next(each for each in fitter.judge.residuals(still) if each.channel == residual.channel)
-    return COURSE_SHARE * float(np.sqrt(np.mean((without.error - residual.error)[residual.judged] ** 2)))
+    without = problem.without_stand_ins(after).residual_of(residual.channel)
+    return float(np.sqrt(np.mean((without.error - residual.error)[residual.judged] ** 2)))
 
 
-def carried_by(whitened: Residual) -> float:
+def typical(whitened: FloatArray) -> float:
     """Return the standard deviations by which those samples are off that make up the gap; of mere noise root 3."""
-    squares = whitened.error[whitened.judged] ** 2
+    squares = whitened**2
     return float(np.sqrt(np.sum(squares**2) / max(float(np.sum(squares)), 1e-12)))
 
 
-def _p(residual: Residual, threshold: float, random: np.random.Generator) -> float:
+def _p(residual: Residual, errors: FloatArray, threshold: float, random: np.random.Generator) -> float:
     """Return how often the mean square over redrawn blocks does not exceed the threshold's."""
     chosen = residual.judged
     numbers, member = np.unique(residual.block[chosen], return_inverse=True)
-    if len(numbers) < LEAST_BLOCKS:
+    if len(numbers) < limit(Question.JUDGE, "blocks"):
         return 1.0
-    squares = by_block(np.array([residual.error[chosen] ** 2]), member, len(numbers))[0]
+    squares = by_block(np.array([errors[chosen] ** 2]), member, len(numbers))[0]
     count = np.bincount(member, minlength=len(numbers))
     weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS)
     means = (weights @ squares) / np.maximum(weights @ count, 1)
     return float((1 + np.sum(means <= threshold**2)) / (1 + DRAWS))
 
 
-def is_covered(selection: Selection, residual: Residual) -> bool:
-    """Whether an actuator is missed by no more, per switch, than real ones stray from it, or than sampling tells."""
-    fitter = selection.fitter
-    allowed = tolerated_s(fitter.record, fitter.edited(selection.after.effects, selection.after.departures))
-    if residual.channel not in ("displacement", "flow_L_h") or "actuator" not in fitter.segment.stages:
-        return False
-    full = 1.0 if residual.channel == "displacement" else float(np.nanmax(fitter.record.values["flow_L_h"]))
-    beyond_noise = np.abs(residual.error) > 4.0 * fitter.record.noise[residual.channel]
-    return opening_difference_s(fitter.record, residual.error * beyond_noise / full) <= allowed
+def travel_left(selection: Selection, residual: Residual) -> float:
+    """Return by how much an actuator is missed per switch, over what real ones stray or sampling tells."""
+    problem, channel = selection.problem, residual.channel
+    if channel not in ("displacement", "flow_L_h") or "actuator" not in problem.segment.stages:
+        return np.inf
+    full = 1.0 if channel == "displacement" else float(np.nanmax(problem.record.values["flow_L_h"]))
+    beyond_noise = np.abs(residual.error) > SURELY * problem.record.noise[channel]
+    missed_s = opening_difference_s(problem.record, residual.error * beyond_noise / full)
+    return missed_s / tolerated_s(problem.record, problem.belief_of(selection.after))
 
 
 def stage_of(selection: Selection, channel: str) -> str:
     """Return the merged stages that lie behind a channel of a segment."""
-    segment = selection.fitter.segment
+    segment = selection.segment
     if channel == "sensor_temperature_C" and len(segment.judged) > 1:
         return "sensor"
     if segment.with_room:
         return "room" if segment.stages[0] == "emitter" else segment.name
-    if (
-        segment.stages[:2] == ("sensor", "controller")
-        and not selection.after.convention.is_before
-        and len(segment.judged) > 1
-    ):
+    is_judged_twice = segment.stages[:2] == ("sensor", "controller") and len(segment.judged) > 1
+    if is_judged_twice and not selection.after.convention.is_before:
         return "+".join(segment.stages[1:])
     return segment.name

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from waxstudy.diagnosis.result import Diagnosis
-from waxstudy.diagnosis.sentences import told
+from waxstudy.diagnosis.sentences import group_sentence
 from waxstudy.report.diagnosis import tables
 from waxstudy.report.diagnosis.figures import FIGURES, Plot
 from waxstudy.report.diagnosis.summary import QUICK, VERDICTS, how_sure, lines
@@ -23,7 +23,7 @@ def as_html(diagnosis: Diagnosis) -> str:
         lines=lines(diagnosis),
         figures={plot.id: _drawn(diagnosis, plot) for plot in FIGURES},
         effects=[
-            (effect, told(effect), how_sure(effect), page_table(tables.parameters(effect)))
+            (effect, group_sentence(effect), how_sure(effect), page_table(tables.parameters(effect)))
             for effect in diagnosis.effects
         ],
         tables={name: table for name, table in _tables(diagnosis).items() if table.rows},

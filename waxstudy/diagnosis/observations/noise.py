@@ -1,0 +1,63 @@
+"""How noisy a channel is, told by its own samples."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from waxstudy.plugin import FloatArray
+
+ON = 0.5  # of full scale
+FEWEST_VALUES = 4  # of a channel whose step tells of rounding
+
+
+def measured(values: FloatArray) -> FloatArray:
+    return values[np.isfinite(values)]
+
+
+def estimated(name: str, values: FloatArray) -> float:
+    """Return a robust standard deviation of white noise, of samples that do not rest at the end of a scale."""
+    known = measured(values)
+    if name in ("control_output", "heating_signal", "setpoint_C", "solar_gain_W", "internal_gain_W") or len(known) < 10:
+        return 0.0
+    rounding = of_rounding(known)
+    if name == "displacement":
+        return max(_resting_noise(known), rounding)
+    if name == "flow_L_h":
+        known = known[known > ON * known.max()] if known.max() > 0 else known
+    second = np.diff(known, 2) / np.sqrt(6.0)
+    if len(second) < 10:
+        return rounding
+    spread = 1.4826 * float(np.median(np.abs(second)))
+    return max(spread, rounding)
+
+
+def _resting_noise(known: FloatArray) -> float:
+    """Return the noise of a displacement, from how far it strays from its ends while it rests there."""
+    low = known[(known > 0.0) & (known < 0.08)]
+    high = 1.0 - known[(known < 1.0) & (known > 0.92)]
+    rest = low if len(low) >= len(high) else high
+    return float(np.sqrt(np.median(rest**2)) / 0.6745) if len(rest) > 20 else 0.01
+
+
+def of_rounding(known: FloatArray) -> float:
+    """Return the standard deviation of rounding, 0 where no step shows: what is open or closed is not rounded."""
+    values = np.unique(np.round(known, 9))
+    steps = np.abs(np.diff(values)) if len(values) >= FEWEST_VALUES else np.zeros(0)
+    steps = steps[steps > 1e-9]
+    return float(np.min(steps)) * 12.0**-0.5 if len(steps) else 0.0
+
+
+def snapped(opening: FloatArray, noise: float) -> FloatArray:
+    """Return a displacement that rests at its ends where noise alone keeps it from them.
+
+    A probe that shows 0 at least once in a few samples, and never far from it, rests there: the noise is cut off at 0.
+    """
+    from scipy.ndimage import minimum_filter1d, uniform_filter1d
+
+    out = np.array(opening, dtype=float)
+    for end in (0.0, 1.0):
+        away = np.abs(out - end)
+        near = minimum_filter1d((away < 5.0 * noise).astype(float), 3) > 0
+        at_end = uniform_filter1d((near & (away <= 1e-9)).astype(float), 31)
+        out[near & (at_end >= 0.2 * uniform_filter1d(near.astype(float), 31))] = end
+    return out

@@ -1,0 +1,121 @@
+"""A channel that runs on: judged sample by sample, over its noise and what its drive's noise makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from waxstudy.diagnosis.criteria import FAR_APART_S
+from waxstudy.diagnosis.estimate.residual import Residual
+from waxstudy.diagnosis.model.predicted import Predicted
+from waxstudy.diagnosis.model.segments import Segment
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.plugin import FloatArray
+
+CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
+STANDS = 1e-4  # of full flow, below which a meter stands still
+JUMP = 0.4  # of an opening within a sample: nobody knows when, nor what flowed meanwhile
+RESTS, LONE = 0.05, 0.1  # of full scale: a drive that does not move, a sample that stands alone
+SMOOTHED = ("sensor_temperature_C", "control_output")  # as the segment's drive: what is linear misses nothing by it
+RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
+STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it went on between them
+UNITS = {"flow_L_h": "L/h", "displacement": "1", "control_output": "1"}
+
+
+class Continuous:
+    """Errors of each sample, weighed by noise, and by more while the segment's drive moves."""
+
+    def __init__(
+        self, channel: str, segment: Segment, record: Record, parts: np.ndarray, perturbed: Sequence[Predicted]
+    ) -> None:
+        self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
+        filled = record.filled(channel)
+        self.measured = record.smooth(filled) if channel in SMOOTHED else filled
+        self.known = self._known()
+        self.driven = self._driven(perturbed)
+        believed = float(np.max(perturbed[0][channel])) if perturbed else 1.0
+        self.scale = self._scale(float(np.nanmax(record.values[channel])) or believed)
+
+    @property
+    def noise(self) -> FloatArray:
+        """Standard deviation of the noise of what is judged (n,), 0 where a meter stands still."""
+        record, noise = self.record, self.record.noise[self.channel]
+        if self.channel in SMOOTHED:
+            return np.full(len(record), noise * record.smoothed_noise)
+        if self.channel == "flow_L_h":
+            return np.where(stands(self.measured, float(np.nanmax(self.measured))), 0.0, noise)
+        return np.full(len(record), noise * (CLIPPED if self.channel == "displacement" else 1.0))
+
+    def residual(self, predicted: Predicted) -> Residual:
+        record, channel = self.record, self.channel
+        error = np.where(self.known, predicted[channel] - self.measured, 0.0)
+        if channel in predicted.shifted:
+            error = self._best_shift(predicted.shifted[channel])
+        unit, sample = UNITS.get(channel, "K"), np.arange(len(record))
+        return Residual(channel, unit, error, error / self.scale, self.known, record.cycle, self.parts, sample)
+
+    def _known(self) -> np.ndarray:
+        """Return where it is judged (n,)."""
+        record, driven_by = self.record, self.segment.driven_by
+        known: np.ndarray = np.isfinite(record.values[self.channel]) & record.settled
+        if driven_by in record.values:
+            known &= ~record.is_gap(driven_by)
+        if driven_by == "displacement":
+            known &= np.abs(np.diff(record.filled("displacement"), prepend=0.0)) < JUMP
+        if record.interval_s >= FAR_APART_S and driven_by in (*record.binary, "displacement"):
+            known &= ~is_lone(record.filled(self.channel), record.filled(driven_by))
+        return known
+
+    def _driven(self, perturbed: Sequence[Predicted]) -> FloatArray:
+        """Return how far noise of the drive moves an output or a flow (n,), smoothed where the loop is slow."""
+        is_moved = self.channel in ("control_output", "flow_L_h")
+        if not is_moved or not perturbed or self.segment.driven_by in self.record.binary:
+            return np.zeros(len(self.record))
+        moved = np.mean([(each[self.channel] - perturbed[0][self.channel]) ** 2 for each in perturbed[1:]], axis=0)
+        if self.channel == "flow_L_h":
+            return np.asarray(np.sqrt(moved))
+        width = max(1, round(3600.0 / self.record.interval_s))
+        nearby = np.convolve(moved, np.full(width, 1.0 / width), mode="same")
+        return np.sqrt(np.maximum(nearby, np.mean(moved)))
+
+    def _scale(self, full: float) -> FloatArray:
+        """Return the standard deviation to weigh errors by (n,): the noise, and more while the drive moves."""
+        record, noise = self.record, self.record.noise[self.channel]
+        least = 0.1 * noise if self.channel == "flow_L_h" else noise
+        resting = np.where(stands(record.filled(self.channel), full), max(least, 1e-3 * full), noise)
+        if self.segment.driven_by == "displacement":
+            drive = record.drive("displacement")
+            steps = np.maximum(np.abs(np.gradient(drive)), np.abs(np.diff(drive, prepend=drive[:1])))
+            moves = steps > 3.0 * record.noise["displacement"]
+            within = np.where(moves, np.hypot(RIDGE, STEEP * steps) * full, 0.0)
+            return np.hypot(np.hypot(resting, within), self.driven)
+        return np.hypot(np.maximum(resting, 1e-3), self.driven)
+
+    def _best_shift(self, shifted: FloatArray) -> FloatArray:
+        """Return the errors after each switch of the drive is put where in its interval it fits best."""
+        drive = self.record.filled(self.segment.driven_by)
+        stretch = np.concatenate(([0], np.cumsum(np.diff(drive) != 0)))
+        tried = np.where(self.known, shifted - self.measured, 0.0)
+        count = stretch[-1] + 1
+        losses = [np.bincount(stretch, weights=(error / self.scale) ** 2, minlength=count) for error in tried]
+        best = np.argmin(losses, axis=0)[stretch]
+        return np.asarray(tried[best, np.arange(len(stretch))])
+
+
+def stands(values: FloatArray, full: float) -> np.ndarray:
+    """Return where a meter stands still: a zero among others, not noise that is cut off at zero."""
+    from scipy.ndimage import uniform_filter1d
+
+    zero = np.abs(values) <= STANDS * full
+    return np.asarray(zero & (uniform_filter1d(zero.astype(float), 31) > 0.3))
+
+
+def is_lone(values: FloatArray, drive: FloatArray) -> np.ndarray:
+    """Return samples that stand alone while the drive rests: a pulse or pause came and went between its samples."""
+    rests, moved = np.abs(np.diff(drive)) <= RESTS, np.diff(values) / max(float(np.max(values)), 1e-9)
+    lone = np.zeros(len(values), dtype=bool)
+    still = rests[:-2] & rests[1:-1] & rests[2:]
+    there, back = moved[1:-1], moved[2:]
+    lone[2:-1] = still & (np.minimum(np.abs(there), np.abs(back)) > LONE) & (np.abs(there + back) < LONE)
+    return lone

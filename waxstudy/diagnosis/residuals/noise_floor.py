@@ -1,0 +1,68 @@
+"""The noise floor of a segment: what would be missed by a model that is right, driven and judged by noisy channels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.model.perturbation import Perturbation
+from waxstudy.diagnosis.model.predicted import Predicted
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.residuals.switching import Switching
+from waxstudy.plugin import SimulationError
+
+PERTURBATIONS = 3
+
+
+@dataclass(frozen=True)
+class NoiseFloor:
+    """Root mean square of what noise alone makes of each channel's residual, in its unit and whitened."""
+
+    plain: Mapping[str, float]
+    white: Mapping[str, float]
+
+    @classmethod
+    def of(cls, problem: SegmentProblem, fitted: Hypothesis) -> NoiseFloor:
+        """Return the floor of a model: its own predictions, perturbed and seen by the instruments, judged by it."""
+        belief = problem.belief_of(fitted)
+        still = problem.predicted(belief, fitted.convention)
+        plain: dict[str, list[float]] = {channel: [] for channel in problem.segment.judged}
+        white: dict[str, list[float]] = {channel: [] for channel in problem.segment.judged}
+        for seed in range(PERTURBATIONS):
+            random = np.random.default_rng([7, seed])
+            try:
+                moved = problem.predicted(belief, fitted.convention, Perturbation(random))
+            except (SimulationError, ValueError):
+                continue
+            for each in problem.judge.residuals(_seen(problem, still, moved, random)):
+                plain[each.channel].append(each.gap())
+                white[each.channel].append(float(np.sqrt(each.loss() / max(1, int(each.judged.sum())))))
+        ways = problem.judge.ways.items()
+        switched = {channel: way.typical_s for channel, way in ways if isinstance(way, Switching)}
+        return cls(_typical(plain) | switched, _typical(white) | dict.fromkeys(switched, 1.0))
+
+
+def _seen(problem: SegmentProblem, still: Predicted, moved: Predicted, random: np.random.Generator) -> Predicted:
+    """Return a prediction that misses the record by what noise makes of a right one: the record plus the difference."""
+    seen = Predicted()
+    for channel, value in still.items():
+        way = problem.judge.ways[channel]
+        if isinstance(way, Switching):
+            seen[channel] = way.measured
+            continue
+        difference = moved[channel] - value
+        noise = np.nan_to_num(way.noise) * random.normal(size=len(value))
+        count = min(len(way.measured), len(difference))
+        seen[channel] = way.measured[:count] + difference[:count] + noise[:count]
+        if channel in still.shifted:
+            # the moved one is what was measured, which the right model misses but for when its switches were thrown
+            shown = way.measured[:count] - moved[channel][:count] + noise[:count]
+            seen.shifted = {**seen.shifted, channel: still.shifted[channel] + shown}
+    return seen
+
+
+def _typical(values: Mapping[str, list[float]]) -> dict[str, float]:
+    return {name: float(np.mean(many)) if many else 0.0 for name, many in values.items()}

@@ -1,0 +1,122 @@
+"""A segment and its record as a problem to fit: what a hypothesis predicts there, and what it misses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import takewhile
+from typing import Any
+
+import numpy as np
+
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
+from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.nuisance import nuisances
+from waxstudy.diagnosis.model.perturbation import Perturbation
+from waxstudy.diagnosis.model.prediction import Prediction
+from waxstudy.diagnosis.model.segments import Segment
+from waxstudy.diagnosis.observations.partition import BOTH
+from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
+from waxstudy.diagnosis.residuals.judge import Judge
+from waxstudy.plugin import Belief, FloatArray, SimulationError
+
+
+class SegmentProblem:
+    """Implements `estimate.problem.Problem`. In an exact room nothing departs but for how it began."""
+
+    def __init__(
+        self,
+        segment: Segment,
+        record: Record,
+        belief: Belief,
+        room_tolerance: float = 1.0,
+        holds_out: bool = True,
+        is_exact_room: bool = False,
+    ) -> None:
+        self.segment, self.record, self.belief, self.name = segment, record, belief, segment.name
+        self.room_tolerance, self.holds_out, self.is_exact_room = room_tolerance, holds_out, is_exact_room
+        self.conventions: Sequence[Convention] = segment.conventions
+        self.predicted = Prediction(segment, record, belief, is_exact_room)
+        self.judge = Judge(segment, record, belief, holds_out, is_exact_room)
+        tolerance = None if is_exact_room else room_tolerance
+        self.nuisances = nuisances(belief, record, segment.driven_by, tolerance) if segment.with_room else []
+        self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
+        self.events: Sequence[int] = [place for place, nuisance in enumerate(self.nuisances) if nuisance.is_event]
+        self.is_smooth = not all(channel in record.binary for channel in segment.judged)
+        self.discounts_noise = "control_output" in segment.judged and "control_output" not in record.binary
+        self._edits: list[tuple[float, Belief]] = []  # by nuisance: what was departed to last, and the belief so far
+
+    def exact(self) -> SegmentProblem:
+        """Return the same with the room exactly as believed."""
+        return SegmentProblem(self.segment, self.record, self.belief, self.room_tolerance, self.holds_out, True)
+
+    def edited(self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray) -> Belief:
+        belief = self._departed(departures, frozenset(name for effect, _ in effects for name in effect.absorbs))
+        for effect, values in effects:
+            belief = effect.apply(belief, effect.Parameters(**values))
+        return belief
+
+    def _departed(self, departures: FloatArray, absorbed: frozenset[str]) -> Belief:
+        """Return the belief with departures of the room, but for those that an effect takes the place of."""
+        pairs = zip(self.nuisances, departures, strict=True)
+        values = [0.0 if each.name in absorbed else float(departure) for each, departure in pairs]
+        # slopes change one nuisance at a time: what was edited before it stays
+        same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1][0], zip(values, self._edits, strict=False)))
+        del self._edits[same:]
+        for nuisance, value in zip(self.nuisances[same:], values[same:], strict=True):
+            before = self._edits[-1][1] if self._edits else self.belief
+            self._edits.append((value, nuisance.apply(before, value)))
+        return self._edits[-1][1] if self._edits else self.belief
+
+    def at(
+        self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray, convention: Convention
+    ) -> Hypothesis | None:
+        try:
+            predicted = self.predicted(self.edited(effects, departures), convention)
+        except (SimulationError, ValueError, ArithmeticError):
+            return None
+        return Hypothesis(tuple(effects), convention, departures, self.judge.residuals(predicted))
+
+    def drive_noise(self, fitted: Hypothesis) -> Mapping[int, float]:
+        """Return what noise of the drive adds to a model's loss, by part: a low-pass lets less of it through."""
+        if self.segment.with_room or self.segment.driven_by in self.record.binary or fitted.convention.is_raw:
+            return {}
+        belief = self.belief_of(fitted)
+        perturbation = Perturbation(np.random.default_rng(11), is_twice=False)
+        still = self.predicted(belief, fitted.convention)
+        moved = self.predicted(belief, fitted.convention, perturbation)
+        found: dict[int, float] = {}
+        for now, then in zip(self.judge.residuals(still), self.judge.residuals(moved), strict=True):
+            if now.channel not in self.record.binary:
+                for part in BOTH:
+                    chosen = now.part == part
+                    added = float(np.sum((then.whitened[chosen] - now.whitened[chosen]) ** 2))
+                    found[part] = found.get(part, 0.0) + added
+        return found
+
+    def belief_of(self, fitted: Hypothesis) -> Belief:
+        """Return the belief that a hypothesis has."""
+        return self.edited(fitted.effects, fitted.departures)
+
+    def inexact(self, fitted: Hypothesis) -> FloatArray:
+        """Return how far the whitened residuals (m,) move with what a prediction is not exact in.
+
+        That is what smoothing the drive once more does, as it may have done before, and of a room its long steps.
+        """
+        belief, now = self.belief_of(fitted), fitted.whitened
+        if self.segment.driven_by in CONTINUOUS:
+            other = self.predicted(belief, fitted.convention, Perturbation(np.random.default_rng(13)))
+        elif self.segment.with_room:
+            other = self.predicted.fine(belief, fitted.convention)
+        else:
+            return np.zeros(len(now))
+        return np.concatenate([each.whitened for each in self.judge.residuals(other)]) - now
+
+    def without_stand_ins(self, fitted: Hypothesis) -> Hypothesis:
+        """Return a hypothesis without anything in the place of drives that nobody recorded."""
+        belief = self.belief_of(fitted)
+        assert belief.inputs
+        none: dict[str, Any] = dict.fromkeys(belief.inputs.stand_ins, np.zeros(len(belief.inputs.solar_W)))
+        still = self.predicted(replace(belief, inputs=replace(belief.inputs, **none)), fitted.convention)
+        return replace(fitted, residuals=self.judge.residuals(still))

@@ -1,0 +1,200 @@
+"""The numbers that the criteria (criteria.csv) are asked of: what speaks for an effect, and for what stays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from waxstudy.diagnosis.criteria import CLEAR_GAIN
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.estimate.residual import Residual
+from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
+from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
+from waxstudy.diagnosis.result import Interval, in_floors
+from waxstudy.plugin import Belief, Prior
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What speaks for an effect that was fitted to the first part of a record, on the second."""
+
+    stage: str
+    channel: str  # where it gains most
+    parameters: int  # how many are free
+    interval_s: float
+    runs_on: bool  # the channel is a control output that does not switch
+    is_behind_smoothed: bool  # the segment's drive is a smoothed temperature
+    gain: float  # loss that it takes away, but for what the drive's noise adds to it
+    form: float  # of the room's model by what is left of it here, in units of what it may leave; 1 in a chain
+    p: float  # family-wise
+    loss: float  # on both parts
+    strain: float  # squares of how far the room had to depart from what is believed, in standard deviations
+    over: float  # gap of the channel before it, over the floor of the models with and without it
+    share: float  # of the channel's whitened loss above the floor that it explains
+    plain_share: float  # the same of the squared gap in the channel's unit
+    left: float  # whitened gap that is left of the channel, over its floor
+    missed: float  # the same, in standard deviations
+    departure: float  # from what is believed, in noticeable steps, of the parameter that is farthest
+    travel: float  # how far it moves the opening over what real motors stray; infinite of no motor
+
+    @property
+    def gain_per_form(self) -> float:
+        return self.gain / self.form if self.form else np.inf * np.sign(self.gain)
+
+    @property
+    def least_share(self) -> float:
+        return min(self.share, self.plain_share)
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What speaks for an effect once everything is fitted to all days that a cause is looked for on."""
+
+    stage: str
+    parameters: int
+    fresh_share: float  # of the squared gap that it takes away on days that nobody looked at; infinite without any
+    whole_share: float  # of its gap above the floor over the whole record
+    distinct: float  # noticeable steps, of the parameters whose interval leaves out what is believed
+
+    @classmethod
+    def of(
+        cls,
+        effect: EffectType,
+        channel: str,
+        before: Hypothesis,
+        after: Hypothesis,
+        floor: NoiseFloor | None = None,
+        distinct: float = np.inf,
+    ) -> Kept:
+        """Return it; without a floor nothing is said of the whole record."""
+        old, new = before.residual_of(channel), after.residual_of(channel)
+        whole = explained(old.gap() ** 2, new.gap() ** 2, floor.plain[channel] ** 2) if floor else np.inf
+        return cls(effect.stage, len(effect.priors), _fresh_share(old, new), whole, distinct)
+
+
+def _fresh_share(old: Residual, new: Residual) -> float:
+    if not (old.judged & (old.part == SHRINK)).any():
+        return np.inf
+    had, left = old.gap(SHRINK), new.gap(SHRINK)
+    return 1.0 - left**2 / had**2 if had else (np.inf if not left else -np.inf)
+
+
+@dataclass(frozen=True)
+class AirLeft:
+    """What stays of the air of a room."""
+
+    over_form: float  # over the most that the room's form may leave
+    share_left: float  # of what was missed before
+
+    @classmethod
+    def of(cls, before: Residual, after: Residual) -> AirLeft:
+        return cls(in_floors(after.gap(), after.form), in_floors(after.gap(), before.gap()))
+
+
+@dataclass(frozen=True)
+class Late:
+    """The gap of the last days."""
+
+    is_room: bool
+    growth: float  # over that of the days before
+    over: float  # over the floor
+    over_form: float  # over the most that a room's form may leave
+
+    @classmethod
+    def of(cls, residual: Residual, floor: float, is_room: bool) -> Late:
+        last, before = residual.gap(SHRINK), max(residual.gap(FIT), residual.gap(SELECT))
+        return cls(is_room, in_floors(last, before), in_floors(last, floor), in_floors(last, residual.form))
+
+
+@dataclass(frozen=True)
+class Left:
+    """What stays of a channel with all effects that were found; `over` may be asked for before the rest is known."""
+
+    is_room: bool
+    runs_on: bool
+    over: float = np.inf  # floors
+    p: float = 1.0  # of drawing its cycles or days again
+    typical: float = 0.0  # standard deviations by which the samples that make up the gap are off
+    over_form: float = np.inf  # over the most that the room's form may leave
+    travel: float = np.inf  # over what real motors stray
+    of_drives: float = np.inf  # over what drives that nobody recorded do to the channel
+
+
+@dataclass(frozen=True)
+class Exact:
+    """A room exactly as believed, with effects: in floors of air and floor temperatures, the largest of them."""
+
+    over_loose: float = 0.0  # left with all that nobody knows of the room
+    over: float = np.inf  # without an effect, and of each channel that is named
+    left: float = 0.0  # with the effects
+    alike: int = 0  # names in the largest group
+
+
+@dataclass(frozen=True)
+class FormLeft:
+    """What stays of a temperature of a room."""
+
+    left_K: float
+    left_share: float  # of what was missed before
+
+
+# --- numbers that several of them share ---
+
+
+def explained(before: float, after: float, least: float) -> float:
+    """Return the share of what is missed above a floor that is explained, at most 1; nothing of what is within it."""
+    return (before - after) / (before - min(least, after)) if before > least else 0.0
+
+
+def departure(effect: EffectType, values: Mapping[str, float], believed: Belief) -> float:
+    """Return how far an effect is from what is believed, in noticeable steps of the parameter that is farthest.
+
+    Infinite of an effect that is neutral nowhere, as another kind of motor.
+    """
+    neutral = effect.neutral(believed)
+    if neutral is None or not effect.priors:
+        return np.inf
+    both = effect.priors.keys() & neutral.keys()
+    return max((steps(effect.priors[name], values[name], neutral[name]) for name in both), default=0.0)
+
+
+def distinct(effect: EffectType, intervals: Mapping[str, Interval], believed: Belief) -> float:
+    """Return the same of the parameters whose interval leaves out what is believed."""
+    neutral = effect.neutral(believed)
+    if neutral is None or not effect.priors:
+        return np.inf
+    known = [(effect.priors[name], intervals[name], neutral[name]) for name in effect.priors.keys() & neutral.keys()]
+    return max((steps(prior, i.value, still) for prior, i, still in known if not i.low <= still <= i.high), default=0.0)
+
+
+def steps(prior: Prior, value: float, still: float) -> float:
+    """Return the distance of a value from a neutral one in noticeable steps."""
+    if prior.is_log:
+        return float(abs(np.log(value / still)) / np.log(prior.noticeable))
+    return abs(value - still) / prior.noticeable
+
+
+def over_floor(current: Hypothesis, channel: str, floor: NoiseFloor, gain: float) -> float:
+    """Return a channel's gap over a floor, in its unit; of a slight gain in what runs on also weighed as errors are.
+
+    A model that passes less noise on misses less, right or wrong: the gap must stand out of its own model's floor too.
+    """
+    residual = current.residual_of(channel)
+    plain = in_floors(residual.gap(SELECT), floor.plain[channel])
+    if residual.unit == "s" or gain >= CLEAR_GAIN:
+        return plain
+    weighed = float(np.sqrt(residual.loss(SELECT) / residual.count(SELECT)))
+    return min(plain, in_floors(weighed, floor.white[channel]))
+
+
+def strongest(current: Hypothesis, fitted: Hypothesis, floor: NoiseFloor) -> tuple[str, float, float]:
+    """Return the channel that gains most, the share of its gap above the floor that is explained, and what is left."""
+    pairs = list(zip(current.residuals, fitted.residuals, strict=True))
+    old, new = pairs[int(np.argmax([old.loss(SELECT) - new.loss(SELECT) for old, new in pairs]))]
+    least = floor.white[old.channel] ** 2 * old.count(SELECT)
+    before, after = old.loss(SELECT), new.loss(SELECT)
+    left = float(np.sqrt(after / least)) if least > 0 else np.inf
+    return old.channel, explained(before, after, least), left
