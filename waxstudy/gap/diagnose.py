@@ -17,7 +17,7 @@ from waxstudy.gap.result import Diagnosis
 from waxstudy.gap.select import Selection, Tick, select
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.testable import too_short
-from waxstudy.plugin import Belief, Effect, Inputs
+from waxstudy.plugin import Effect, Inputs
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
@@ -40,7 +40,7 @@ def diagnose(
     `tick` is told what is being tried and the share done.
     """
     record = record_of(dataset)
-    belief = Belief(dataset.nominal, dataset.room, _inputs(record))
+    belief = dataset.believed(_inputs(record))
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
     cut = links(record, belief)

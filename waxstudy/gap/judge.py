@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.gap.links import Link
 from waxstudy.gap.reading import LONG_S, STILL, Drift
 from waxstudy.gap.record import DAY_S, Record
-from waxstudy.gap.room import OF_AIR_AND_FLOOR, Predicted, merging, weighted
+from waxstudy.gap.room import OF_AIR_AND_FLOOR, Predicted, merging, room_error, weighted
 from waxstudy.plugin import Belief, FloatArray, SimulationError
 
 FIT, SELECT, SHRINK = 0, 1, 2
@@ -22,13 +22,6 @@ SHORT_DAYS = 6
 LEAST_SHRINK_DAYS = 3
 FIT_SHARE = 0.57  # of the cycles of a chain that are not kept back
 FEWEST_CYCLES = 3
-# what the form of a room's model leaves of each channel, as seen against another engine's rooms [K]
-FORM_K = {
-    "air_temperature_C": 0.07,
-    "operative_temperature_C": 0.07,
-    "floor_surface_temperature_C": 0.08,
-    "return_temperature_C": 0.15,
-}
 STEPPED_K = 0.005  # chosen: what stays of a room that is as believed, in samples of some minutes
 CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 PIECE = 8  # quarters of an hour over which such errors hang together
@@ -69,7 +62,7 @@ class Judge:
     def __init__(
         self, link: Link, record: Record, belief: Belief, holds_out: bool = True, is_to_the_letter: bool = False
     ) -> None:
-        self.link, self.record, self.is_to_the_letter = link, record, is_to_the_letter
+        self.link, self.record, self.belief, self.is_to_the_letter = link, record, belief, is_to_the_letter
         self.parts = parts_of(record, days_in_turn=link.with_room, holds_out=holds_out)
         shaken = self._shaken(belief)
         switches = [channel for channel in link.judged if self._is_switch(channel)]
@@ -271,7 +264,7 @@ class Judge:
         """
         if self.is_to_the_letter and channel in OF_AIR_AND_FLOOR:
             return np.hypot(STEPPED_K, self.noise(channel))
-        return float(np.hypot(FORM_K[channel], self.record.noise[channel]))
+        return float(np.hypot(room_error(self.belief, channel).typical_K, self.record.noise[channel]))
 
 
 @dataclass(frozen=True)

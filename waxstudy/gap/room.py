@@ -12,7 +12,8 @@ import numpy as np
 
 from waxstudy.gap.reading import PLAIN, Reading
 from waxstudy.gap.record import Record
-from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, Room
+from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, ModelError, Room
+from waxstudy.plugin.model_error import model_errors
 from waxstudy.simulation.recorded import driven_by, respond
 from waxstudy.study.model import Choice
 
@@ -26,16 +27,8 @@ OF_AIR_AND_FLOOR = [channel for channel in OF_ROOM if channel != "return_tempera
 ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its water on steps no longer than this
 JUDGED_S = 900.0
 FINE_STEP_S = 5.0
+NO_ERROR = ModelError(0.0, 0.0, "no channel of a room")
 VALVE_S = 120.0  # chosen: a stroke takes up to 180 s (Table 2), and most of the flow comes in its middle
-
-# what the form of a room's model may leave: twice what is seen against other engines' rooms without any effect, and
-# of the return, whose first minutes of each pulse are others in each, half as much again
-ROOM_FORM_K = {
-    "air_temperature_C": 0.18,
-    "operative_temperature_C": 0.18,
-    "floor_surface_temperature_C": 0.16,
-    "return_temperature_C": 0.5,
-}
 
 
 class Predicted(dict[str, FloatArray]):
@@ -65,6 +58,14 @@ def built(room: Choice) -> LinearRoom:
     """Return the linear room of a choice."""
     assert issubclass(room.component, Room)
     return room.component.build(room.parameters)
+
+
+def room_error(belief: Belief, channel: str) -> ModelError:
+    """Return what the form of the believed room's model leaves of a channel: of what is not a room's nothing."""
+    assert belief.room
+    if channel not in OF_ROOM:
+        return NO_ERROR
+    return model_errors(belief.room)[OF_ROOM[channel]].times(belief.room_error_factor)
 
 
 def room_response(

@@ -24,7 +24,7 @@ from waxstudy.gap.judge import BOTH, FIT, SELECT
 from waxstudy.gap.links import ROOM_STAGES
 from waxstudy.gap.reading import Reading
 from waxstudy.gap.resampling import inclusion, null
-from waxstudy.gap.room import ROOM_FORM_K
+from waxstudy.gap.room import room_error
 from waxstudy.gap.space import EffectType
 from waxstudy.gap.stray import is_covered
 from waxstudy.gap.trust import is_confirmed, is_late, is_poor, kept_share
@@ -72,7 +72,7 @@ class Selection:
     @property
     def is_late(self) -> bool:
         """Whether nothing was found, and the last days, which took no part in it, show a gap that the others do not."""
-        return not self.found and any(is_late(self.fitter.link, errors, self.floor) for errors in self.after.errors)
+        return not self.found and any(is_late(self.fitter, errors, self.floor) for errors in self.after.errors)
 
     @property
     def slight(self) -> frozenset[str]:
@@ -140,7 +140,7 @@ class _Search:
         self, found: Sequence[Found], models: Sequence[Fitted], without: Sequence[Fitted], floor: Floor
     ) -> Sequence[Found]:
         """Return effects of a room that is not understood, and those that explain too little of the whole record."""
-        if is_poor(self.fitter.link, models[0], models[-1]):
+        if is_poor(self.fitter, models[0], models[-1]):
             return [each for each in found if each.effect.stage in ROOM_STAGES]
         pairs = zip(found, without, strict=True)
         return [each for each, before in pairs if kept_share(each.channel, before, models[-1], floor) < least(each)]
@@ -281,7 +281,7 @@ def is_enough(fitter: Fitter, best: Candidate) -> bool:
     """Whether what an effect leaves would be no finding: of a room its form, of a chain little over the floor."""
     if not fitter.link.with_room or fitter.is_to_the_letter:
         return best.left <= EXPLAINED
-    return all(errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0) for errors in best.fitted.errors)
+    return all(errors.gap() <= room_error(fitter.belief, errors.channel).most_K for errors in best.fitted.errors)
 
 
 def unconfirmed(found: Sequence[Found], after: Fitted, without: Sequence[Fitted]) -> Found | None:

@@ -106,7 +106,7 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
     """
     fitter, base = selection.fitter, selection.before
     missed_K = max((errors.gap() for errors in selection.after.errors if errors.channel in OF_AIR), default=0.0)
-    is_lost = is_poor(fitter.link, base, selection.after)
+    is_lost = is_poor(fitter, base, selection.after)
     lost = f"the room stays missed by {missed_K:.1f} K whatever is added" if is_lost else ""
     now = base.whitened
     believed = fitter.edited(base.effects, base.departures)

@@ -6,12 +6,13 @@ from collections.abc import Iterator, Sequence
 
 from waxstudy.gap.candidate import explained
 from waxstudy.gap.claim import EXPLAINED
+from waxstudy.gap.fit import Fitter
 from waxstudy.gap.fitted import Fitted
 from waxstudy.gap.floor import Floor
 from waxstudy.gap.judge import FIT, SELECT, SHRINK, Errors
-from waxstudy.gap.links import ROOM_STAGES, Link
+from waxstudy.gap.links import ROOM_STAGES
 from waxstudy.gap.result import FoundEffect
-from waxstudy.gap.room import ROOM_FORM_K
+from waxstudy.gap.room import room_error
 from waxstudy.gap.space import EffectType
 from waxstudy.plugin import Belief
 
@@ -34,18 +35,19 @@ def kept_share(channel: str, before: Fitted, after: Fitted, floor: Floor) -> flo
     return explained(old**2, new**2, floor.plain[channel] ** 2)
 
 
-def is_poor(link: Link, before: Fitted, after: Fitted) -> bool:
+def is_poor(fitter: Fitter, before: Fitted, after: Fitted) -> bool:
     """Whether the air of a room by itself stays missed by more than its form may leave, and by much of what it was."""
-    if link.stages != ROOM_STAGES:
+    if fitter.link.stages != ROOM_STAGES:
         return False
     pairs = [each for each in zip(before.errors, after.errors, strict=True) if each[0].channel in OF_AIR]
-    return any(new.gap() > max(ROOM_FORM_K[new.channel], MUCH * old.gap()) for old, new in pairs)
+    belief = fitter.belief
+    return any(new.gap() > max(room_error(belief, new.channel).most_K, MUCH * old.gap()) for old, new in pairs)
 
 
-def is_late(link: Link, errors: Errors, floor: Floor) -> bool:
+def is_late(fitter: Fitter, errors: Errors, floor: Floor) -> bool:
     """Whether the last days show a gap at a channel that those before did not."""
     last, before = errors.gap(SHRINK), max(errors.gap(FIT), errors.gap(SELECT))
-    form_K = ROOM_FORM_K.get(errors.channel, 0.0) if link.with_room else 0.0
+    form_K = room_error(fitter.belief, errors.channel).most_K if fitter.link.with_room else 0.0
     return last > max(LATE * before, EXPLAINED * floor.plain[errors.channel], form_K)
 
 

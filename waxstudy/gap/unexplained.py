@@ -11,7 +11,7 @@ from waxstudy.gap.claim import LEAST_SMOOTHED_GAP, runs_on
 from waxstudy.gap.judge import Errors
 from waxstudy.gap.resampling import by_block
 from waxstudy.gap.result import Unexplained
-from waxstudy.gap.room import ROOM_FORM_K
+from waxstudy.gap.room import room_error
 from waxstudy.gap.select import Selection
 from waxstudy.gap.stray import allowed_s, moved_s
 from waxstudy.gap.testable import LEAST_BLOCKS
@@ -41,7 +41,7 @@ def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
 def _described(selection: Selection, errors: Errors, floor: float, p: float) -> Unexplained:
     stage = stage_of(selection, errors.channel)
     is_room = selection.fitter.link.with_room
-    form = is_room and errors.gap() <= ROOM_FORM_K.get(errors.channel, 0.0)
+    form = is_room and errors.gap() <= room_error(selection.fitter.belief, errors.channel).most_K
     covered = not is_room and is_covered(selection, errors)
     if is_room and not form:
         stage = selection.fitter.link.name  # what a model's form does not leave may as well lie in the emitter
