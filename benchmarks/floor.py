@@ -142,7 +142,7 @@ def slab_time_constants_h(thickness_m: float, screed: Layer, film_m2K_W: float) 
 
 def screed_alone(thickness_m: float) -> RoomDescription:
     """Return the room of Table 3 with nothing but screed in its floor, the pipes in the middle."""
-    given = NzebRoom.describe(NzebRoom.Parameters()).model_dump(exclude_none=True)
+    given = NzebRoom.description(NzebRoom.Parameters()).model_dump(exclude_none=True)
     floor = next(surface for surface in given["surfaces"] if surface["name"] == "floor")
     half = {**floor["layers"][0], "thickness_m": thickness_m / 2}
     floor |= {"boundary": "adiabatic", "layers": [half, half]}
@@ -184,7 +184,7 @@ def outputs() -> dict[str, tuple[float, float]]:
 
 
 def nzeb(exchange: str) -> RoomDescription:
-    return NzebRoom.describe(NzebRoom.Parameters.model_validate({"circuit": {"exchange": exchange}}))
+    return NzebRoom.description(NzebRoom.Parameters.model_validate({"circuit": {"exchange": exchange}}))
 
 
 def main() -> None:

@@ -6,8 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from waxstudy.plugin import Belief, Choice, changed
-from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom, hydronics
-from waxstudy_paper.room.corner import described
+from waxstudy_paper.room import RoomDescription, hydronics
 
 NO_ROOM = "no room is believed"
 NOT_DESCRIBED = "this room cannot be described by surfaces"
@@ -17,20 +16,30 @@ def room_hindrance(belief: Belief) -> str:
     """Return why the believed room cannot be changed, or an empty text."""
     if belief.room is None:
         return NO_ROOM
-    return "" if issubclass(belief.room.component, NzebRoom | SurfacesRoom) else NOT_DESCRIBED
+    return "" if _described(belief.room) else NOT_DESCRIBED
 
 
 def description(belief: Belief) -> RoomDescription:
     """Return the believed room as surfaces; raise `ValueError` where it cannot be described so."""
-    if problem := room_hindrance(belief):
-        raise ValueError(problem)
-    assert belief.room is not None
-    return described(belief.room)
+    if belief.room is None:
+        raise ValueError(NO_ROOM)
+    if found := _described(belief.room):
+        return found
+    raise ValueError(NOT_DESCRIBED)
+
+
+def _described(room: Choice) -> RoomDescription | None:
+    component: Any = room.component
+    found = component.description(room.parameters)
+    return found if isinstance(found, RoomDescription) else None
 
 
 def changed_room(belief: Belief, **parts: Any) -> Belief:
     """Return the belief with parts of the room's description changed; raise `ValueError` with a one-line reason."""
-    return replace(belief, room=Choice(SurfacesRoom, changed(description(belief), **parts)))
+    other = changed(description(belief), **parts)
+    assert belief.room
+    component: Any = belief.room.component
+    return replace(belief, room=component.of_description(belief.room.parameters, other))
 
 
 def changed_circuit(belief: Belief, **values: float) -> Belief:

@@ -18,14 +18,14 @@ class InEnergyPlus(OutsideRoom):
     ours: ClassVar[type[Room]]
 
     @classmethod
-    def description(cls, p: Any) -> RoomDescription:
-        """Return the room in the words of room `surfaces`."""
+    def modelled(cls, p: Any) -> RoomDescription:
+        """Return what EnergyPlus is told, in the words of room `surfaces`; effects leave it alone."""
         raise NotImplementedError
 
     @classmethod
     def build(cls, p: Any) -> LinearRoom:
         """Return the room that stands in; raise `ValueError` for what the room in EnergyPlus cannot have."""
-        room = cls.description(p)
+        room = cls.modelled(p)
         if (sky_W_m2K := room.films.sky_W_m2K) > 0.0:
             wrong = "must be 0: the room in EnergyPlus has no sky colder than the air"
             raise Refused("room.films.sky_W_m2K", sky_W_m2K, wrong)
@@ -61,7 +61,7 @@ class InEnergyPlus(OutsideRoom):
         from waxstudy.simulation.engine import Start
         from waxstudy_energyplus.run import simulate
 
-        room, start = cls.description(p), Start(air_K, slab_K)
+        room, start = cls.modelled(p), Start(air_K, slab_K)
         run = simulate(room, weather, advance, setpoint_C=setpoint_C, step_s=step_s, start=start, stop=stop)
         return run.trace()
 
@@ -75,8 +75,8 @@ class NzebEnergyPlus(InEnergyPlus):
     ours = NzebRoom
 
     @classmethod
-    def description(cls, p: NzebParameters) -> RoomDescription:
-        return NzebRoom.describe(p)
+    def modelled(cls, p: NzebParameters) -> RoomDescription:
+        return NzebRoom.description(p)
 
 
 class SurfacesEnergyPlus(InEnergyPlus):
@@ -89,5 +89,5 @@ class SurfacesEnergyPlus(InEnergyPlus):
     ours = SurfacesRoom
 
     @classmethod
-    def description(cls, p: RoomDescription) -> RoomDescription:
+    def modelled(cls, p: RoomDescription) -> RoomDescription:
         return p

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,10 @@ from hypothesis import strategies as st
 
 from tests.study.conftest import COMPONENTS
 from waxstudy.dataset.read import Dataset, read_dataset
-from waxstudy.plugin import LinearRoom, Role
+from waxstudy.plugin import LinearRoom, Parameters, Role, parameter
 from waxstudy.plugin.registry import Registry
 from waxstudy.study.problems import StudyError
-from waxstudy_paper.room import NzebRoom
+from waxstudy_paper.room import NzebRoom, SurfacesRoom
 from waxstudy_paper.room.building import NzebBuilding, parameters_of
 from waxstudy_paper.room.corner import NzebParameters, describe
 
@@ -193,3 +194,62 @@ def test_without_a_room_that_can_be_told_the_user_is_asked_for_one(tmp_path: Pat
         registry.add(component, "test", "1")
     with pytest.raises(StudyError, match=r"\[building\]: no room is installed that can be told"):
         read(tmp_path, CORNER, registry)
+
+
+# --- which room ------------------------------------------------------------------------------------
+
+
+class Cabin(Parameters):
+    """A cabin in words and numbers."""
+
+    floor_area_m2: float = parameter(unit="m2", description="floor area", source="as built", gt=0, le=100)
+
+
+class CabinRoom(NzebRoom):
+    """A stranger's room that can be told in numbers too."""
+
+    name = "cabin"
+    Building = Cabin
+
+    @classmethod
+    def of_building(cls, building: Cabin) -> tuple[Mapping[str, Any], Sequence[str]]:
+        south_m = 4.0
+        return {"facade_m": {"south": south_m, "west": building.floor_area_m2 / south_m}}, ["A cabin is 4 m wide."]
+
+
+def two_rooms() -> Registry:
+    registry = Registry()
+    for component in (NzebRoom, CabinRoom, SurfacesRoom):
+        registry.add(component, "test", "1")
+    return registry
+
+
+@pytest.mark.parametrize(
+    ("name", "room", "says"),
+    [("cabin", CabinRoom, "A cabin is 4 m wide."), ("nzeb", NzebRoom, "so as in Table 3: height_m, window_U_W_m2K")],
+)
+def test_the_room_that_is_named_is_built(tmp_path: Path, name: str, room: type[NzebRoom], says: str) -> None:
+    told = read(tmp_path, {"use": name, "floor_area_m2": 12.0}, two_rooms())
+    assert told.room is not None
+    assert told.room.component is room
+    assert told.room.parameters.floor_area_m2 == pytest.approx(12.0)  # type: ignore[attr-defined]
+    assert f"The room is '{name}' with the numbers of [building]." in told.assumptions
+    assert any(says in sentence for sentence in told.assumptions)
+    assert not any("not read" in sentence for sentence in (*told.warnings, *told.assumptions))
+
+
+def test_of_several_rooms_one_must_be_named(tmp_path: Path) -> None:
+    with pytest.raises(StudyError) as error:
+        read(tmp_path, {"floor_area_m2": 12.0}, two_rooms())
+    assert "[building] use: several rooms can be told in words and numbers, and none is named" in str(error.value)
+    assert "give one of nzeb, cabin" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("use", "near"), [("nzep", "; did you mean 'nzeb'?"), ("surfaces", ""), (3, "")], ids=["a slip", "by [room]", "no"]
+)
+def test_a_name_that_cannot_be_is_refused(tmp_path: Path, use: object, near: str) -> None:
+    with pytest.raises(StudyError) as error:
+        read(tmp_path, {"use": use, "floor_area_m2": 12.0}, two_rooms())
+    assert f"no room of this name can be told in words and numbers{near}" in str(error.value)
+    assert "rooms that can: nzeb, cabin" in str(error.value)

@@ -8,6 +8,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.effects.believed import EFFECTS, belief, choice, day, response, with_effect, with_inputs
+from tests.effects.hut import Hut, Lodge
+from waxstudy.conformance import check
 from waxstudy.plugin import Belief, Choice, FloatArray, LinearRoom, Room
 from waxstudy_effects.description import description
 from waxstudy_effects.emitter import after_pipe_C
@@ -174,3 +176,54 @@ def test_a_room_that_is_not_made_of_surfaces_says_so(name: str) -> None:
     strange = Belief({}, Choice(Box, Box.Parameters()), day())
     assert EFFECTS[name].hindrance(strange) == "this room cannot be described by surfaces"
     assert EFFECTS[name].hindrance(Belief({})) == "no room is believed"
+
+
+OF_DESCRIPTION = {
+    "max-flow": {"factor": 0.5},
+    "floor-cover": {"resistance_m2K_W": 0.1},
+    "infiltration": {"factor": 8.0},
+    "thermal-mass": {"factor": 3.0},
+}
+
+
+def numbers(of: Belief) -> FloatArray:
+    """What a room is made of, all in a row."""
+    assert of.room
+    assert issubclass(of.room.component, Room)
+    made = of.room.component.build(of.room.parameters)
+    tables = made.capacity_J_K, made.conductance_W_K, made.input_matrix
+    return np.concatenate([*(table.ravel() for table in tables), [made.full_flow_L_h]])
+
+
+@pytest.mark.parametrize("name", OF_DESCRIPTION)
+def test_a_stranger_s_room_that_can_be_described_has_the_room_s_effects(name: str) -> None:
+    """And stays his: what he has beside the description is kept."""
+    theirs = Belief({}, Choice.of(Hut, {"glycol_J_L_K": 3700.0}), day())
+    ours = Belief({}, choice("room", {"use": "nzeb"}), day())
+    changed, as_ours = (with_effect(name, each, **OF_DESCRIPTION[name]) for each in (theirs, ours))
+    assert changed.room
+    assert changed.room.component is Hut
+    assert changed.room.parameters.glycol_J_L_K == 3700.0  # type: ignore[attr-defined]
+    assert numbers(changed) == pytest.approx(numbers(as_ours))
+    before = numbers(theirs)
+    assert len(before) != len(numbers(changed)) or before != pytest.approx(numbers(changed))
+
+
+def test_a_description_in_other_words_is_none_of_the_effects() -> None:
+    class Tale(Hut):
+        """A room that is told as a text."""
+
+        @classmethod
+        def description(cls, p: object) -> str:
+            return "a hut in the woods"
+
+    told = Belief({}, Choice.of(Tale, {}), day())
+    assert EFFECTS["infiltration"].hindrance(told) == "this room cannot be described by surfaces"
+
+
+def test_the_kit_holds_a_room_against_its_own_description() -> None:
+    (kept,) = (each for each in check(Hut) if each.stage == "description")
+    (lost,) = (each for each in check(Lodge) if each.stage == "description")
+    assert kept.status == "passed"
+    says = "of_description, given the room's own description, makes another room: capacity_J_K differ"
+    assert (lost.status, lost.messages) == ("failed", [f"example 'default': {says}"])

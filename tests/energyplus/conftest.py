@@ -26,7 +26,7 @@ def energyplus() -> None:
 
 @pytest.fixture
 def room() -> RoomDescription:
-    return NzebRoom.describe(NzebRoom.Parameters())
+    return NzebRoom.description(NzebRoom.Parameters())
 
 
 @pytest.fixture

@@ -45,7 +45,7 @@ from tests.energyplus import drivers
 from waxstudy.plugin import SimulationError, Stopped, WeatherRecord
 from waxstudy_energyplus.run import simulate
 from waxstudy_paper.room import NzebRoom
-room = NzebRoom.describe(NzebRoom.Parameters())
+room = NzebRoom.description(NzebRoom.Parameters())
 dark = {facade: np.zeros(24) for facade in room.facades}
 weather = WeatherRecord(3600.0, "2021-01-01", np.zeros(24), dark)
 simulate(room, weather, drivers.Slow(Path(sys.argv[1])), setpoint_C=21.0)

@@ -215,7 +215,7 @@ def test_a_slab_answers_a_harmonic_surface_temperature_as_the_heat_equation_says
 
 @pytest.mark.parametrize("ceiling", ["adiabatic", "outdoors"])
 def test_over_a_week_of_changing_inputs_heat_stored_and_lost_is_the_heat_that_came_in(ceiling: str) -> None:
-    room = NzebRoom.describe(NzebRoom.Parameters.model_validate({"ceiling": ceiling}))
+    room = NzebRoom.description(NzebRoom.Parameters.model_validate({"ceiling": ceiling}))
     linear, full = linear_room(room), full_system(assemble(room))
     weather = a_week()
     u, _ = linear.drive(weather)
@@ -278,7 +278,7 @@ def heat_in_W(room: RoomDescription, weather: WeatherRecord) -> float:
 
 def test_the_room_of_table_3_loses_7_7_W_K_by_hand_and_in_the_model() -> None:
     p = NzebRoom.Parameters(ventilation_L_s_m2=0.0)
-    room = NzebRoom.describe(p)
+    room = NzebRoom.description(p)
     films = {facing: room.films.interior_m2K_W(facing) for facing in ("wall", "ceiling", "floor")}
     by_hand = loss_W_K(room, films)
     assert by_hand == pytest.approx(7.7, abs=0.05)
@@ -303,7 +303,7 @@ def test_21_C_in_the_papers_weeks_takes_the_papers_heat_within_5_percent(
 
 
 def test_each_surface_exchanges_radiation_with_all_the_others_as_its_area_says() -> None:
-    room = NzebRoom.describe(NZEB)
+    room = NzebRoom.description(NZEB)
     to_star = radiant_conductance_W_K(room)
     total = sum(to_star.values())
     for part in room.parts:
@@ -312,7 +312,7 @@ def test_each_surface_exchanges_radiation_with_all_the_others_as_its_area_says()
 
 
 def test_u_values_and_areas_of_table_3_are_those_of_the_description() -> None:
-    room = NzebRoom.describe(NZEB)
+    room = NzebRoom.description(NZEB)
     surfaces = {s.name: s for s in room.surfaces}
     resistance = {s.name: sum(x.thickness_m / x.conductivity_W_mK for x in s.layers) for s in room.surfaces}
     films = room.films
@@ -329,15 +329,15 @@ def test_u_values_and_areas_of_table_3_are_those_of_the_description() -> None:
 
 
 def test_a_roof_adds_its_u_value_and_its_thermal_bridges() -> None:
-    roofed = NzebRoom.describe(NzebRoom.Parameters(ceiling="outdoors", roof_U_W_m2K=0.1))
-    closed = NzebRoom.describe(NZEB)
+    roofed = NzebRoom.description(NzebRoom.Parameters(ceiling="outdoors", roof_U_W_m2K=0.1))
+    closed = NzebRoom.description(NZEB)
     films = {facing: closed.films.interior_m2K_W(facing) for facing in ("wall", "ceiling", "floor")}
     extra = 10.4 * (0.1 + 0.031 + 0.0048 * AIR_J_L_K)
     assert loss_W_K(roofed, films) - loss_W_K(closed, films) == pytest.approx(extra, rel=1e-9)
 
 
 def test_the_description_of_the_papers_room_as_a_study_file_gives_the_same_room() -> None:
-    description = NzebRoom.describe(NZEB).model_dump(mode="json", exclude_none=True)
+    description = NzebRoom.description(NZEB).model_dump(mode="json", exclude_none=True)
     again = SurfacesRoom.Parameters.model_validate(tomllib.loads(tomli_w.dumps(description)))
     ours, theirs = NzebRoom.build(NZEB), SurfacesRoom.build(again)
     assert ours.inputs == theirs.inputs
@@ -387,7 +387,7 @@ def test_the_operative_point_sees_a_window_where_it_sits_in_the_facade() -> None
 
 def test_a_secondary_gain_changes_where_the_sun_arrives_but_not_how_much_of_it() -> None:
     def heat_W(secondary: float) -> float:
-        room = NzebRoom.describe(NzebRoom.Parameters(window_secondary_share=secondary))
+        room = NzebRoom.description(NzebRoom.Parameters(window_secondary_share=secondary))
         linear = linear_room(room)
         u = inputs(linear, **{"irradiance azimuth 180 tilt 90 W_m2": 100.0})
         # held at 0 C everywhere inside, the heat that must be taken away
@@ -408,7 +408,7 @@ def test_sensor_and_operative_point_mix_air_and_radiation_as_told() -> None:
 
 
 def test_in_the_steady_state_the_floor_gives_the_room_what_the_water_gives_it_less_its_loss_downwards() -> None:
-    description = NzebRoom.describe(NZEB)
+    description = NzebRoom.description(NZEB)
     room = linear_room(description)
     y = outputs(room, inputs(room, outdoor_C=-10.0, ventilation_supply_C=18.0), floor_heat_W=400.0)
     below = sum(layer.thickness_m / layer.conductivity_W_mK for layer in description.floor.layers[1:]) + 0.04
@@ -455,7 +455,7 @@ def test_each_direction_of_a_window_is_asked_for_once_and_reaches_its_own_input(
 
 
 def test_sun_on_an_outer_wall_counts_only_where_it_is_absorbed() -> None:
-    dark = NzebRoom.describe(NZEB).model_dump(mode="json", exclude_none=True)
+    dark = NzebRoom.description(NZEB).model_dump(mode="json", exclude_none=True)
     dark["surfaces"][0] |= {"solar_absorptance": 0.6, "azimuth_deg": 150.0}
     plain, sunlit = NzebRoom.build(NZEB), SurfacesRoom.build(SurfacesRoom.Parameters.model_validate(dark))
     assert "azimuth 150 tilt 90" in sunlit.facades
@@ -541,7 +541,7 @@ def with_circuit(**circuit: Any) -> LinearRoom:
 
 def test_the_nominal_exchange_meets_the_nominal_output_at_the_design_temperatures() -> None:
     room = with_circuit()
-    cover = NzebRoom.describe(NZEB).cover_m2K_W
+    cover = NzebRoom.description(NZEB).cover_m2K_W
     assert cover == pytest.approx(0.04 / 1.2 + 6.335 / 68, rel=1e-3)
     assert water_heat_W_m2(room, 1.0, 34.0, cover) == pytest.approx(68.0)
     return_C = 34.0 - 68.0 * 10.4 / (room.full_flow_L_h / 3600 * room.water_J_L_K)

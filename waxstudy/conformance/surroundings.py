@@ -21,6 +21,7 @@ from waxstudy.plugin.shapes import (
 )
 
 DAY_S = 86400.0
+MATRICES = ("capacity_J_K", "conductance_W_K", "input_matrix", "output_matrix", "floor_heat_share", "full_flow_L_h")
 FACADES = {"south": Facade(180.0), "roof": Facade(0.0, 0.0)}
 
 
@@ -79,6 +80,35 @@ def room_errors(subject: Subject) -> Problems:
     for label, stated, wrong in _made(subject, subject.component.model_errors):
         found = [wrong] if wrong else (f"example '{label}': {problem}" for problem in model_error_problems(stated))
         yield from found
+
+
+def room_description(subject: Subject) -> Problems:
+    """A room that can be described is the same room when it is made of its own description."""
+    component = subject.component
+    assert issubclass(component, Room)
+    for label, described, wrong in _made(subject, component.description):
+        if wrong:
+            yield wrong
+        elif described is not None:
+            p = subject.models[label]
+            yield from (f"example '{label}': {problem}" for problem in _return_problems(component, p, described))
+
+
+def _return_problems(component: type[Room], p: Any, described: Any) -> Problems:
+    """Yield how a room that is made of its own description differs from itself."""
+    try:
+        with told("of_description, given the room's own description"):
+            again: Any = component.of_description(p, described)
+            one, other = component.build(p), again.component.build(again.parameters)
+    except PluginError as error:
+        yield str(error)
+        return
+    same = [name for name in MATRICES if np.shape(getattr(one, name)) == np.shape(getattr(other, name))]
+    differ = [
+        name for name in MATRICES if name not in same or not np.allclose(getattr(one, name), getattr(other, name))
+    ]
+    if differ:
+        yield f"of_description, given the room's own description, makes another room: {', '.join(differ)} differ"
 
 
 # --- weather ---------------------------------------------------------------------------------------
@@ -140,6 +170,7 @@ ROOM_STAGES = (
     Stage("drive", "inputs and supply temperature from weather", room_drive, needed=True),
     Stage("roles", "each input drives the room as its role says", room_roles),
     Stage("model-errors", "in kelvins of what is judged, with their source", room_errors),
+    Stage("description", "the same room when it is made of its own description", room_description),
 )
 WEATHER_STAGES = (
     Stage("load", "numbers in equal intervals for a day at least", weather_loads, needed=True),

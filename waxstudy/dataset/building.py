@@ -10,6 +10,7 @@ from waxstudy.plugin import OutsideRoom, Parameters, Room
 from waxstudy.plugin.registry import PluginError, Registry, nearest, told
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
+from waxstudy.study.problems import listed
 from waxstudy.study.spots import RawTable, Spot, Written
 
 ROOM, BUILDING = Spot.table("room"), Spot.table("building")
@@ -28,20 +29,39 @@ def read_room(check: Check, notes: Notes) -> Choice | None:
 
 def _built(check: Check, values: dict[str, Any], notes: Notes) -> Choice | None:
     """Return the room that can be told in words and numbers, with the numbers given."""
-    rooms = list(_describable(check.registry))
-    if not rooms:
-        check.problem(BUILDING, "no room is installed that can be told in words and numbers", allowed="give [room]")
+    room = _chosen(check, values)
+    if room is None:
         return None
-    room = rooms[0]
+    numbers = {key: value for key, value in values.items() if key != "use"}
     try:
         with told(f"room '{room.name}'", ValueError):
-            parameters = _parameters(check, room, values, notes)
+            parameters = _parameters(check, room, numbers, notes)
     except ValueError as error:
         check.problem(BUILDING, str(error))
     except PluginError as error:
         check.problem(BUILDING, str(error), of_plugin=True)
     else:
         return Choice(room, parameters) if parameters else None
+    return None
+
+
+def _chosen(check: Check, values: dict[str, Any]) -> type[Room] | None:
+    """Return the room that is named, or the only one that can be told so."""
+    rooms = {room.name: room for room in _describable(check.registry)}
+    if not rooms:
+        check.problem(BUILDING, "no room is installed that can be told in words and numbers", allowed="give [room]")
+    elif "use" in values:
+        name = str(values["use"])
+        if name in rooms:
+            return rooms[name]
+        near, allowed = nearest(name, rooms), f"rooms that can: {listed(rooms)}"
+        wrong = "no room of this name can be told in words and numbers"
+        check.problem(BUILDING.at("use"), wrong, value=values["use"], near=near, allowed=allowed)
+    elif len(rooms) > 1:
+        wrong = "several rooms can be told in words and numbers, and none is named"
+        check.problem(BUILDING.at("use"), wrong, allowed=f"give one of {listed(rooms)}")
+    else:
+        return next(iter(rooms.values()))
     return None
 
 
@@ -63,7 +83,7 @@ def _parameters(check: Check, room: type[Room], values: dict[str, Any], notes: N
 
 
 def _describable(registry: Registry) -> Iterator[type[Room]]:
-    """Yield the rooms that take [building], ours first; the fast ones only, as a diagnosis asks for many runs."""
+    """Yield the rooms that take [building], the fast ones only, as a diagnosis asks for many runs."""
     for entry in registry.components.values():
         room = entry.component
         if issubclass(room, Room) and room.Building is not None and not issubclass(room, OutsideRoom):

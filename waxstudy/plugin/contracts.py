@@ -266,6 +266,22 @@ class Room(Component):
         raise NotImplementedError
 
     @classmethod
+    def description(cls, p: Any) -> Any:
+        """Return the room in the words of room `surfaces`, a `waxstudy_paper.room.RoomDescription`, or None.
+
+        It is what effects on leaks, masses, the floor and its circuit edit; without one they cannot apply.
+        """
+        return None
+
+    @classmethod
+    def of_description(cls, p: Any, description: Any) -> Choice:
+        """Return the room with another description; with its own it is the same room, perhaps as another component.
+
+        Raises `ValueError` with a one-line reason.
+        """
+        raise NotImplementedError
+
+    @classmethod
     def uncertainties(cls, p: Any) -> Sequence[Uncertainty]:
         """Return what of this room nobody knows exactly; a diagnosis fits it, held by its priors."""
         return ()

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from waxstudy.plugin.contracts import Choice
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,6 @@ ASSUMED: Mapping[str, ModelError] = {
 
 
 @lru_cache(maxsize=256)
-def model_errors(room: Choice) -> Mapping[str, ModelError]:
-    """Return the error of a room's model by output: what the room states, and what is assumed of the others."""
-    component: Any = room.component
-    return {**ASSUMED, **component.model_errors(room.parameters)}
+def model_errors(room: Any) -> Mapping[str, ModelError]:
+    """Return the error of the model of a room, a `Choice`, by output: as stated, and as assumed of the others."""
+    return {**ASSUMED, **room.component.model_errors(room.parameters)}

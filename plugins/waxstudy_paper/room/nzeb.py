@@ -30,9 +30,16 @@ class NzebRoom(Room):
         return parameters_of(building)
 
     @classmethod
-    def describe(cls, p: NzebParameters) -> RoomDescription:
+    def description(cls, p: NzebParameters) -> RoomDescription:
         """Return the room in the words of room `surfaces`; raise `ValueError` where the geometry is impossible."""
         return describe(p)
+
+    @classmethod
+    def of_description(cls, p: NzebParameters, description: RoomDescription) -> Choice:
+        """Return a room `surfaces`: Table 3 has no words for most of what may be changed."""
+        from waxstudy_paper.room.surfaces import SurfacesRoom
+
+        return Choice(SurfacesRoom, description)
 
     @classmethod
     def solar_readings(cls, p: NzebParameters) -> Mapping[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from waxstudy.plugin import LinearRoom, ModelError, Room, Uncertainty
+from waxstudy.plugin import Choice, LinearRoom, ModelError, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.corner import NzebParameters, describe, described
 from waxstudy_paper.room.description import RoomDescription
@@ -19,6 +19,16 @@ class SurfacesRoom(Room):
     api_version = "1.0"
     Parameters = RoomDescription
     examples = {"the room of Table 3": describe(NzebParameters()).model_dump(mode="json", exclude_none=True)}
+
+    @classmethod
+    def description(cls, p: RoomDescription) -> RoomDescription:
+        """Return the parameters, which are the description."""
+        return p
+
+    @classmethod
+    def of_description(cls, p: RoomDescription, description: RoomDescription) -> Choice:
+        """Return the room of another description."""
+        return Choice(cls, description)
 
     @classmethod
     def build(cls, p: RoomDescription) -> LinearRoom:

@@ -66,7 +66,10 @@ class EnergyPlusRoom(Engine):
             channels=channels,
             step_s=STEP_S,
             first_day=(FIRST + timedelta(days=scene["day"])).isoformat(),
-            described={"nominal": nominal(house, setpoint_C), "building": building(house.full_flow_L_h)},
+            described={
+                "nominal": nominal(house, setpoint_C),
+                "building": {"use": "nzeb", **building(house.full_flow_L_h)},
+            },
             effects=[None] * len(puts),
             without=without,
         )

@@ -54,7 +54,7 @@ def known(full_flow_L_h: float) -> RoomDescription:
     from waxstudy_paper.room import NzebRoom
 
     parameters, _ = NzebRoom.of_building(NzebRoom.Building(**building(full_flow_L_h)))
-    return NzebRoom.describe(NzebRoom.Parameters(**parameters))
+    return NzebRoom.description(NzebRoom.Parameters(**parameters))
 
 
 def described(house: House) -> RoomDescription:

@@ -98,7 +98,10 @@ class OtherPlant(Engine):
             channels=channels,
             step_s=float(STEP_S),
             first_day=(FIRST + timedelta(days=scene["day"])).isoformat(),
-            described={"nominal": cls._nominal(plant, scene["setpoint_C"]), "building": cls._building(plant)},
+            described={
+                "nominal": cls._nominal(plant, scene["setpoint_C"]),
+                "building": {"use": "nzeb", **cls._building(plant)},
+            },
             effects=[None] * len(puts),
             without=without,
         )

@@ -1,0 +1,60 @@
+"""Claims about the error of a room's model in a diagnosis: it is what the room states, or a dataset widens."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.diagnosis.realities import belief, record
+from waxstudy.diagnosis.model.room_response import OF_ROOM, error_of
+from waxstudy.diagnosis.model.segments import segments
+from waxstudy.diagnosis.residuals.judge import Judge
+from waxstudy.diagnosis.residuals.room_means import PIECE
+from waxstudy.plugin import Belief, Choice, ModelError
+from waxstudy_paper.room import NzebRoom
+
+CHANNEL = "air_temperature_C"
+
+
+class Exact(NzebRoom):
+    """A stranger's, who has measured how far his air is off."""
+
+    name = "exact"
+
+    @classmethod
+    def model_errors(cls, p: Any) -> Mapping[str, ModelError]:
+        return {"air_C": ModelError(0.01, 0.03, "held against a climate chamber")}
+
+
+def beliefs() -> dict[str, tuple[Belief, float]]:
+    """Beliefs of a room, and what it leaves of the air, typically."""
+    ours = belief("REAL", record("REAL"))
+    exact = replace(ours, room=Choice.of(Exact, {}))
+    return {
+        "ours": (ours, 0.07),
+        "ours widened": (replace(ours, room_error_factor=1.5), 0.105),
+        "a stranger's": (exact, 0.01),
+        "a stranger's widened": (replace(exact, room_error_factor=2.0), 0.02),
+    }
+
+
+@pytest.mark.parametrize("name", beliefs())
+def test_a_room_s_errors_are_weighed_by_what_the_room_states(name: str) -> None:
+    seen, (believed, typical_K) = record("REAL"), beliefs()[name]
+    (room,) = [segment for segment in segments(seen, believed) if segment.with_room]
+    predicted = room.predict(seen, believed, room.conventions[0])
+    (air,) = [each for each in Judge(room, seen, believed).residuals(predicted) if each.channel == CHANNEL]
+    scale_K = np.hypot(typical_K, seen.noise[CHANNEL]) * PIECE**0.5
+    assert np.abs(air.error).max() > 0.0
+    assert air.whitened * scale_K == pytest.approx(air.error)
+
+
+def test_what_may_be_left_is_the_room_s_too_and_of_no_other_channel() -> None:
+    own = {name: [error_of(each, channel).most_K for channel in OF_ROOM] for name, (each, _) in beliefs().items()}
+    assert own["ours"] == [0.18, 0.18, 0.16, 0.5]
+    assert own["ours widened"] == pytest.approx([0.27, 0.27, 0.24, 0.75])
+    assert own["a stranger's"] == [0.03, 0.36, 0.32, 1.0]
