@@ -14,7 +14,6 @@ from typing import Any
 
 from waxstudy.blind_test.draw import Case
 from waxstudy.blind_test.record import shown, without_noise
-from waxstudy.dataset.effects import EffectError, applied
 from waxstudy.dataset.read import Dataset
 from waxstudy.gap.diagnose import installed_effects, record_of
 from waxstudy.gap.fit import Fitter
@@ -26,6 +25,7 @@ from waxstudy.gap.record import Record
 from waxstudy.gap.room import Predicted
 from waxstudy.plugin import Belief, Choice
 from waxstudy.plugin.trial import Cause, Staged
+from waxstudy.synthetic.effects import EffectError, applied
 
 THOROUGH = 4.0  # times the points that a diagnosis looks at first: an alike effect must not be missed here
 ROUGH = 0.35  # the same of a measured house, whose priors are so wide that every fit is long

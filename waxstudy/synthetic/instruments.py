@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS, Channel
-from waxstudy.dataset.reality import Reality, RealityError
 from waxstudy.plugin import FloatArray
 from waxstudy.study.model import is_multiple
+from waxstudy.synthetic.simulate import Reality, RealityError
 
 GAP_S = 1800.0  # mean length of a gap
 DECIMALS = 6  # of a channel without a resolution
