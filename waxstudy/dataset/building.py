@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
 
 from waxstudy.dataset.notes import Notes
-from waxstudy.plugin import OutsideRoom, Parameters, Room
+from waxstudy.plugin import Component, OutsideRoom, Parameters, Room
 from waxstudy.plugin.registry import PluginError, Registry, nearest, told
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.spots import RawTable, Spot, Written
 
+T = TypeVar("T")
 ROOM, BUILDING = Spot.table("room"), Spot.table("building")
 
 
@@ -33,15 +34,28 @@ def _built(check: Check, values: dict[str, Any], notes: Notes) -> Choice | None:
         check.problem(BUILDING, "no room is installed that can be told in words and numbers", allowed="give [room]")
         return None
     room = rooms[0]
+    parameters = _noted(check, BUILDING, room, lambda: _parameters(check, room, values, notes))
+    return Choice(room, parameters) if parameters else None
+
+
+def full_flow_L_h(check: Check, room: Choice | None) -> float | None:
+    """Return the flow of the believed room with its valve open; note it if the room cannot be built."""
+    if room is None:
+        return None
+    component: type[Room] = room.component  # type: ignore[assignment]
+    spot = ROOM if check.source.values.get("room") else BUILDING
+    return _noted(check, spot, component, lambda: float(component.build(room.parameters).full_flow_L_h))
+
+
+def _noted(check: Check, spot: Spot, room: type[Component], build: Callable[[], T]) -> T | None:
+    """Return what a room makes; note what it refuses, and faults of its plugin."""
     try:
         with told(f"room '{room.name}'", ValueError):
-            parameters = _parameters(check, room, values, notes)
+            return build()
     except ValueError as error:
-        check.problem(BUILDING, str(error))
+        check.problem(spot, str(error))
     except PluginError as error:
-        check.problem(BUILDING, str(error), of_plugin=True)
-    else:
-        return Choice(room, parameters) if parameters else None
+        check.problem(spot, str(error), of_plugin=True)
     return None
 
 
