@@ -32,8 +32,7 @@ class Instruments:
 
     def chosen(self, sources: Mapping[str, FloatArray]) -> list[Channel]:
         """Return the channels to write: all whose source is told, but those left out."""
-        told = [channel for channel in CHANNELS.values() if channel.source in sources]
-        return [channel for channel in told if channel.name not in self.without]
+        return [each for each in CHANNELS.values() if each.source in sources and each.name not in self.without]
 
     def noise_of(self, channel: Channel) -> float:
         return self.noise.get(channel.name, channel.noise)
