@@ -15,10 +15,11 @@ test: .venv/installed-dev  ## set up, check style, types and imports, run every 
 	$(BIN)/lint-imports
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-golden: .venv/installed-dev  ## compute the golden results, the study file's schema and the tables of judged runs again
+golden: .venv/installed-dev  ## compute the golden results, the study file's schema, the tables of judged runs and of checks again
 	$(BIN)/python -m tests.golden.regenerate
 	$(BIN)/python -m tests.study.regenerate_schema
 	$(BIN)/python -m tests.blind_test.regenerate_tables
+	$(BIN)/python -m tests.dataset.regenerate_checks
 
 characterise: .venv/installed-dev  ## compare what the diagnosis says of 70 records with what is stored
 	$(BIN)/python -m tests.characterisation

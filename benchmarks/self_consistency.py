@@ -25,7 +25,7 @@ from waxstudy.simulation.sources import digest
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "results" / "self-consistency"
-PACKAGES = ("blind_test", "dataset", "diagnosis", "plugin", "results", "simulation", "study")
+PACKAGES = ("blind_test", "dataset", "diagnosis", "plugin", "results", "simulation", "study", "synthetic")
 LEAST = 2.0  # true gap over the noise floor from which an effect must be found
 
 

@@ -12,10 +12,7 @@ from typing import Any
 from benchmarks.self_consistency_records import Made, study
 from waxstudy.blind_test.truth import THOROUGH, Stand, gap_and_floor, gaps, is_alike, over
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.dataset.effects import with_effects
-from waxstudy.dataset.measure import Instruments
 from waxstudy.dataset.read import Dataset, read_dataset
-from waxstudy.dataset.write import Telling, write
 from waxstudy.diagnosis.diagnose import diagnose, installed_effects
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.model.segments import Segment
@@ -23,6 +20,9 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.plugin import Choice, Effect
 from waxstudy.plugin.trial import Cause
+from waxstudy.synthetic.effects import with_effects
+from waxstudy.synthetic.instruments import Instruments
+from waxstudy.synthetic.write import Telling, write
 
 NOTHING = dict.fromkeys(CHANNELS, 0.0)
 

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.dataset.effects import EffectError, with_effects
-from waxstudy.dataset.reality import RealityError
-from waxstudy.dataset.write import Telling
 from waxstudy.plugin import Belief, Choice, Effect, Inputs, SimulationError
 from waxstudy.plugin.registry import PluginError, installed
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged, Unmakeable
 from waxstudy.simulation.run import InputError
 from waxstudy.study.model import Study
 from waxstudy.study.read import read_study
+from waxstudy.synthetic.effects import EffectError, with_effects
+from waxstudy.synthetic.simulate import RealityError
+from waxstudy.synthetic.write import Telling
 from waxstudy_trials.families import FAMILIES, Family, logged
 from waxstudy_trials.severity import severity
 

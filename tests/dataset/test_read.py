@@ -16,14 +16,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.conftest import ROOT
-from tests.dataset.conftest import SETPOINT_C, Simulated, described, written
+from tests.synthetic.conftest import SETPOINT_C, Simulated, described, written
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.levels import only_switches
-from waxstudy.dataset.measure import Instruments, measure
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin import Choice
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
+from waxstudy.synthetic.instruments import Instruments, measure
 
 DATA = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data"))
 REALITIES, HOUSE = DATA / "realities", DATA / "measured_house"

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.dataset.conftest import Simulated, written
+from tests.synthetic.conftest import Simulated, written
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import read_dataset
 from waxstudy.study.model import Study

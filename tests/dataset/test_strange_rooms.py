@@ -13,15 +13,15 @@ import tomli_w
 
 from tests.dataset.conftest import SETPOINT_C
 from tests.simulation.strange import InParts, Strange, without
-from waxstudy.dataset.effects import believed_inputs, with_effects
 from waxstudy.dataset.read import Dataset, read_dataset
-from waxstudy.dataset.reality import reality_loop, surroundings
 from waxstudy.plugin import Choice, FloatArray, ModelError, Role, Room
 from waxstudy.plugin.model_error import DOUBLED
 from waxstudy.plugin.registry import Registry, installed
 from waxstudy.simulation.engine import Loop
 from waxstudy.study.model import Study
 from waxstudy.study.problems import StudyError
+from waxstudy.synthetic.effects import believed_inputs, with_effects
+from waxstudy.synthetic.simulate import reality_loop, surroundings
 from waxstudy_paper.room import NzebRoom
 
 MODES_K = 0.005  # what the fewer modes of a room may leave: other inputs are reduced to other modes

@@ -13,9 +13,7 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.dataset.measure import Instruments, measure
 from waxstudy.dataset.read import Dataset
-from waxstudy.dataset.reality import Reality, reality_loop, simulate
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.model.segments import Segment
@@ -25,6 +23,8 @@ from waxstudy.plugin import Belief, Effect, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.read import read_study
+from waxstudy.synthetic.instruments import Instruments, measure
+from waxstudy.synthetic.simulate import Reality, reality_loop, simulate
 
 SETPOINT_C = 21.0
 Effects = tuple[tuple[str, tuple[tuple[str, float], ...]], ...]  # names and values, as a key

@@ -14,14 +14,14 @@ from tests.conftest import SMALL
 from tests.simulation import lumped
 from tests.simulation.lumped import Lumped
 from waxstudy.conformance import assert_conforms, check
-from waxstudy.dataset.measure import Instruments
-from waxstudy.dataset.reality import reality_loop, simulate
-from waxstudy.dataset.write import Telling, truth_of
 from waxstudy.plugin import BackendMissing, Facade, OutsideRoom, Weather, WeatherRecord
 from waxstudy.plugin.registry import PluginError, Registered, installed
 from waxstudy.simulation.run import InputError, prepare, provenance
 from waxstudy.study.model import Choice, Study
 from waxstudy.study.read import problem_at, read_study
+from waxstudy.synthetic.instruments import Instruments
+from waxstudy.synthetic.simulate import reality_loop, simulate
+from waxstudy.synthetic.write import Telling, truth_of
 
 
 class Still(Weather):

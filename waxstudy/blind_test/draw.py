@@ -11,8 +11,8 @@ import numpy as np
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.plan import Slot, causes_of
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.dataset.measure import Instruments
 from waxstudy.plugin.trial import Cause, Engine, Scene, engine_of
+from waxstudy.synthetic.instruments import Instruments
 
 # channel set -> what it lacks; a return says nothing without flow
 CHANNEL_SETS: Mapping[str, tuple[str, ...]] = {

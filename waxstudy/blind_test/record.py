@@ -13,11 +13,11 @@ import tomli_w
 
 from waxstudy.blind_test.draw import Measured
 from waxstudy.dataset.channels import CHANNELS, Channel
-from waxstudy.dataset.measure import DECIMALS, rows
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.trial import Staged
 from waxstudy.results.atomic import whole_folder
+from waxstudy.synthetic.instruments import DECIMALS, rows
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -14,7 +14,6 @@ from typing import Any
 
 from waxstudy.blind_test.draw import Case
 from waxstudy.blind_test.record import shown, without_noise
-from waxstudy.dataset.effects import EffectError, applied
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import installed_effects, record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
@@ -30,6 +29,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.plugin import Belief, Choice
 from waxstudy.plugin.trial import Cause, Staged
+from waxstudy.synthetic.effects import EffectError, applied
 
 THOROUGH = 4.0  # times the points that a diagnosis looks at first: an alike effect must not be missed here
 ROUGH = 0.35  # the same of a measured house, whose priors are so wide that every fit is long

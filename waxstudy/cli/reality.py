@@ -19,9 +19,9 @@ from waxstudy.cli.simulating import failures, warn
 from waxstudy.cli.study import load_study
 
 if TYPE_CHECKING:
-    from waxstudy.dataset.measure import Instruments
-    from waxstudy.dataset.write import Telling
     from waxstudy.plugin import Choice, Component
+    from waxstudy.synthetic.instruments import Instruments
+    from waxstudy.synthetic.write import Telling
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -107,8 +107,8 @@ def command(
     DIR gets data.csv and dataset.toml, which says what the modeller believes. The truth goes to DIR-truth.json,
     beside the folder. Weeks given one after another are one record.
     """
-    from waxstudy.dataset.measure import Instruments
-    from waxstudy.dataset.write import Telling, truth_beside
+    from waxstudy.synthetic.instruments import Instruments
+    from waxstudy.synthetic.write import Telling, truth_beside
 
     truth = truth_beside(out)
     for path in (out, truth):
@@ -131,9 +131,9 @@ def command(
 
 
 def _make(out: Path, telling: Telling, days: int | None, instruments: Instruments) -> None:
-    from waxstudy.dataset.effects import EffectError, with_effects
-    from waxstudy.dataset.reality import RealityError, reality_loop, simulate
-    from waxstudy.dataset.write import write
+    from waxstudy.synthetic.effects import EffectError, with_effects
+    from waxstudy.synthetic.simulate import RealityError, reality_loop, simulate
+    from waxstudy.synthetic.write import write
 
     study, case, weeks, setpoint_C = telling.study, telling.case, telling.weeks, telling.setpoint_C
     try:

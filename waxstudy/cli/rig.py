@@ -61,9 +61,9 @@ def command(
     DIR gets the records and records.toml, which says what each is of. All are simulated and say so. The truth goes to
     DIR-truth.json, beside the folder.
     """
-    from waxstudy.dataset.write import truth_beside
     from waxstudy.plugin.registry import PluginError, installed
     from waxstudy.rig.bench import Motors
+    from waxstudy.synthetic.write import truth_beside
 
     truth = truth_beside(folder)
     for path in (folder, truth):

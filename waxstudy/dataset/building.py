@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
 
 from waxstudy.dataset.notes import Notes
-from waxstudy.plugin import OutsideRoom, Parameters, Room
+from waxstudy.plugin import Component, OutsideRoom, Parameters, Room
 from waxstudy.plugin.registry import PluginError, Registry, nearest, told
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import listed
 from waxstudy.study.spots import RawTable, Spot, Written
 
+T = TypeVar("T")
 ROOM, BUILDING = Spot.table("room"), Spot.table("building")
 
 
@@ -33,15 +34,19 @@ def _built(check: Check, values: dict[str, Any], notes: Notes) -> Choice | None:
     if room is None:
         return None
     numbers = {key: value for key, value in values.items() if key != "use"}
+    parameters = noted(check, BUILDING, room, lambda: _parameters(check, room, numbers, notes))
+    return Choice(room, parameters) if parameters else None
+
+
+def noted(check: Check, spot: Spot, room: type[Component], build: Callable[[], T]) -> T | None:
+    """Return what a room makes; note what it refuses, and faults of its plugin."""
     try:
         with told(f"room '{room.name}'", ValueError):
-            parameters = _parameters(check, room, numbers, notes)
+            return build()
     except ValueError as error:
-        check.problem(BUILDING, str(error))
+        check.problem(spot, str(error))
     except PluginError as error:
-        check.problem(BUILDING, str(error), of_plugin=True)
-    else:
-        return Choice(room, parameters) if parameters else None
+        check.problem(spot, str(error), of_plugin=True)
     return None
 
 

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import Column
 from waxstudy.plugin.registry import nearest
 from waxstudy.study.problems import listed, shown
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 TIME = "time"
 UNREADABLE_SHARE = 0.5  # of the cells of a column that are no numbers: beyond, it is another column
@@ -31,8 +28,6 @@ NAMED = 20  # columns that a message lists
 
 def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, notes: Notes) -> pd.DataFrame | None:
     """Return the channels that the file has, in our units; a channel is found by its own name or by [columns]."""
-    import pandas as pd
-
     wanted = {name: columns.get(name, Column(column=name)) for name in CHANNELS}
     found = {
         name: column for name, column in wanted.items() if name in columns or (name in table.columns and name != time)
@@ -90,8 +85,6 @@ def _without_codes(channel: str, numbers: pd.Series, column: Column, scale: floa
 
 def numbers_of(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None:
     """Return a column's numbers; a cell that is none, or infinite, is missing, and the user is told."""
-    import pandas as pd
-
     if pd.api.types.is_datetime64_any_dtype(written):
         notes.refuse(channel, "holds times, not numbers; are columns swapped?")
         return None
@@ -111,11 +104,8 @@ def numbers_of(channel: str, written: pd.Series, notes: Notes) -> pd.Series | No
             hint = "write numbers without a mark of thousands"
         notes.refuse(channel, wrong, line=row + 2, value=example, allowed=hint)
         return None
-    line = notes.line_of(row + 2)
-    cells, first = (
-        ("1 cell is no number", "it") if bad.sum() == 1 else (f"{bad.sum()} cells are no numbers", "the first")
-    )
-    notes.warn(f"{channel}: {cells} ({first} is {example} in line {line}): missing")
+    cells = "1 cell is no number (it" if bad.sum() == 1 else f"{bad.sum()} cells are no numbers (the first"
+    notes.warn(f"{channel}: {cells} is {example} in line {notes.line_of(row + 2)}): missing")
     return numbers
 
 

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.columns import TIME
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin import FloatArray
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 FINER = 0.67  # of the interval: stamps nearer to each other are several to an interval
 COARSER = 1.5  # of the interval: without any stamps nearer than that, the interval is not the file's
@@ -26,8 +22,6 @@ def on_grid(
     values: pd.DataFrame, times: pd.DatetimeIndex, about: DatasetTable, notes: Notes
 ) -> tuple[pd.DataFrame, float] | None:
     """Return the channels at the ends of equal intervals, missing where no row is near, and the interval [s]."""
-    import pandas as pd
-
     seconds = times.as_unit("ns").asi8
     steps_s = np.diff(seconds) / NS
     usual_s = float(np.median(steps_s))
@@ -38,9 +32,8 @@ def on_grid(
     if not _fits(steps_s, interval_s, notes):
         return None
     finer = usual_s < FINER * interval_s
-    step, phase = round(interval_s * NS), 0
-    if not finer:
-        phase = _phase(seconds, step)
+    step = round(interval_s * NS)
+    phase = 0 if finer else _phase(seconds, step)
     ceil = -((phase - seconds) // step)
     place = ceil if finer else (seconds - phase + step // 2) // step
     off = np.abs(place * step + phase - seconds) / NS
@@ -81,10 +74,8 @@ def _nearest(rows: pd.DataFrame, off_s: FloatArray, notes: Notes) -> pd.DataFram
     """Return the rows at the nearest places of the grid; of two, the nearer."""
     moved = int((off_s > 0.0).sum())
     if moved:
-        sentence = (
-            f"{moved} of {len(off_s)} stamps are off the grid, by up to {off_s.max():.3g} s: moved to the nearest"
-        )
-        notes.warn(sentence)
+        off = f"off the grid, by up to {off_s.max():.3g} s"
+        notes.warn(f"{moved} of {len(off_s)} stamps are {off}: moved to the nearest")
     if rows.index.is_unique:
         return rows
     order = np.argsort(off_s, kind="stable")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.notes import Notes
@@ -13,9 +13,6 @@ from waxstudy.plugin import CHAIN, Choice, FloatArray, SimulationError
 from waxstudy.plugin.registry import PluginError
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.interpreted import checked
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 NEAR = 0.05  # of an end: what an instrument may add to it, or a channel of volts may lack
 MOST_BETWEEN = 0.35  # share of a signal's samples that may fall upon its switches

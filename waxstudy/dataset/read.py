@@ -5,22 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from waxstudy.dataset.clocks import look_at_clocks
+import numpy as np
+import pandas as pd
+
+from waxstudy.dataset.checks import AS_LOGGED, ON_GRID, SAMPLES, Record, run
 from waxstudy.dataset.columns import channels_of, without_empty
-from waxstudy.dataset.defects import look_at_samples, without_faults
 from waxstudy.dataset.description import FILES, Description, read_description
 from waxstudy.dataset.grid import on_grid
 from waxstudy.dataset.levels import as_levels
 from waxstudy.dataset.notes import Notes
-from waxstudy.dataset.plausible import look_at_units
 from waxstudy.dataset.room import built, look_at_model_errors, look_at_roles
 from waxstudy.dataset.stamps import stamps_of
-from waxstudy.dataset.swapped import look_at_pairs
 from waxstudy.dataset.tables import Site
 from waxstudy.dataset.text import read_table
-from waxstudy.dataset.turned import look_at_directions
 from waxstudy.plugin import Belief, Inputs
 from waxstudy.plugin.registry import Registry, installed
 from waxstudy.study.check import Check
@@ -28,9 +26,6 @@ from waxstudy.study.model import Choice
 from waxstudy.study.problems import StudyError
 from waxstudy.study.source import read_source
 from waxstudy.study.spots import Spot
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -83,7 +78,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         name=described.about.name or folder.resolve().name,
         folder=folder,
         interval_s=interval_s,
-        time=_stamps(values),
+        time=pd.DatetimeIndex(values.index),
         values=values,
         assumed=tuple(name for name in described.about.inputs if name in values),
         nominal=described.nominal,
@@ -132,24 +127,13 @@ def _record(
     channels = channels_of(table, described.columns, described.time, notes)
     if times is None or channels is None:
         return None
-    rows = without_empty(without_faults(channels, times, notes), notes)
-    look_at_units(rows, full_L_h, notes)
+    usual_s = float(np.median(np.diff(times.as_unit("ns").asi8))) / 1e9
+    run(SAMPLES, Record(channels, usual_s), notes)
+    rows = without_empty(channels, notes)
+    run(AS_LOGGED, Record(rows, usual_s, full_flow_L_h=full_L_h), notes)
     record = None if notes.problems else on_grid(rows, times, described.about, notes)
     if record is None:
         return None
     values, interval_s = without_empty(record[0], notes), record[1]  # on the grid a nearer row may have taken a place
-    _look(values, interval_s, "modulator" in described.nominal, notes)
+    run(ON_GRID, Record(values, interval_s, has_modulator="modulator" in described.nominal), notes)
     return without_empty(as_levels(values, described.nominal, notes), notes), interval_s
-
-
-def _look(values: pd.DataFrame, interval_s: float, has_modulator: bool, notes: Notes) -> None:
-    look_at_samples(values, interval_s, notes)
-    look_at_pairs(values, has_modulator, notes)
-    look_at_directions(values, interval_s, notes)
-    look_at_clocks(values, interval_s, has_modulator, notes)
-
-
-def _stamps(values: pd.DataFrame) -> pd.DatetimeIndex:
-    import pandas as pd
-
-    return pd.DatetimeIndex(values.index)

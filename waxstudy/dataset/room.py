@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from waxstudy.dataset.building import BUILDING, ROOM
+from waxstudy.dataset.building import BUILDING, ROOM, noted
 from waxstudy.dataset.notes import Notes
 from waxstudy.plugin import LinearRoom, Role, Room
 from waxstudy.plugin.model_error import ASSUMED, DOUBLED
@@ -26,17 +26,14 @@ def built(check: Check, room: Choice | None) -> LinearRoom | None:
     if room is None:
         return None
     component: type[Room] = room.component  # type: ignore[assignment]
-    try:
-        with told(f"room '{component.name}'", ValueError):
-            made = component.build(room.parameters)
-            for problem in room_problems(made):
-                raise PluginError(problem)
-            return made
-    except ValueError as error:
-        check.problem(_spot(check), str(error))
-    except PluginError as error:
-        check.problem(_spot(check), str(error), of_plugin=True)
-    return None
+
+    def build() -> LinearRoom:
+        made = component.build(room.parameters)
+        for problem in room_problems(made):
+            raise PluginError(problem)
+        return made
+
+    return noted(check, _spot(check), component, build)
 
 
 def look_at_roles(check: Check, room: LinearRoom, values: pd.DataFrame, notes: Notes) -> None:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from waxstudy.dataset.columns import TIME
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin.registry import nearest
 from waxstudy.study.problems import listed, shown
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 YEARS = (1900, 2200)
 ISO = "expected ISO 8601, as 2020-01-31T12:00:00"
@@ -48,31 +45,23 @@ def stamps_of(table: pd.DataFrame, column: str, about: DatasetTable, notes: Note
 
 def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
     """Return the stamps with their offsets from UTC, if they have any; note the first that cannot be read."""
-    import pandas as pd
-
     if pd.api.types.is_datetime64_any_dtype(written):
-        times: pd.Series | None = written
-    elif pd.api.types.is_numeric_dtype(written):
+        return _all_read(written, written, time_format, notes)
+    if pd.api.types.is_numeric_dtype(written):
         notes.refuse(TIME, "is a number, not a date and time", line=2, value=shown(written.iloc[0]), allowed=ISO)
         return None
-    else:
-        written = written.where(written.isna(), written.astype(str))
-        zoned = written.str.contains(ZONED, na=False)
-        if 0 < zoned.sum() < written.notna().sum():
-            row = int(np.argmin(zoned.to_numpy()))
-            notes.refuse(TIME, "some stamps have an offset from UTC and some have none", line=row + 2)
-            return None
-        if zoned.any():
-            return _standard(written, time_format, notes)
-        times = _read(written, time_format, notes)
-    return _all_read(written, times, time_format, notes)
+    written = written.where(written.isna(), written.astype(str))
+    zoned = written.str.contains(ZONED, na=False)
+    if 0 < zoned.sum() < written.notna().sum():
+        row = int(np.argmin(zoned.to_numpy()))
+        notes.refuse(TIME, "some stamps have an offset from UTC and some have none", line=row + 2)
+        return None
+    return (_standard if zoned.any() else _read)(written, time_format, notes)
 
 
 def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
     """Return stamps with offsets from UTC in the smallest of their offsets: standard time, not summer time."""
-    import pandas as pd
-
-    read = _all_read(written, _read(written, time_format, notes, utc=True), time_format, notes)
+    read = _read(written, time_format, notes, utc=True)
     if read is None:
         return None
     offsets = written.str.extract(r"([+-])(\d\d)(?::?(\d\d))?\s*$")
@@ -84,16 +73,14 @@ def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.D
     return read.tz_convert(None) + pd.Timedelta(minutes=least)
 
 
-def _read(written: pd.Series, time_format: str | None, notes: Notes, utc: bool = False) -> pd.Series | None:
-    """Return the stamps, missing where they cannot be read; None where the format is none, which is noted."""
-    import pandas as pd
-
+def _read(written: pd.Series, time_format: str | None, notes: Notes, utc: bool = False) -> pd.DatetimeIndex | None:
+    """Return the stamps; note the first that cannot be read, or a format that is none."""
     try:
-        times: pd.Series = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce", utc=utc)
+        times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce", utc=utc)
     except (ValueError, re.error) as error:
         _no_format(time_format, error, notes)
         return None
-    return times
+    return _all_read(written, times, time_format, notes)
 
 
 def _no_format(time_format: str | None, error: Exception, notes: Notes) -> None:
@@ -105,13 +92,7 @@ def _no_format(time_format: str | None, error: Exception, notes: Notes) -> None:
     notes.refuse("time_format", wrong, value=shown(time_format), allowed="such as %d.%m.%Y %H:%M:%S")
 
 
-def _all_read(
-    written: pd.Series, times: pd.Series | None, time_format: str | None, notes: Notes
-) -> pd.DatetimeIndex | None:
-    import pandas as pd
-
-    if times is None:
-        return None
+def _all_read(written: pd.Series, times: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
     bad = times.isna().to_numpy()
     if not bad.any():
         return pd.DatetimeIndex(times)
@@ -140,8 +121,6 @@ def _local(times: pd.DatetimeIndex, notes: Notes) -> pd.DatetimeIndex:
     """Return stamps of a parquet file without their zone, in its standard time."""
     if times.tz is None:
         return times.as_unit("ns")
-    import pandas as pd
-
     summer = [stamp.dst() or pd.Timedelta(0) for stamp in times]
     notes.assume(f"Stamps in {times.tz} are taken as its standard time.")
     return (times.tz_localize(None) - pd.TimedeltaIndex(summer)).as_unit("ns")

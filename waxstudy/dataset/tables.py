@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Any, Literal, Self
 from zoneinfo import available_timezones
 
 from pydantic import field_validator, model_validator
@@ -11,57 +11,42 @@ from waxstudy.dataset.channels import CHANNELS
 from waxstudy.plugin import Parameters, parameter
 from waxstudy.plugin.registry import nearest
 
-USER = "given by the user"
+
+def given(description: str, default: Any = None, unit: str = "", **options: Any) -> Any:
+    """Declare what the user may give."""
+    return parameter(default, unit=unit, description=description, source="given by the user", **options)
 
 
 class DatasetTable(Parameters):
     """`[dataset]`"""
 
-    name: str | None = parameter(None, unit="", description="name; the folder's, if not given", source=USER)
-    origin: str | None = parameter(None, unit="", description="where the record comes from", source=USER)
-    interval_s: float | None = parameter(
-        None,
-        unit="s",
-        description="interval of the grid; the usual distance of the stamps, if not given",
-        source=USER,
-        ge=0.1,
-        le=86_400.0,
+    name: str | None = given("name; the folder's, if not given")
+    origin: str | None = given("where the record comes from")
+    interval_s: float | None = given(
+        "interval of the grid; the usual distance of the stamps, if not given", unit="s", ge=0.1, le=86_400.0
     )
-    inputs: tuple[str, ...] = parameter(
-        (), unit="", description="channels that are assumed rather than measured", source=USER, strict=False
-    )
-    room_tolerance: float = parameter(
+    inputs: tuple[str, ...] = given("channels that are assumed rather than measured", (), strict=False)
+    room_tolerance: float = given(
+        "factor on how far the room may lie from what is known of it; above 1 for a rough guess",
         1.0,
         unit="1",
-        description="factor on how far the room may lie from what is known of it; above 1 for a rough guess",
-        source=USER,
         ge=0.1,
         le=20.0,
     )
-    room_error_factor: float = parameter(
+    room_error_factor: float = given(
+        "factor on the error that the room states of its model; above 1 for a room unlike those it was held against",
         1.0,
         unit="1",
-        description="factor on the error that the room states of its model; above 1 for a room unlike those it was "
-        "held against",
-        source=USER,
         ge=1.0,
         le=20.0,
     )
-    file: str | None = parameter(
-        None, unit="", description="data file, if it is not data.csv or data.parquet beside dataset.toml", source=USER
-    )
+    file: str | None = given("data file, if it is not data.csv or data.parquet beside dataset.toml")
     stamps: Literal["end", "start"] = parameter(
         "end", unit="", description="which end of its interval a row's time stamps", source="section Format"
     )
-    time_format: str | None = parameter(
-        None, unit="", description='format of the stamps, as in "%d.%m.%Y %H:%M"; ISO 8601 if not given', source=USER
-    )
-    separator: Literal[",", ";", "\t", "|"] | None = parameter(
-        None, unit="", description="between the cells; found from the header, if not given", source=USER
-    )
-    decimal: Literal[".", ","] | None = parameter(
-        None, unit="", description="mark of decimals; found from the first rows, if not given", source=USER
-    )
+    time_format: str | None = given('format of the stamps, as in "%d.%m.%Y %H:%M"; ISO 8601 if not given')
+    separator: Literal[",", ";", "\t", "|"] | None = given("between the cells; found from the header, if not given")
+    decimal: Literal[".", ","] | None = given("mark of decimals; found from the first rows, if not given")
 
     @field_validator("inputs")
     @classmethod
@@ -77,14 +62,10 @@ class DatasetTable(Parameters):
 class Site(Parameters):
     """`[site]`: where the room is, in the words of pvlib's `Location`."""
 
-    latitude: float = parameter(unit="deg", description="north of the equator", source=USER, ge=-90.0, le=90.0)
-    longitude: float | None = parameter(
-        None, unit="deg", description="east of Greenwich; noon at 12 h, if not given", source=USER, ge=-180.0, le=180.0
-    )
-    altitude: float = parameter(0.0, unit="m", description="above the sea", source=USER, ge=-500.0, le=9000.0)
-    timezone: str | None = parameter(
-        None, unit="", description='of the stamps, as "Europe/Tallinn"; by the longitude, if not given', source=USER
-    )
+    latitude: float = given("north of the equator", ..., unit="deg", ge=-90.0, le=90.0)
+    longitude: float | None = given("east of Greenwich; noon at 12 h, if not given", unit="deg", ge=-180.0, le=180.0)
+    altitude: float = given("above the sea", 0.0, unit="m", ge=-500.0, le=9000.0)
+    timezone: str | None = given('of the stamps, as "Europe/Tallinn"; by the longitude, if not given')
 
     @field_validator("timezone")
     @classmethod
@@ -99,35 +80,25 @@ class Site(Parameters):
 class Nominal(Parameters):
     """What `[nominal]` says besides the chain."""
 
-    setpoint_C: float | None = parameter(
-        None,
-        unit="C",
-        description="setpoint that is believed where none was measured",
-        source="given by the user; bounds as in [comfort] of a study",
-        ge=5.0,
-        le=40.0,
-    )
+    # bounds as in [comfort] of a study
+    setpoint_C: float | None = given("setpoint that is believed where none was measured", unit="C", ge=5.0, le=40.0)
 
 
 class Part(Parameters):
     """A column of a foreign file, with a weight of its own."""
 
-    column: str = parameter(unit="", description="name of the file's column", source=USER)
-    scale: float = parameter(1.0, unit="1", description="factor", source=USER)
+    column: str = given("name of the file's column", ...)
+    scale: float = given("factor", 1.0, unit="1")
 
 
 class Column(Parameters):
     """An entry of `[columns]`: channel = scale times a column, or a mean or sum of columns, plus offset."""
 
-    column: str | None = parameter(None, unit="", description="name of the file's column", source=USER)
-    mean: tuple[str | Part, ...] | None = parameter(
-        None, unit="", description="columns whose mean is the channel", source=USER, min_length=1, strict=False
-    )
-    sum: tuple[str | Part, ...] | None = parameter(
-        None, unit="", description="columns whose sum is the channel", source=USER, min_length=1, strict=False
-    )
-    scale: float = parameter(1.0, unit="1", description="factor on the file's values", source=USER)
-    offset: float = parameter(0.0, unit="", description="added to the scaled values", source=USER)
+    column: str | None = given("name of the file's column")
+    mean: tuple[str | Part, ...] | None = given("columns whose mean is the channel", min_length=1, strict=False)
+    sum: tuple[str | Part, ...] | None = given("columns whose sum is the channel", min_length=1, strict=False)
+    scale: float = given("factor on the file's values", 1.0, unit="1")
+    offset: float = given("added to the scaled values", 0.0)
 
     @model_validator(mode="after")
     def _is_one_of_them(self) -> Self:

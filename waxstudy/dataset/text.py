@@ -7,37 +7,24 @@ import csv
 import re
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+
+import pandas as pd
 
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 SEPARATORS = (",", ";", "\t", "|")
 MISSING = ("-", "--", "---")  # besides what pandas takes for missing: "", "NA", "NaN", "null", ...
 COMMENT = "#"  # begins the lines above a header that are passed over
-CHUNK = 2**20
 PARQUET = b"PAR1"
 # Excel and other archives, Excel of before 2007, gzip, HDF5, SQLite
 BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"\x89HDF", b"SQLite")
 LOOKED_AT = 200  # lines in which the decimal mark is looked for
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
-
-
-@dataclass(frozen=True)
-class Layout:
-    """How a text file is written."""
-
-    encoding: str
-    separator: str
-    decimal: str
 
 
 def read_table(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
@@ -69,8 +56,6 @@ def _line_in(message: str) -> int:
 
 
 def _parquet(path: Path, notes: Notes) -> pd.DataFrame | None:
-    import pandas as pd
-
     try:
         data = pd.read_parquet(path)
     except ValueError:
@@ -83,26 +68,26 @@ def _parquet(path: Path, notes: Notes) -> pd.DataFrame | None:
 
 
 def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
-    import pandas as pd
-
     encoding = _encoding(path)
     head, above = _head(path, encoding)
     if not head:
         notes.refuse("", "is empty: a header with the names of the columns is expected in its first line")
         return None
     notes.line_of = partial(_line_of, path, encoding)
-    layout = _layout(head, encoding, about)
-    header = [name.strip() for name in next(csv.reader(head[:1], delimiter=layout.separator))]
+    separator: str = about.separator or max(SEPARATORS, key=lambda mark: head[0].count(mark))
+    has_commas = separator != "," and _has_decimal_commas(head, separator)
+    header = [name.strip() for name in next(csv.reader(head[:1], delimiter=separator))]
     if twice := sorted({name for name in header if name and header.count(name) > 1}):
         notes.refuse(", ".join(twice), "there are two columns of this name", line=1)
         return None
-    options: dict[str, Any] = {"sep": layout.separator, "decimal": layout.decimal, "encoding": layout.encoding}
     with warnings.catch_warnings():
         warnings.simplefilter("error", pd.errors.ParserWarning)
         try:
             data = pd.read_csv(
                 path,
-                **options,
+                sep=separator,
+                decimal=about.decimal or ("," if has_commas else "."),
+                encoding=encoding,
                 skiprows=above,
                 skipinitialspace=True,
                 index_col=False,
@@ -117,17 +102,13 @@ def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
 
 def _encoding(path: Path) -> str:
     """Return the encoding; a file that is not UTF-8 is taken for Windows' western one."""
-    with path.open("rb") as file:
-        if file.read(2) in (b"\xff\xfe", b"\xfe\xff"):
-            return "utf-16"
-        file.seek(0)
-        decoder = codecs.getincrementaldecoder("utf-8")()
-        try:
-            while part := file.read(CHUNK):
-                decoder.decode(part)
-            decoder.decode(b"", final=True)
-        except UnicodeDecodeError:
-            return "cp1252"
+    data = path.read_bytes()
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return "cp1252"
     return "utf-8-sig"
 
 
@@ -151,12 +132,6 @@ def _head(path: Path, encoding: str) -> tuple[list[str], int]:
 def _line_of(path: Path, encoding: str, row: int) -> int:
     """Return the line of a row, the header being row 1."""
     return next((number for number, _ in islice(_kept(path, encoding), row - 1, row)), row)
-
-
-def _layout(head: list[str], encoding: str, about: DatasetTable) -> Layout:
-    separator: str = about.separator or max(SEPARATORS, key=lambda mark: head[0].count(mark))
-    decimal = about.decimal or ("," if separator != "," and _has_decimal_commas(head, separator) else ".")
-    return Layout(encoding, separator, decimal)
 
 
 def _has_decimal_commas(head: list[str], separator: str) -> bool:

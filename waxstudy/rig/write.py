@@ -10,10 +10,10 @@ from typing import Any
 import tomli_w
 
 from waxstudy import __version__
-from waxstudy.dataset.write import truth_beside
 from waxstudy.results.atomic import whole_file, whole_folder
 from waxstudy.rig.bench import Motors, Recorded, run_trial
 from waxstudy.rig.programme import Trial
+from waxstudy.synthetic.write import truth_beside
 
 DESCRIPTION = "records.toml"
 MARK = "simulated by waxstudy rig: no motor was measured"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from waxstudy.plugin import LinearRoom, ModelError, Room, Uncertainty
+from waxstudy.plugin import Choice, LinearRoom, ModelError, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.building import NzebBuilding, parameters_of
 from waxstudy_paper.room.corner import NzebParameters, describe, described

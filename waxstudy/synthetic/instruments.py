@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS, Channel
-from waxstudy.dataset.reality import Reality, RealityError
 from waxstudy.plugin import FloatArray
 from waxstudy.study.model import is_multiple
+from waxstudy.synthetic.simulate import Reality, RealityError
 
 GAP_S = 1800.0  # mean length of a gap
 DECIMALS = 6  # of a channel without a resolution
@@ -32,8 +32,7 @@ class Instruments:
 
     def chosen(self, sources: Mapping[str, FloatArray]) -> list[Channel]:
         """Return the channels to write: all whose source is told, but those left out."""
-        told = [channel for channel in CHANNELS.values() if channel.source in sources]
-        return [channel for channel in told if channel.name not in self.without]
+        return [each for each in CHANNELS.values() if each.source in sources and each.name not in self.without]
 
     def noise_of(self, channel: Channel) -> float:
         return self.noise.get(channel.name, channel.noise)

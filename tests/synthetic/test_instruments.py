@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.dataset.conftest import Simulated
+from tests.synthetic.conftest import Simulated
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.dataset.measure import Instruments, gaps, measure
-from waxstudy.dataset.reality import RealityError
+from waxstudy.synthetic.instruments import Instruments, gaps, measure
+from waxstudy.synthetic.simulate import RealityError
 
 PERFECT = {"noise": dict.fromkeys(CHANNELS, 0.0), "resolution": dict.fromkeys(CHANNELS, 0.0)}
 MEANS = ("flow_L_h", "solar_gain_W", "internal_gain_W")

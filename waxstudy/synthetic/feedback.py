@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.dataset.reality import RealityError
 from waxstudy.plugin import TRACE, FloatArray, Inputs
 from waxstudy.plugin.registry import told
 from waxstudy.simulation.engine import DAY_S, WARM_UP_DAYS, Loop, Start, State, Week
 from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.recorded import EXTRA, RECORDED, SUN, recorded_room
+from waxstudy.synthetic.simulate import RealityError
 
 PART_S = 3600.0  # short enough that the air's answer to an effect hardly changes the effect again
 AIR_K = 0.003  # how little the air of an hour may still change

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.dataset.conftest import SETPOINT_C, Simulated
-from waxstudy.dataset.reality import RealityError, reality_loop, simulate
+from tests.synthetic.conftest import SETPOINT_C, Simulated
 from waxstudy.simulation.run import prepare
 from waxstudy.study.model import Study
+from waxstudy.synthetic.simulate import RealityError, reality_loop, simulate
 from waxstudy_paper.room.corner import describe
 
 STEP_S = 5.0

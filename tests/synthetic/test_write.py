@@ -12,12 +12,12 @@ import pytest
 import tomli_w
 
 from tests.conftest import ROOT
-from tests.dataset.conftest import Simulated, described, written
+from tests.synthetic.conftest import Simulated, described, written
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.dataset.write import truth_beside
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.read import read_study
+from waxstudy.synthetic.write import truth_beside
 
 EXAMPLE = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data")) / "realities" / "r01"
 

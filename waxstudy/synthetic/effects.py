@@ -7,8 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from waxstudy.dataset.march import march
-from waxstudy.dataset.reality import ROLE_CHANNELS, Reality, happened, reality_loop, simulate, surroundings
 from waxstudy.plugin import Belief, Choice, Effect, Inputs, OutsideRoom, Role, WeatherRecord
 from waxstudy.plugin.registry import told
 from waxstudy.simulation import ensemble
@@ -17,6 +15,8 @@ from waxstudy.simulation.modes import drive
 from waxstudy.simulation.outside import OutsideLoop
 from waxstudy.simulation.run import loop_of
 from waxstudy.study.model import Case, Study
+from waxstudy.synthetic.feedback import march
+from waxstudy.synthetic.simulate import ROLE_CHANNELS, Reality, happened, reality_loop, simulate, surroundings
 
 INTERVAL_S = 60.0  # of the inputs that an effect edits
 

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.dataset.conftest import SETPOINT_C, Simulated
-from waxstudy.dataset.effects import EffectError, applied, believed_inputs, with_effects
-from waxstudy.dataset.measure import Instruments
-from waxstudy.dataset.reality import Reality, reality_loop
-from waxstudy.dataset.write import Telling, truth_beside, write
+from tests.synthetic.conftest import SETPOINT_C, Simulated
 from waxstudy.plugin import Belief, Choice, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.recorded import driven_by, respond
 from waxstudy.study.model import Study
+from waxstudy.synthetic.effects import EffectError, applied, believed_inputs, with_effects
+from waxstudy.synthetic.instruments import Instruments
+from waxstudy.synthetic.simulate import Reality, reality_loop
+from waxstudy.synthetic.write import Telling, truth_beside, write
 
 KNOWN = ("outdoor_C", "supply_C", "solar_gain_W", "internal_gain_W", "ventilation_supply_C", "setpoint_C")
 STRONG: dict[str, dict[str, float]] = {

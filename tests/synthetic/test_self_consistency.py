@@ -9,9 +9,9 @@ import pytest
 
 from benchmarks.self_consistency_outcome import Size, datasets
 from benchmarks.self_consistency_records import NULL_CASES, SEVERITIES, TABLE, Made, nulls, study, with_effect
-from waxstudy.dataset.effects import applied
 from waxstudy.diagnosis.diagnose import installed_effects
 from waxstudy.plugin import Belief, Choice, Inputs
+from waxstudy.synthetic.effects import applied
 
 DAY = np.full(1440, 20.0)
 

@@ -14,10 +14,10 @@ import tomli_w
 
 from waxstudy import __version__
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.dataset.measure import Instruments, measure
-from waxstudy.dataset.reality import Reality
 from waxstudy.results.atomic import whole_file, whole_folder
 from waxstudy.study.model import Case, Choice, Study
+from waxstudy.synthetic.instruments import Instruments, measure
+from waxstudy.synthetic.simulate import Reality
 
 ORIGIN = f"a room simulated by waxstudy {__version__} with its own control chain, as instruments would show it"
 

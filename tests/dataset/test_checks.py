@@ -1,0 +1,114 @@
+"""Claims about the list of checks: each finds its fault and none in a good record, and the page lists them all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import groupby
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.dataset.regenerate_checks import PAGE, page
+from tests.synthetic.conftest import Simulated, written
+from waxstudy.dataset.checks import CHECKS, Check, Record, run
+from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.read import read_dataset
+from waxstudy.study.model import Study
+
+INTERVAL_S = 60.0
+Change = Callable[[pd.DataFrame], pd.DataFrame]
+
+
+def changed(name: str, change: Callable[[pd.Series], pd.Series | float]) -> Change:
+    return lambda values: values.assign(**{name: change(values[name])})
+
+
+def sample(name: str, value: float) -> Change:
+    return changed(name, lambda x: x.where(np.arange(len(x)) != 700, value))
+
+
+def swapped(one: str, other: str) -> Change:
+    return lambda values: values.rename(columns={one: other, other: one})
+
+
+AIR = "air_temperature_C"
+# of each check, a fault for each thing that it does
+FAULTS: dict[str, dict[str, Change]] = {
+    "code": {"discards": sample(AIR, -999.0)},
+    "impossible-sample": {"discards": sample(AIR, 80.0)},
+    "spike": {"discards": sample(AIR, 30.0)},
+    "peak": {"discards": sample("flow_L_h", 250.0)},
+    "stray": {"discards": sample("displacement", 2.0)},
+    "temperature": {"refuses": changed(AIR, lambda x: x + 273.15), "warns": changed(AIR, lambda x: x + 16.0)},
+    "level": {
+        "refuses": changed("displacement", lambda x: 100.0 * x),
+        "warns": changed("displacement", lambda x: 1.1 * x),
+    },
+    "gain": {"refuses": changed("internal_gain_W", lambda x: -x), "warns": sample("internal_gain_W", -50.0)},
+    "flow": {
+        "refuses": changed("flow_L_h", lambda x: x / 1000.0),
+        "warns": changed("flow_L_h", lambda x: 10.0 * x / x.max()),
+    },
+    "gaps": {"warns": sample(AIR, np.nan)},
+    "constant": {"warns": changed(AIR, lambda x: 21.0)},
+    "stuck": {"warns": changed(AIR, lambda x: x.where(np.arange(len(x)) > 400, 21.0))},
+    "clipped": {"warns": changed(AIR, lambda x: x.clip(upper=x.quantile(0.8)))},
+    "room-and-outdoors": {
+        "refuses": lambda values: values.assign(air_temperature_C=values["outdoor_temperature_C"]),
+        "warns": lambda values: values.assign(air_temperature_C=values["outdoor_temperature_C"] - 3.0),
+    },
+    "room-and-setpoint": {"refuses": swapped(AIR, "setpoint_C")},
+    "room-and-supply": {"refuses": swapped(AIR, "supply_temperature_C")},
+    "ventilation-and-outdoors": {"refuses": swapped("ventilation_supply_temperature_C", "outdoor_temperature_C")},
+    "supply-and-return": {"refuses": swapped("supply_temperature_C", "return_temperature_C")},
+    "output-and-signal": {"refuses": lambda values: values.assign(heating_signal=np.linspace(0.0, 1.0, len(values)))},
+    "signal-and-opening": {"refuses": swapped("heating_signal", "displacement")},
+    "sensor-and-air": {"warns": changed(AIR, lambda x: x + 4.0)},
+    "air-and-another": {"refuses": swapped(AIR, "ventilation_supply_temperature_C")},
+    "sun-at-night": {
+        "refuses": swapped("solar_gain_W", "internal_gain_W"),
+        "warns": lambda values: values[["solar_gain_W"]] + 100.0,
+    },
+    "turned": {"refuses": changed("heating_signal", lambda x: 1.0 - x)},
+    "clock-offset": {
+        "refuses": swapped("heating_signal", "displacement"),
+        "warns": changed("flow_L_h", lambda x: x.shift(-30)),
+    },
+    "early-sensor": {"warns": changed("sensor_temperature_C", lambda x: x.shift(-20))},
+}
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory, study: Study, simulated: Simulated) -> pd.DataFrame:
+    """Two days three times over, so that there are enough edges."""
+    folder = written(tmp_path_factory.mktemp("checks") / "room", study, simulated, "O_WM", "O_CP")
+    values = pd.concat([read_dataset(folder).values] * 3)
+    return values.set_axis(pd.date_range("2020-01-06", periods=len(values), freq="min"), axis="index")
+
+
+def done(check: Check, values: pd.DataFrame) -> set[str]:
+    """What a check does about a record."""
+    notes = Notes("data.csv")
+    has_modulator = check.name == "output-and-signal"
+    run([check], Record(values.copy(), INTERVAL_S, has_modulator, full_flow_L_h=None), notes)
+    warned = {"discards" if sentence.endswith("set to missing") else "warns" for sentence in notes.warnings}
+    return warned | ({"refuses"} if notes.problems else set())
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.name)
+def test_each_check_finds_its_fault_and_none_in_a_good_record(check: Check, good: pd.DataFrame) -> None:
+    assert done(check, good) == set()
+    for does, spoilt in FAULTS[check.name].items():
+        assert done(check, spoilt(good)) == {does}
+    assert " or ".join(FAULTS[check.name]) == check.does
+
+
+def test_what_is_run_channel_by_channel_stands_together_in_the_list() -> None:
+    topics = [topic for topic, _ in groupby(check.about for check in CHECKS)]
+    assert len(topics) == len(set(topics))
+
+
+def test_the_page_lists_every_check() -> None:
+    current = PAGE.read_text(encoding="utf-8") == page()
+    assert current, f"the table of {PAGE.name} is old: python -m tests.dataset.regenerate_checks"

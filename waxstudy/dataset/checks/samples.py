@@ -1,0 +1,182 @@
+"""Samples of one channel: what no instrument can have meant, what is missing, and values that stand still."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.dataset.channels import CHANNELS, Quantity
+from waxstudy.dataset.checks.check import TEMPERATURES, Discard, Findings, Record, Warn, check, each, quantity_of
+from waxstudy.dataset.checks.units import LEVEL_NOISE
+from waxstudy.dataset.columns import CODE, CODES, CODES_ABOVE
+from waxstudy.plugin import FloatArray
+
+FAR_ABOVE = 10.0  # times all other flows or gains, from which a code above them is one
+# what no such temperature is [C]
+BOUNDS: dict[Quantity, tuple[float, float]] = {
+    "indoor": (-30.0, 60.0),
+    "water": (-20.0, 110.0),
+    "outdoor": (-60.0, 60.0),
+}
+FEW = 0.05  # share of impossible samples that may be faults; more of them are another quantity
+SPIKES_K: dict[Quantity, float] = {"indoor": 4.0, "outdoor": 10.0, "water": 25.0}  # water may rush for a minute
+HOUR_S = 3600.0  # between samples, in which a temperature may change by as much again
+# times what all but a few samples reach, and least: an oven may run for one sample
+PEAKS: dict[Quantity, tuple[float, float]] = {"flow": (1.5, 0.0), "gain": (20.0, 5000.0)}
+USUALLY = 20  # samples that reach half of what is usual
+RARE, RAREST = 1e-3, 3  # samples that may be faults: share, and at least
+NAMED = 3  # channels that a sentence lists
+STUCK_H, STUCK_COARSE_H = 6.0, 24.0
+COARSE_K = 0.2  # a resolution with which a temperature may stand still for hours
+MOVING = 5  # values that a temperature takes more of if it moves
+CONTINUOUS = 20  # values from which a channel may be clipped
+CLIPPED_SHARE, CLIPPED_COUNT, CLIPPED_FACTOR = 0.01, 20, 5.0  # at an extreme; over those beside it
+
+MEASURED = [(name,) for name, channel in CHANNELS.items() if not channel.is_assumed]
+faulty = partial(check, "samples", "discards", fewest=0, mend="leave it out of the file, or leave it as it is")
+moving = partial(check, "course", "warns", fewest=0, mend="look at the instrument; leave the channel out")
+
+
+@faulty(*each())
+def code(record: Record, channel: pd.Series) -> Findings:
+    """A code that loggers write for a missing sample, such as -999 or 9999. Flows and gains may be as large: there a
+    positive code is one if it is over {FAR_ABOVE:g} times all else."""
+    x = channel.to_numpy()
+    others = x[np.isfinite(x) & ~np.isin(x, CODES_ABOVE)]
+    is_far_above = len(others) > 0 and min(CODES_ABOVE) > FAR_ABOVE * float(np.max(others))
+    is_code = quantity_of(channel) not in PEAKS or is_far_above
+    yield Discard(channel.name, np.isin(x, (*CODES, *CODES_ABOVE) if is_code else CODES), CODE)
+
+
+@faulty(*TEMPERATURES)
+def impossible_sample(record: Record, channel: pd.Series) -> Findings:
+    """A temperature outside {BOUNDS[indoor][0]:g} to {BOUNDS[indoor][1]:g} °C (water {BOUNDS[water][0]:g} to
+    {BOUNDS[water][1]:g}, outdoors {BOUNDS[outdoor][0]:g} to {BOUNDS[outdoor][1]:g}), in at most {FEW:.0%} of the
+    samples: more of them are another quantity."""
+    low, high = BOUNDS[quantity_of(channel)]
+    outside = _outside(channel)
+    if outside is not None:
+        yield Discard(channel.name, outside, f"outside {low:g} to {high:g} C, which is impossible")
+
+
+def _outside(channel: pd.Series) -> np.ndarray | None:
+    """Return which samples of a temperature are impossible; None if they are too many."""
+    low, high = BOUNDS[quantity_of(channel)]
+    outside = ((channel < low) | (channel > high)).to_numpy()
+    return outside if outside.sum() <= FEW * channel.count() else None
+
+
+@faulty(*TEMPERATURES)
+def spike(record: Record, channel: pd.Series) -> Findings:
+    """A single sample of a temperature that jumps away from both neighbours and back by over {SPIKES_K[indoor]:g} K
+    (outdoors {SPIKES_K[outdoor]:g}, water {SPIKES_K[water]:g}; twice as much if samples are an hour apart)."""
+    limit_K = SPIKES_K[quantity_of(channel)] * (1.0 + record.interval_s / HOUR_S)
+    if _outside(channel) is not None:
+        spikes = _jumps(channel.to_numpy(), limit_K)
+        yield Discard(channel.name, spikes, f"more than {limit_K:.3g} K off both neighbours")
+
+
+def _jumps(x: FloatArray, limit: float) -> np.ndarray:
+    """Return single samples that jump away and back."""
+    found = np.zeros(len(x), dtype=bool)
+    if len(x) > 2:
+        before, after = x[1:-1] - x[:-2], x[1:-1] - x[2:]
+        with np.errstate(invalid="ignore"):
+            away = (np.minimum(np.abs(before), np.abs(after)) > limit) & (np.sign(before) == np.sign(after))
+        found[1:-1] = away
+    return found
+
+
+@faulty(*each("flow", "gain"))
+def peak(record: Record, channel: pd.Series) -> Findings:
+    """A single sample of flow over {PEAKS[flow][0]:g} times what all but a few reach, or of a gain over
+    {PEAKS[gain][0]:g} times and {PEAKS[gain][1]:g} W."""
+    times, least = PEAKS[quantity_of(channel)]
+    x = channel.to_numpy()
+    known = np.sort(x[np.isfinite(x)])
+    few = max(RAREST, round(RARE * len(known)))
+    usual = float(known[-1 - few]) if len(known) > few else 0.0
+    if usual > 0.0 and np.count_nonzero(known > 0.5 * usual) >= USUALLY:
+        peaks = _jumps(x, 0.5 * times * usual) & (x > max(times * usual, least))
+        yield Discard(channel.name, peaks, f"more than {times:g} times the usual {usual:.3g}, and alone")
+
+
+@faulty(*each("level"))
+def stray(record: Record, channel: pd.Series) -> Findings:
+    """A level over {LEVEL_NOISE:g} beyond 0 to 1, in at most {RAREST} samples or {RARE:.1%} of them."""
+    strays = ((channel < -LEVEL_NOISE) | (channel > 1.0 + LEVEL_NOISE)).to_numpy()
+    if strays.sum() <= max(RAREST, RARE * len(channel)):
+        yield Discard(channel.name, strays, "beyond 0 to 1, which is impossible")
+
+
+@check("gaps", "warns", (), fewest=0, mend="none is needed: what is missing is not guessed")
+def gaps(record: Record) -> Findings:
+    """Samples that are missing, told once for all channels that miss the same."""
+    values = record.values
+    said: dict[tuple[int, int, int], list[str]] = {}
+    for name in values.columns:
+        lost = values[name].isna().to_numpy()
+        if lost.any():
+            said.setdefault((int(lost.sum()), *_longest(lost)), []).append(name)
+    for (count, first, length), names in said.items():
+        who = ", ".join(names) if len(names) <= NAMED else f"{len(names)} of {len(values.columns)} channels"
+        are = f"{_percent(count, len(values))} of the samples are missing"
+        lasting, end = _duration(length * record.interval_s), values.index[first + length - 1]
+        yield Warn(f"{who}: {are}, at most {lasting} at once (ending {end})")
+
+
+@moving(*MEASURED)
+def constant(record: Record, channel: pd.Series) -> Findings:
+    """A measured channel that never changes."""
+    if channel.nunique() == 1:
+        yield Warn(f"{channel.name} is {channel.dropna().iloc[0]:g} throughout")
+
+
+@moving(*(names for names in TEMPERATURES if names in MEASURED))
+def stuck(record: Record, channel: pd.Series) -> Findings:
+    """A temperature that stands still for over {STUCK_H:g} h ({STUCK_COARSE_H:g} h if its resolution is {COARSE_K:g} K
+    or more) while another one moves."""
+    x, values = channel.to_numpy(), record.values
+    steps = np.diff(np.unique(x[np.isfinite(x)]))
+    first, length = _longest(np.diff(x) == 0.0)
+    lasting_s = length * record.interval_s
+    if not len(steps) or lasting_s <= HOUR_S * (STUCK_COARSE_H if np.min(steps) >= COARSE_K else STUCK_H):
+        return
+    during = values.iloc[first : first + length + 1]
+    if any(during[name].nunique() > MOVING for (name,) in TEMPERATURES if name in values and name != channel.name):
+        place = f"from {during.index[0]} for {_duration(lasting_s)}"
+        yield Warn(f"{channel.name} is stuck at {x[first]:g} {place} while other temperatures move")
+
+
+@moving(*(names for names in TEMPERATURES if names in MEASURED))
+def clipped(record: Record, channel: pd.Series) -> Findings:
+    """A temperature with {CLIPPED_SHARE:.0%} of its samples, at least {CLIPPED_COUNT}, exactly at an extreme, and
+    {CLIPPED_FACTOR:g} times as many as at the next values."""
+    counts, known = channel.value_counts().sort_index(), int(channel.count())
+    for place, near in ((0, slice(1, 4)), (-1, slice(-4, -1))) if len(counts) >= CONTINUOUS else ():
+        count = int(counts.iloc[place])
+        if count >= max(CLIPPED_COUNT, CLIPPED_SHARE * known, CLIPPED_FACTOR * counts.iloc[near].mean()):
+            are = f"{_percent(count, known)} of its samples are exactly {counts.index[place]:g}"
+            yield Warn(f"{channel.name} is clipped: {are}, its extreme")
+
+
+def _percent(count: int, of: int) -> str:
+    """Return a share in per cent with two figures that count: 100 %, 12 %, 0.031 %."""
+    percent = 100.0 * count / of
+    return f"{percent:.0f} %" if percent >= 10.0 else f"{percent:.2g} %"
+
+
+def _longest(mask: np.ndarray) -> tuple[int, int]:
+    """Return start and length of the longest run of true."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(int)))
+    starts, ends = edges[::2], edges[1::2]
+    if not len(starts):
+        return 0, 0
+    place = int(np.argmax(ends - starts))
+    return int(starts[place]), int(ends[place] - starts[place])
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds / HOUR_S:.3g} h" if seconds >= HOUR_S else f"{seconds / 60.0:.3g} min"

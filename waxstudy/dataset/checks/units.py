@@ -1,0 +1,171 @@
+"""Channels whose values are those of something else: another unit, another column."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import pandas as pd
+
+from waxstudy.dataset.channels import Quantity
+from waxstudy.dataset.checks.check import TEMPERATURES, Findings, Record, Refuse, Warn, check, each, quantity_of
+
+
+class Typical(NamedTuple):
+    """Medians of a temperature that nobody doubts, and those that are impossible in degrees Celsius."""
+
+    low: float
+    high: float
+    impossible_below: float
+    impossible_above: float
+
+
+TYPICAL: dict[Quantity, Typical] = {
+    "indoor": Typical(8.0, 35.0, 0.0, 45.0),
+    "water": Typical(10.0, 60.0, -5.0, 75.0),
+    "outdoor": Typical(-40.0, 35.0, -60.0, 45.0),
+}
+# units that a temperature far too high may be in, in degrees Celsius, and what brings it there
+HOT: tuple[tuple[str, Callable[[float], float], str], ...] = (
+    ("kelvins", lambda t: t - 273.15, "offset = -273.15"),
+    ("degrees Fahrenheit", lambda t: (t - 32.0) / 1.8, "scale = 0.5556, offset = -17.78"),
+    ("tenths of a degree", lambda t: t / 10.0, "scale = 0.1"),
+    ("hundredths of a degree", lambda t: t / 100.0, "scale = 0.01"),
+    ("thousandths of a degree", lambda t: t / 1000.0, "scale = 0.001"),
+)
+MOST = 0.99  # share of samples between 0 and 1, from which all are: no temperature of a room stays there
+DOUBTFUL, LEVEL_NOISE = 0.05, 0.15  # beyond 0 to 1: a level with noise, and none
+FAR_BELOW, FAR_ABOVE = -0.5, 1.5  # no offset of a stroke reaches as low; another unit begins
+VOLTS, PER_CENT = 10.5, 105.0  # what levels in these reach at most, with noise
+USUAL_HIGH = (10.0, 100.0)  # of a level in volts and in per cent
+NEVER_NEAR_0 = 5.0
+# gains and flows below are no noise [W, L/h]; a larger share of the samples is no fault of a few
+NEGATIVE_W, NEGATIVE_SHARE = -5.0, 0.2
+NEGATIVE_L_H, NEGATIVE_FLOW_SHARE = -1.0, 0.05
+LOW_GAIN_W = 5.0
+# flow that no loop of a heated floor falls short of with its valve open, and below which it is doubtful [L/h]
+LEAST_FLOW_L_H, LOW_FLOW_L_H = 5.0, 15.0
+FLOW_UNITS = {"m3/h": 1000.0, "L/min": 60.0, "L/s": 3600.0}
+AGREES, UNUSUAL = 1.6, 4.0  # factors within which a flow agrees with the room's: in another unit, and in L/h
+OPEN = 0.8  # signal or opening from which a valve is taken for open
+
+measured = partial(check, "units", "refuses or warns", mend="right column, `scale` or `offset` in `[columns]`")
+
+
+@measured(*TEMPERATURES)
+def temperature(record: Record, x: pd.Series) -> Findings:
+    """A temperature that lies between 0 and 1 as a signal does, or whose median is impossible in °C: below
+    {TYPICAL[indoor].impossible_below:g} or above {TYPICAL[indoor].impossible_above:g} indoors,
+    {TYPICAL[water].impossible_below:g} or {TYPICAL[water].impossible_above:g} of water,
+    {TYPICAL[outdoor].impossible_below:g} or {TYPICAL[outdoor].impossible_above:g} outdoors. A median not from
+    {TYPICAL[indoor].low:g} to {TYPICAL[indoor].high:g} indoors, {TYPICAL[water].low:g} to {TYPICAL[water].high:g} of
+    water, {TYPICAL[outdoor].low:g} to {TYPICAL[outdoor].high:g} outdoors is a warning."""
+    median, quantity = float(x.median()), quantity_of(x)
+    typical = TYPICAL[quantity]
+    is_between = x.between(-DOUBTFUL, 1.0 + DOUBTFUL).mean() > MOST
+    if is_between and x.nunique() > 1 and quantity != "outdoor":
+        yield Refuse(x.name, "lies between 0 and 1, as a signal or an opening does: are columns swapped?")
+    elif x.isin([0.0, 1.0]).all() and x.nunique() > 1:
+        yield Refuse(x.name, "is 0 or 1, as a signal is: are columns swapped?")
+    elif median > typical.impossible_above:
+        unit, mend = _unit_of_temperature(median, typical)
+        yield Refuse(x.name, f"has a median of {median:.4g} C, which is impossible{unit}", mend)
+    elif median < typical.impossible_below:
+        yield Refuse(x.name, f"has a median of {median:.4g} C, which is impossible: is it an outdoor temperature?")
+    elif not typical.low <= median <= typical.high:
+        yield Warn(f"{x.name} has a median of {median:.4g} C, which is unusual: is it the right column, in Celsius?")
+
+
+def _unit_of_temperature(median: float, typical: Typical) -> tuple[str, str]:
+    """Return the unit that a temperature far too high looks like, and the mapping that mends it."""
+    for unit, celsius, mapping in HOT:
+        if typical.low <= celsius(median) <= typical.high:
+            return f": it looks like {unit}", _mapping(mapping)
+    return "", ""
+
+
+def _mapping(entries: str) -> str:
+    return f"[columns] with {{ column = ..., {entries} }} mends it"
+
+
+@measured(*each("level"))
+def level(record: Record, x: pd.Series) -> Findings:
+    """A level over {LEVEL_NOISE:g} beyond 0 to 1, as in per cent, volts or mm of stroke, or with an offset; over
+    {DOUBTFUL:g} beyond is a warning."""
+    low, high = float(x.quantile(0.001)), float(x.quantile(0.999))
+    if high > PER_CENT:
+        yield Refuse(x.name, f"goes up to {high:.4g}, but is a level from 0 to 1: are columns swapped?")
+    elif high > FAR_ABOVE:
+        unit, scale = _unit_of_level(x, low, high)
+        what = " or, as it is never near 0, like a temperature" if low > NEVER_NEAR_0 else ""
+        wrong = f"goes up to {high:.4g}, but is a level from 0 to 1: it looks like {unit}{what}"
+        yield Refuse(x.name, wrong, _mapping(f"scale = {scale:.4g}"))
+    elif low < FAR_BELOW:
+        yield Refuse(x.name, f"goes down to {low:.3g}, but is a level from 0 to 1: are columns swapped?")
+    elif high > 1.0 + LEVEL_NOISE or low < -LEVEL_NOISE:
+        scale = 1.0 / (high - low)
+        mend = _mapping(f"scale = {scale:.4g}, offset = {0.0 - low * scale:.4g}")
+        yield Refuse(x.name, f"reaches from {low:.3g} to {high:.3g}, but is a level from 0 to 1", mend)
+    elif high > 1.0 + DOUBTFUL or low < -DOUBTFUL:
+        yield Warn(f"{x.name} reaches from {low:.3g} to {high:.3g}, but is a level from 0 to 1")
+
+
+def _unit_of_level(x: pd.Series, low: float, high: float) -> tuple[str, float]:
+    """Return the unit that a level far too high looks like, and the scale that mends it."""
+    if x.nunique() == 2 and low == 0.0 and high not in USUAL_HIGH:
+        return f"0 or {high:g}", 1.0 / high
+    if high > VOLTS:
+        return "per cent", 0.01
+    return ("a stroke in mm", 1.0 / high) if x.name == "displacement" else ("0 to 10 V", 0.1)
+
+
+@measured(*each("gain"))
+def gain(record: Record, x: pd.Series) -> Findings:
+    """A gain below {NEGATIVE_W:g} W in over {NEGATIVE_SHARE:.0%} of its samples; in fewer is a warning, and so is one
+    that never exceeds {LOW_GAIN_W:g} W, as in kW."""
+    low, high = float(x.min()), float(x.max())
+    if (x < NEGATIVE_W).mean() > NEGATIVE_SHARE:
+        yield Refuse(x.name, f"is negative in {100 * (x < 0).mean():.0f} % of its samples: are columns swapped?")
+    elif low < NEGATIVE_W:
+        yield Warn(f"{x.name} goes down to {low:.3g} W; a gain is not negative")
+    if 0.0 < high < LOW_GAIN_W:
+        yield Warn(f"{x.name} never exceeds {high:.3g} W: is it in kW? then [columns] needs scale = 1000")
+
+
+@measured(*each("flow"))
+def flow(record: Record, x: pd.Series) -> Findings:
+    """A flow that with the valve open is below {LEAST_FLOW_L_H:g} L/h, or agrees within a factor of {AGREES:g} with the
+    full flow of the room if it is in m3/h, L/min or L/s. A warning is one below {LOW_FLOW_L_H:g} L/h, one off the
+    room's by a factor of {UNUSUAL:g}, and one below {NEGATIVE_L_H:g} L/h in over {NEGATIVE_FLOW_SHARE:.0%} of its
+    samples."""
+    negative = (record.values["flow_L_h"] < NEGATIVE_L_H).mean()  # of all samples, missing ones too
+    if negative > NEGATIVE_FLOW_SHARE:
+        yield Warn(f"{x.name} is negative in {100 * negative:.0f} % of its samples")
+    high, full_L_h = float(_with_valve_open(record.values).quantile(0.9)), record.full_flow_L_h
+    if not high > 0.0:
+        return
+    unit = _unit_of_flow(high, full_L_h)
+    if unit or high < LEAST_FLOW_L_H:
+        mend = " or ".join(f"scale = {FLOW_UNITS[one]:g} if it is in {one}" for one in ([unit] if unit else FLOW_UNITS))
+        known = f", the room's full flow is {full_L_h:.4g} L/h" if full_L_h else ""
+        looks = f": it looks like {unit}" if unit else ""
+        yield Refuse(x.name, f"is {high:.3g} with the valve open{known}{looks}", f"[columns] with {mend} mends it")
+    elif high < LOW_FLOW_L_H or (full_L_h and not full_L_h / UNUSUAL < high < full_L_h * UNUSUAL):
+        yield Warn(f"{x.name} is {high:.3g} L/h with the valve open, which is unusual: is it in L/h?")
+
+
+def _with_valve_open(values: pd.DataFrame) -> pd.Series:
+    """Return the flow where a valve is seen open; all that is above 0 where no channel tells of it."""
+    flow = values["flow_L_h"]
+    openings = [name for name in ("displacement", "heating_signal", "control_output") if name in values]
+    if openings and values[openings[0]].max() <= FAR_ABOVE:
+        return flow.where(values[openings[0]] > OPEN).dropna()
+    return flow.where(flow > 0.0).dropna()
+
+
+def _unit_of_flow(high_L_h: float, full_L_h: float | None) -> str:
+    """Return the unit in which a flow would agree with the room's full flow, "" if none does."""
+    if not full_L_h:
+        return ""
+    return next((unit for unit, scale in FLOW_UNITS.items() if 1 / AGREES < high_L_h * scale / full_L_h < AGREES), "")
