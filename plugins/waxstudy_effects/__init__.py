@@ -35,6 +35,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     room.GainShift,
     room.ThermalMass,
     room.NeighbourHeat,
+    room.ExtraHeat,
 )
 
 

@@ -340,3 +340,66 @@ class NeighbourHeat(Effect):
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
         return [{"conductance_W_K": conductance} for conductance in (3.0, 12.0)]
+
+
+class ExtraHeatParameters(Parameters):
+    heat_W: float = parameter(
+        0.0,
+        unit="W",
+        ge=-10_000.0,
+        le=10_000.0,
+        description="Heat into the room at all times; below 0 heat that is taken out of it.",
+        source="chosen: a device that never rests, a warm pipe, a cold store behind a wall",
+    )
+    radiant_share: float = parameter(
+        0.0,
+        unit="1",
+        ge=0.0,
+        le=1.0,
+        description="Share that surfaces get instead of the air.",
+        source="chosen: 0 of a fan heater, 0.5 to 0.8 of a warm surface",
+    )
+
+
+class ExtraHeat(Effect):
+    """Something gives the room `heat_W` at all times, a part of it to its surfaces.
+
+    Surfaces get it as they get the radiant part of internal gains: as much gains as have that part are added, and what
+    they give to the air is taken from the air's. A room whose gains do not radiate has no way to them.
+    """
+
+    name = "extra-heat"
+    api_version = "1.0"
+    stage = "room"
+    Parameters = ExtraHeatParameters
+    priors = {"heat_W": Prior(-500.0, 500.0, noticeable=10.0), "radiant_share": Prior(0.0, 1.0, noticeable=0.3)}
+
+    @classmethod
+    def hindrance(cls, belief: Belief) -> str:
+        if belief.inputs is None:
+            return NO_RECORD
+        if problem := room_hindrance(belief):
+            return problem
+        radiates = description(belief).gains.radiant_share > 0.0
+        return "" if radiates else "internal gains do not radiate in the believed room"
+
+    @classmethod
+    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
+        return {"heat_W": 0.0}  # whatever its share
+
+    @classmethod
+    def apply(cls, belief: Belief, p: Any) -> Belief:
+        assert belief.inputs
+        gains_W = p.heat_W * p.radiant_share / description(belief).gains.radiant_share
+        warmed = replace(belief, inputs=replace(belief.inputs, gains_W=belief.inputs.gains_W + gains_W))
+        return with_heat(warmed, np.full(len(belief.inputs.outdoor_C), p.heat_W - gains_W))
+
+    @classmethod
+    def sentence(cls, p: Any) -> str:
+        what = "Something heats" if p.heat_W > 0.0 else "Something cools"
+        radiant = f"{100.0 * p.radiant_share:.0f} % of it by radiation"
+        return f"{what} the room by {abs(p.heat_W):.0f} W at all times, {radiant}."
+
+    @classmethod
+    def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
+        return [{"heat_W": heat_W, "radiant_share": 0.3} for heat_W in (-100.0, -30.0, 30.0, 100.0)]

@@ -48,6 +48,7 @@ TABLE: Mapping[str, tuple[str, str]] = {
     "gain-shift": ("room", "shift_h factor"),
     "thermal-mass": ("room", "factor"),
     "neighbour-heat": ("room", "conductance_W_K"),
+    "extra-heat": ("room", "heat_W radiant_share"),
 }
 EACH = pytest.mark.parametrize("name", sorted(EFFECTS))
 

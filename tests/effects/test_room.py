@@ -156,6 +156,25 @@ def test_a_warmer_neighbour_heats_and_a_colder_one_cools(neighbour_C: float | No
     assert (end(joined, "air_C") > end(belief(inputs=inputs), "air_C")) is heats
 
 
+@given(heat_W=st.floats(-500.0, 500.0), radiant_share=st.floats(0.0, 1.0))
+def test_extra_heat_is_all_there_and_the_share_that_radiates_reaches_surfaces(
+    heat_W: float, radiant_share: float
+) -> None:
+    before = belief()
+    after = with_effect("extra-heat", before, heat_W=heat_W, radiant_share=radiant_share)
+    assert before.inputs
+    assert after.inputs
+    gains_W = after.inputs.gains_W - before.inputs.gains_W
+    assert gains_W + extra_W(after) == pytest.approx(heat_W)
+    assert gains_W * description(before).gains.radiant_share == pytest.approx(heat_W * radiant_share)
+
+
+def test_heat_that_radiates_warms_the_floor_more_and_the_air_less() -> None:
+    fan, panel = (with_effect("extra-heat", belief(), heat_W=200.0, radiant_share=share) for share in (0.0, 1.0))
+    assert end(belief(), "air_C") < end(panel, "air_C") < end(fan, "air_C")
+    assert end(panel, "floor_surface_C") > end(fan, "floor_surface_C") > end(belief(), "floor_surface_C")
+
+
 def test_heat_of_several_effects_adds_up() -> None:
     both = with_effect("neighbour-heat", belief(inputs=day(air_C=19.0)), conductance_W_K=5.0)
     both = with_effect("window-opening", both, flow_L_s=1.0, from_h=0.0, to_h=12.0)

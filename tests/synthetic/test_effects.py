@@ -31,8 +31,17 @@ STRONG: dict[str, dict[str, float]] = {
     "gain-shift": {"shift_h": 6.0, "factor": 2.0},
     "window-opening": {"flow_L_s": 15.0},
     "neighbour-heat": {"conductance_W_K": 12.0},
+    "extra-heat": {"heat_W": 150.0, "radiant_share": 0.5},
 }
-OF_INPUTS = ("supply-offset", "pipe-delay", "solar-factor", "gain-shift", "window-opening", "neighbour-heat")
+OF_INPUTS = (
+    "supply-offset",
+    "pipe-delay",
+    "solar-factor",
+    "gain-shift",
+    "window-opening",
+    "neighbour-heat",
+    "extra-heat",
+)
 
 
 def effect(name: str, **values: float) -> Choice:
