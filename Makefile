@@ -20,6 +20,7 @@ golden: .venv/installed-dev  ## compute the golden results, the study file's sch
 	$(BIN)/python -m tests.study.regenerate_schema
 	$(BIN)/python -m tests.blind_test.regenerate_tables
 	$(BIN)/python -m tests.dataset.regenerate_checks
+	$(BIN)/python -m tests.diagnosis.regenerate_criteria
 
 characterise: .venv/installed-dev  ## compare what the diagnosis says of 70 records with what is stored
 	$(BIN)/python -m tests.characterisation

@@ -27,12 +27,29 @@ OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: noth
 STUDY = Existing(dir_okay=False)
 
 
+def _print_criteria(context: click.Context, option: click.Parameter, is_asked: bool) -> None:
+    """Print every limit that decides, and nothing else."""
+    if is_asked:
+        from waxstudy.report.diagnosis.criteria import as_terminal
+
+        print_out(as_terminal(shutil.get_terminal_size((120, 24)).columns))
+        context.exit()
+
+
 @click.command("diagnose", cls=Command)
 @click.argument("dataset", metavar="DATASET", type=Existing(file_okay=False))
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help=OUT)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the summary.")
 @click.option("--quick", is_flag=True, help="Fewer trials, for a first answer.")
 @click.option("--study", type=STUDY, metavar="STUDY", help="Study file; the steps of its ladders are tried as effects.")
+@click.option(
+    "--criteria",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_criteria,
+    help="Print every limit that decides, with reason and source, and exit.",
+)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of resampling.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 def command(

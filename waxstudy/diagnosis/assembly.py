@@ -15,7 +15,6 @@ from waxstudy.diagnosis.consequence.regimes import regimes
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment
-from waxstudy.diagnosis.observations.drives import filled_in
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import (
@@ -37,7 +36,7 @@ from waxstudy.diagnosis.select.intervals import shrink
 from waxstudy.diagnosis.select.search import Selection
 from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import stage_of, unexplained
-from waxstudy.diagnosis.sentences import logged, needless, summary, warned, why_not
+from waxstudy.diagnosis.sentences import filled_in, logged, needless, summary, warned, why_not
 from waxstudy.plugin import STAGES, Belief
 
 

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
+from waxstudy.dataset.read import Dataset
+from waxstudy.dataset.stand_ins import GAINS, SUN, SUPPLY_AIR
 from waxstudy.diagnosis.model.segments import ROOM_STAGES
+from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Unexplained, Untestable, Verdict
 from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.diagnosis.select.search import Found, Selection
+from waxstudy.plugin import LinearRoom, Role
 
+HELD = ("outdoor_temperature_C", "supply_temperature_C", SUN, GAINS)
+LONG_GAP_H = 1.0
 MOST_TOLD = 3  # sentences of a group; the others by name
 
 
@@ -92,3 +100,25 @@ def _clause(sentence: str) -> str:
     """Return a sentence as a part of another one; a name that it begins with keeps its capitals."""
     text = sentence.rstrip(".")
     return text[:1].lower() + text[1:] if text[1:2].islower() or text[1:2] == " " else text
+
+
+def filled_in(dataset: Dataset, record: Record, room: LinearRoom | None) -> Iterator[str]:
+    """Yield a sentence for each input of the room that was not recorded, or not all the time, and what stands in."""
+    if "setpoint_C" in dataset.values and dataset.values["setpoint_C"].isna().iloc[0]:
+        yield "setpoint_C begins later than the record: its first value is taken for the time before."
+    if room is None or not record.has_inputs:
+        return
+    yield from (each.sentence for each in record.stand_ins.values())
+    if room.places(Role.SUPPLY_AIR) and not record.has(SUPPLY_AIR):
+        yield f"{SUPPLY_AIR} was not recorded: the supply air is as the room has it."
+    if room.places(Role.SKY):
+        yield "The temperature of the sky was not recorded: it is taken for that of the air outside."
+    for channel in HELD:
+        if record.has(channel) and (lost_h := _longest_gap_h(record, channel)) > LONG_GAP_H:
+            yield f"{channel} is missing for up to {lost_h:.3g} h: a straight line stands in for it."
+
+
+def _longest_gap_h(record: Record, channel: str) -> float:
+    known = np.flatnonzero(np.isfinite(record.values[channel]))
+    ends = np.concatenate(([-1], known, [len(record)]))
+    return float(np.max(np.diff(ends)) - 1) * record.interval_s / 3600.0

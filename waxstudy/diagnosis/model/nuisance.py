@@ -9,8 +9,8 @@ from math import exp
 
 import numpy as np
 
+from waxstudy.dataset.stand_ins import FIELDS
 from waxstudy.diagnosis.model.room_response import full_flow_L_h
-from waxstudy.diagnosis.observations.drives import FIELDS
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Belief, FloatArray, Inputs, Room, Uncertainty
 

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from waxstudy.diagnosis.observations.drives import FIELDS, GAINS, SUN, StandIn
+from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN, StandIn
 from waxstudy.diagnosis.observations.noise import ON, estimated, measured, of_rounding, snapped
 from waxstudy.plugin import FloatArray, Inputs
 

@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, belief, dataset, estimator, rows, study
+from waxstudy.dataset.clear_sky import clear_sky_W
+from waxstudy.dataset.stand_ins import GAINS, SUN, own_gains_W
 from waxstudy.dataset.tables import Site
 from waxstudy.diagnosis.diagnose import diagnose, record_of
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.observations.clear_sky import clear_sky_W
-from waxstudy.diagnosis.observations.drives import GAINS, SUN, own_gains_W
 from waxstudy.diagnosis.select.search import select
 from waxstudy.diagnosis.select.unexplained import done_by_drives, unexplained
 

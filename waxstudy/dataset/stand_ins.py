@@ -17,15 +17,11 @@ from waxstudy.plugin import FloatArray, LinearRoom, Role, WeatherRecord
 if TYPE_CHECKING:
     import pandas as pd
 
-    from waxstudy.dataset.read import Dataset
     from waxstudy.dataset.tables import Site
-    from waxstudy.diagnosis.observations.record import Record
 
 SUN, GAINS, SUPPLY_AIR = "solar_gain_W", "internal_gain_W", "ventilation_supply_temperature_C"
 FIELDS = {SUN: "solar_W", GAINS: "gains_W"}  # of `Inputs`
 ROLES = {SUN: Role.SUN, GAINS: Role.GAINS}
-HELD = ("outdoor_temperature_C", "supply_temperature_C")
-LONG_GAP_H = 1.0
 DAY_H = 24.0
 SUN_W_M2 = 30.0  # of floor, spread of the sun around noon where nothing is known of it: a clear day in February has 80
 SUN_HATS_H = (10.0, 14.0)  # middle of each half of a day of sun
@@ -82,7 +78,7 @@ def _sun(room: LinearRoom, time: pd.DatetimeIndex, hour: FloatArray, interval_s:
         ]
         sentence = f"{SUN} was not recorded: each day has a sun of its own in the fit, its size free. {_site_helps()}"
         return StandIn(np.zeros(len(time)), shapes, 0.0, sentence)
-    from waxstudy.diagnosis.observations.clear_sky import clear_sky_W
+    from waxstudy.dataset.clear_sky import clear_sky_W
 
     clear_W = clear_sky_W(room, time, interval_s, site)
     shapes = [Shape(f"sun of {name}", clear_W * within, CLEAR_SPREAD, is_once=True) for name, within in _stretches(day)]
@@ -138,28 +134,3 @@ def own_gains_W(room: LinearRoom, hour: FloatArray) -> FloatArray:
     day = WeatherRecord(DAY_H * 3600.0 / count, "2000-01-01", mild, dark, sky_C=mild)
     own_W = room.drive(day)[0][:, room.places(Role.GAINS)].sum(axis=1)
     return np.asarray(own_W[(hour / DAY_H * count).astype(int) % count])
-
-
-# --- what is said of it ---
-
-
-def filled_in(dataset: Dataset, record: Record, room: LinearRoom | None) -> Iterator[str]:
-    """Yield a sentence for each input of the room that was not recorded, or not all the time, and what stands in."""
-    if "setpoint_C" in dataset.values and dataset.values["setpoint_C"].isna().iloc[0]:
-        yield "setpoint_C begins later than the record: its first value is taken for the time before."
-    if room is None or not record.has_inputs:
-        return
-    yield from (each.sentence for each in record.stand_ins.values())
-    if room.places(Role.SUPPLY_AIR) and not record.has(SUPPLY_AIR):
-        yield f"{SUPPLY_AIR} was not recorded: the supply air is as the room has it."
-    if room.places(Role.SKY):
-        yield "The temperature of the sky was not recorded: it is taken for that of the air outside."
-    for channel in (*HELD, SUN, GAINS):
-        if record.has(channel) and (lost_h := _longest_gap_h(record, channel)) > LONG_GAP_H:
-            yield f"{channel} is missing for up to {lost_h:.3g} h: a straight line stands in for it."
-
-
-def _longest_gap_h(record: Record, channel: str) -> float:
-    known = np.flatnonzero(np.isfinite(record.values[channel]))
-    ends = np.concatenate(([-1], known, [len(record)]))
-    return float(np.max(np.diff(ends)) - 1) * record.interval_s / 3600.0
