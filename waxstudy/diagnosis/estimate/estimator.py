@@ -159,7 +159,7 @@ class Estimator(Generic[P]):
         return self.refined((*given.effects, (effect, values)), given.departures, convention, parts, is_rough=True)
 
     def straight(self, parts: tuple[int, ...]) -> tuple[FloatArray, FloatArray, np.ndarray]:
-        """Return how the room follows at the base: slopes, what solves for the departures, which residual are fitted.
+        """Return how the room follows at the base: slopes, what solves for the departures, which residuals are fitted.
 
         Shapes (m, nuisances), (nuisances, m + nuisances), (m,) bool.
         """
@@ -174,7 +174,7 @@ class Estimator(Generic[P]):
         return self._slopes_at(self.base)
 
     def _slopes_at(self, fitted: Hypothesis, places: Sequence[int] | None = None) -> FloatArray:
-        """Change of the whitened residual with each departure of the room (m, nuisances), or with some of them."""
+        """Change of the whitened residuals with each departure of the room (m, nuisances), or with some of them."""
         whole = fitted.whitened
         columns = [np.zeros((len(whole), 0))]
         for place in range(len(self.problem.sd)) if places is None else places:
@@ -275,7 +275,7 @@ class Estimator(Generic[P]):
 
     @cached_property
     def _event_slopes(self) -> FloatArray:
-        """Change of the whitened residual with each event (m, events), of the room as believed."""
+        """Change of the whitened residuals with each event (m, events), of the room as believed."""
         believed = self.problem.at((), np.zeros(len(self.problem.sd)), self.problem.conventions[0])
         assert believed
         return self._slopes_at(believed, self.problem.events)

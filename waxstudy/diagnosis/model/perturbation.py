@@ -12,13 +12,13 @@ from waxstudy.plugin import FloatArray
 
 @dataclass(frozen=True)
 class Perturbation:
-    """How the drive of a segment is shaken to see what its noise does: random numbers, or none."""
+    """How the drive of a segment is perturbed, to see what its noise does: random numbers, or none."""
 
     random: np.random.Generator | None = None
     is_twice: bool = True  # smoothed once more, which shows what smoothing does
 
     def temperature(self, record: Record, channel: str) -> FloatArray:
-        """Return the smoothed channel, shaken with as much noise as smoothing leaves."""
+        """Return the smoothed channel, perturbed by as much noise as smoothing leaves."""
         values = record.drive(channel)
         if self.random is None:
             return values
@@ -27,7 +27,7 @@ class Perturbation:
         return record.smooth(values + noise) if self.is_twice else values + record.smooth(noise)
 
     def raw(self, record: Record, channel: str) -> FloatArray:
-        """Return the channel as it was logged, shaken with its noise once more."""
+        """Return the channel as it was logged, perturbed by its noise once more."""
         values = record.filled(channel)
         return values if self.random is None else values + self.random.normal(0.0, record.noise[channel], len(values))
 

@@ -1,4 +1,4 @@
-"""Links: stretches of the loop between recorded channels, each driven by the one and judged on the next."""
+"""Segments: stretches of the loop between recorded channels, each driven by the one and judged on the next."""
 
 from __future__ import annotations
 
