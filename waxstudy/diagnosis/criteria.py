@@ -1,7 +1,8 @@
-"""Every limit that decides what a diagnosis says: the table criteria.csv, and how it is asked.
+"""The limits by which effects are claimed, kept and excused: the table criteria.csv, and how it is asked.
 
-A criterion compares one number of a piece of evidence (`select/evidence.py`) with a limit. What decides, why an effect
-is not named, `waxstudy diagnose --criteria` and the table in docs/diagnosis-method.md all come from there.
+A criterion compares one number of a piece of evidence (most are in `select/evidence.py`) with a limit. An effect is named
+if it may be claimed, by itself or as one of a pair, and is kept. What decides, why an effect is not named, `waxstudy
+diagnose --criteria` and the table in docs/diagnosis-method.md all come from there.
 """
 
 from __future__ import annotations
@@ -17,15 +18,16 @@ from typing import Any, NamedTuple
 
 COMPARE = {"<=": le, "<": lt, ">=": ge, ">": gt}
 FAR_APART_S = 300.0  # interval from which on samples hide what happened between them
-OF_ROOM = ("emitter", "room")
+ROOM_STAGES = ("emitter", "room")
 CLEAR_GAIN, CLEAR_GAP = 50.0, 3.0  # whitened gain and floors, from which on a gap is clear
 
 
 class Question(StrEnum):
     """What the table decides; of UNDERSTOOD, NO_FORM and EXCUSED one criterion is enough."""
 
+    NUISANCE = "how far may what nobody knows of a room depart"
     JUDGE = "may a segment be judged"
-    CLAIM = "may an effect be claimed"
+    CLAIM = "may an effect be claimed, before all days are fitted"
     PAIR = "may it be one of two that explain a gap together"
     JOINT = "do two explain enough together"
     SLIGHT = "does an effect that is too small to be named explain its gap"
@@ -57,8 +59,8 @@ WHERE = {
     "": Where("everything", lambda e: True),
     "actuator": Where("effects of the actuator", lambda e: e.stage == "actuator"),
     "sensor": Where("effects of the sensor", lambda e: e.stage == "sensor"),
-    "of-room": Where("effects of emitter and room", lambda e: e.stage in OF_ROOM),
-    "of-form": Where(
+    "of-room": Where("effects of emitter and room", lambda e: e.stage in ROOM_STAGES),
+    "several-parameters": Where(
         "effects of the chain with several parameters",
         lambda e: e.stage not in ("emitter", "room") and e.parameters > 1,
     ),
@@ -84,7 +86,7 @@ WHERE = {
 
 @dataclass(frozen=True)
 class Criterion:
-    """One comparison. `name` is what is said of what fails it; `is_tuned`: its limit was set on judged records."""
+    """One comparison. `name` is said of what it decides; `is_tuned`: its limit was set on judged records."""
 
     questions: tuple[Question, ...]
     statistic: str  # attribute of the evidence
@@ -134,5 +136,6 @@ def meets_one(question: Question, evidence: Any) -> bool:
 
 
 def limit(question: Question, statistic: str, evidence: Any = None) -> float:
-    """Return the largest limit of a statistic among the criteria that apply."""
-    return max(each.limit for each in _of(question, evidence) if each.statistic == statistic)
+    """Return the strictest limit of a statistic among the criteria that apply, which all compare it the same way."""
+    found = [each for each in _of(question, evidence) if each.statistic == statistic]
+    return (max if found[0].operator in (">", ">=") else min)(each.limit for each in found)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, valued
 from waxstudy.diagnosis.estimate.problem import Problem
@@ -15,7 +16,7 @@ from waxstudy.plugin import FloatArray
 LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before
 MOST_DAMPING = 1e4
-MOST_SD = 2.5  # how far a departure may go: what needs more is a finding
+MOST_SD = limit(Question.NUISANCE, "deviations")  # how far a departure may go
 
 
 class LeastSquares:

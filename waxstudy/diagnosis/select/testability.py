@@ -19,7 +19,7 @@ from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
 FEW = 0.1  # of a first look's points
 CLEAR = 4  # noticeable steps from neutral that a record should show
 LEVELS = ("control_output", "displacement")
-FAR_APART_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
+SPARSE_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
 JUDGE = Question.JUDGE
 NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
@@ -169,7 +169,7 @@ def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]
 
 def doubtful_noise(record: Record, segments: Sequence[Segment]) -> Iterator[str]:
     """Yield what to say of judged channels whose noise is told from samples so far apart that it may be none."""
-    if record.interval_s < FAR_APART_S:
+    if record.interval_s < SPARSE_S:
         return
     for channel in dict.fromkeys(channel for segment in segments for channel in segment.judged):
         noise, usual = record.noise[channel], CHANNELS[channel].noise
