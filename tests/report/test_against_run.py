@@ -18,7 +18,7 @@ from tests.report.conftest import computed
 from waxstudy.report.behind import differences
 from waxstudy.report.comparison import COLUMNS, estimate, unpaired_interval
 from waxstudy.report.content import Content, gather
-from waxstudy.report.figures import figure_overview
+from waxstudy.report.figures.overview import figure_overview
 from waxstudy.report.other_run import OtherRun, Step
 from waxstudy.report.page import as_html
 from waxstudy.report.render import all_notes, as_csv, as_json, as_markdown, as_terminal, tables

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from waxstudy.report.content import Content
+from waxstudy.report.figures import PAPER_FIGURES
+from waxstudy.report.figures.overview import figure_overview
+from waxstudy.report.figures.plot import plots
 from waxstudy.report.render import all_notes, tables
 from waxstudy.report.words import Table, counted
 from waxstudy.results.run import Run
@@ -17,18 +20,16 @@ FIGURE_TEXT = re.compile(r"(\(?[-+]?\d|never|$)")
 
 def as_html(content: Content) -> str:
     """Return the report as one page; raise `RunError` where the run's curves or traces cannot be read."""
-    from waxstudy.report.figures import OVERVIEW, PAPER_FIGURES
-
     comparison, against, activation = _grouped(content)
     return filled(
         "page.html.j2",
         content=content,
         summary=summary(content),
-        overview=_drawn(content, OVERVIEW),
+        overview=figure_overview.plot(content),
         comparison=comparison,
         against=against,
         activation=activation,
-        figures=[_drawn(content, plot) for plot in PAPER_FIGURES],
+        figures=plots(PAPER_FIGURES, content),
         provenance=provenance(content.run),
         notes=all_notes(content),
     )
@@ -142,30 +143,6 @@ def _marked(text: str, style: str) -> str:
         **dict.fromkeys(("no", "not resolved"), "open"),
     }
     return f"{style} {marks.get(text, '')}".strip()
-
-
-# --- figures and provenance --------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class PageFigure:
-    """A figure's words and its SVG, or why it is missing."""
-
-    id: str
-    title: str
-    caption: str
-    svg: str
-    missing: str = ""
-
-
-def _drawn(content: Content, plot: Any) -> PageFigure:
-    from waxstudy.report.figures import Lacking, svg_element
-
-    id = f"figure-{plot.id}"
-    try:
-        return PageFigure(id, plot.title, plot.caption, svg_element(plot.draw(content), id))
-    except Lacking as reason:
-        return PageFigure(id, plot.title, "", "", str(reason))
 
 
 def provenance(run: Run) -> list[tuple[str, str]]:

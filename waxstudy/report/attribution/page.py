@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from waxstudy.report.attribution.figure import CAPTION, TITLE, figure_shares
+from waxstudy.report.attribution.figure import figure_shares
 from waxstudy.report.attribution.notes import notes
 from waxstudy.report.attribution.render import is_resolved, name, tables
 from waxstudy.report.attribution.shares import PERCENT, Attribution, OrderFree
-from waxstudy.report.figures.style import svg_element
-from waxstudy.report.page import PageFigure, filled, page_table, provenance, starts_of
+from waxstudy.report.page import filled, page_table, provenance, starts_of
 from waxstudy.report.words import counted
-
-FIGURE_ID = "figure-shares"
 
 
 def as_html(found: OrderFree) -> str:
@@ -20,7 +17,7 @@ def as_html(found: OrderFree) -> str:
         found=found,
         summary=summary(found),
         findings=[_of_heat(of) for of in found.attributions],
-        figure=PageFigure(FIGURE_ID, TITLE, CAPTION, svg_element(figure_shares(found), FIGURE_ID)),
+        figure=figure_shares.plot(found),
         tables=[page_table(table, starts_of(found.run)) for table in tables(found)],
         notes=notes(found),
         provenance=provenance(found.run),

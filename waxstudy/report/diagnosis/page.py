@@ -5,11 +5,10 @@ from __future__ import annotations
 from waxstudy.gap.result import Diagnosis
 from waxstudy.gap.told import told
 from waxstudy.report.diagnosis import tables
-from waxstudy.report.diagnosis.figures import FIGURES, Plot
+from waxstudy.report.diagnosis.figures import FIGURES
 from waxstudy.report.diagnosis.summary import QUICK, VERDICTS, how_sure, lines
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import svg_element
-from waxstudy.report.page import PageFigure, PageTable, filled, page_table
+from waxstudy.report.figures.plot import plots
+from waxstudy.report.page import PageTable, filled, page_table
 from waxstudy.report.words import Table
 
 
@@ -21,7 +20,7 @@ def as_html(diagnosis: Diagnosis) -> str:
         verdict=VERDICTS[diagnosis.verdict],
         quick=QUICK,
         lines=lines(diagnosis),
-        figures={plot.id: _drawn(diagnosis, plot) for plot in FIGURES},
+        figures=plots(FIGURES, diagnosis),
         effects=[
             (effect, told(effect), how_sure(effect), page_table(tables.parameters(effect)))
             for effect in diagnosis.effects
@@ -44,11 +43,3 @@ def _tables(diagnosis: Diagnosis) -> dict[str, PageTable]:
         "parts": tables.parts(diagnosis),
     }
     return {name: page_table(table) for name, table in made.items()}
-
-
-def _drawn(diagnosis: Diagnosis, plot: Plot) -> PageFigure:
-    id = f"figure-{plot.id}"
-    try:
-        return PageFigure(id, plot.title, plot.caption, svg_element(plot.draw(diagnosis), id))
-    except Lacking as reason:
-        return PageFigure(id, plot.title, "", "", str(reason))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.report.content import Content
 from waxstudy.report.figures.places import (
     DAY_S,
-    Lacking,
     between,
     days,
     every,
@@ -18,23 +17,20 @@ from waxstudy.report.figures.places import (
     steps,
     trace,
 )
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_under, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_under
 from waxstudy.study.model import Ladder
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "The last step of each ladder in the second week"
-CAPTION = (
-    "The reference case (black) and the case one step simpler (orange) on the days around the warmest "
-    "hour of the last week: air temperature (solid), operative temperature (dashed) and water flow; one "
-    "member."
-)
 SHOWN_DAYS = 3
 
 
-@styled
+@drawing(
+    "22",
+    "Figure 22. The last step of each ladder in the second week",
+    "The reference case (black) and the case one step simpler (orange) on the days around the warmest "
+    "hour of the last week: air temperature (solid), operative temperature (dashed) and water flow; one "
+    "member.",
+)
 def figure_22(content: Content) -> Figure:
     """Temperatures [°C] and flow [L/h] of the last step; raise `Lacking` for one week, one case, or no traces."""
     week = second_week(content)

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from waxstudy.report.comparison import Row
 from waxstudy.report.content import Content
-from waxstudy.report.figures.style import BLACK, COLOURS, GREY, MARKERS, panels, styled
+from waxstudy.report.figures.plot import drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, GREY, MARKERS, legend_of
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "The comparison at a glance"
-CAPTION = (
-    "Left: heat of each case against the reference case of its ladder, mean and 95 % interval of paired "
-    "members; filled where the difference is resolved. Right: mean absolute error of the air temperature, "
-    "mean and standard deviation of single runs."
-)
 DIFFERENCE, ERROR = "heat_vs_most_detailed_percent", "mae_K"
 
 
-@styled
+@drawing(
+    "overview",
+    "The comparison at a glance",
+    "Left: heat of each case against the reference case of its ladder, mean and 95 % interval of paired "
+    "members; filled where the difference is resolved. Right: mean absolute error of the air temperature, "
+    "mean and standard deviation of single runs.",
+)
 def figure_overview(content: Content) -> Figure:
     """Differences in heat [%] and mean absolute errors [K] of all cases and weeks, the other side's beside."""
     cases = [case for ladder in content.run.ladders for case in ladder.cases]
@@ -94,8 +94,6 @@ def _separate_ladders(content: Content, axes: Sequence[Axes]) -> None:
 
 
 def _legend(figure: Figure, content: Content) -> None:
-    from matplotlib.lines import Line2D
-
     handles = []
     for week in content.run.weeks:
         colour, marker = _week_look(content, week)
@@ -104,4 +102,4 @@ def _legend(figure: Figure, content: Content) -> None:
     if content.against:
         label = content.against.label
         handles.append(Line2D([], [], color=GREY, marker="x", linestyle="", markeredgewidth=1.6, label=label))
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    legend_of(figure, handles)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.report.content import Content
 from waxstudy.report.figures.places import (
@@ -20,6 +20,7 @@ from waxstudy.report.figures.places import (
     simplest,
     trace,
 )
+from waxstudy.report.figures.plot import drawing, panels
 from waxstudy.report.figures.style import (
     BLACK,
     COLOURS,
@@ -28,35 +29,18 @@ from waxstudy.report.figures.style import (
     ladder_dash,
     legend_below,
     look,
-    panels,
-    styled,
 )
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE_17 = "Air and operative temperature of one day"
-CAPTION_17 = (
-    "Air temperature (solid), operative temperature (dashed) and shifted setpoint (dotted) of the second case "
-    "of each ladder in the middle of the first week; one member. The grey line is the limit of the operative "
-    "temperature."
-)
-TITLE_18 = "Cumulative operative temperatures"
-CAPTION_18 = (
-    "Operative temperature that is not exceeded for a share of the week, mean over the members; the first "
-    "ladder solid, the second dashed, the reference cases black and thick, with the range of the members "
-    "as a band. The grey lines meet where equal comfort asks every case to pass."
-)
-TITLE_20 = "Air temperature over the first week"
-CAPTION_20 = (
-    "The simplest (thin), the second (dashed) and the reference case (black) of each ladder; one member. "
-    "The grey lines are a quarter of a kelvin above and below the unshifted setpoint."
-)
 BAND_K = 0.25
 
 
-@styled
+@drawing(
+    "17",
+    "Figure 17. Air and operative temperature of one day",
+    "Air temperature (solid), operative temperature (dashed) and shifted setpoint (dotted) of the second case "
+    "of each ladder in the middle of the first week; one member. The grey line is the limit of the operative "
+    "temperature.",
+)
 def figure_17(content: Content) -> Figure:
     """Air, operative temperature and setpoint [°C] during one day; raise `Lacking` without traces."""
     week, ladders = first_week(content), content.run.ladders
@@ -84,7 +68,13 @@ def _day(panel: Axes, content: Content, case: str, week: str) -> None:
     panel.set_xlim(0, 24)
 
 
-@styled
+@drawing(
+    "18",
+    "Figure 18. Cumulative operative temperatures",
+    "Operative temperature that is not exceeded for a share of the week, mean over the members; the first "
+    "ladder solid, the second dashed, the reference cases black and thick, with the range of the members "
+    "as a band. The grey lines meet where equal comfort asks every case to pass.",
+)
 def figure_18(content: Content) -> Figure:
     """Duration curves of the operative temperature [°C], one panel per week."""
     weeks = content.run.weeks
@@ -122,7 +112,12 @@ def _members(panel: Axes, content: Content, case: str, week: str) -> None:
     panel.fill_between(low.index.to_numpy(), low.to_numpy(), high.to_numpy(), color=BLACK, alpha=0.15, linewidth=0)
 
 
-@styled
+@drawing(
+    "20",
+    "Figure 20. Air temperature over the first week",
+    "The simplest (thin), the second (dashed) and the reference case (black) of each ladder; one member. "
+    "The grey lines are a quarter of a kelvin above and below the unshifted setpoint.",
+)
 def figure_20(content: Content) -> Figure:
     """Air temperature [°C] over the first week, a panel per ladder; raise `Lacking` without traces."""
     week, ladders = first_week(content), content.run.ladders

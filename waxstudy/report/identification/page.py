@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 from waxstudy import __version__
 from waxstudy.identification.result import ActuatorFit
 from waxstudy.identification.valve import ValveFit
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import svg_element
+from waxstudy.report.figures.plot import plots
 from waxstudy.report.identification import tables
-from waxstudy.report.identification.figures import ACTUATOR_FIGURES, VALVE_FIGURES, Plot
-from waxstudy.report.page import PageFigure, filled, page_table
+from waxstudy.report.identification.figures import ACTUATOR_FIGURES, VALVE_FIGURES
+from waxstudy.report.page import filled, page_table
 from waxstudy.report.words import counted
 
 
@@ -27,7 +23,7 @@ def actuator_page(found: ActuatorFit) -> str:
         summary=f"Used: {counted(kept, 'cycle')} of {len(found.cycles)} in {counted(len(found.records), 'record')}.",
         untold=found.model.untold(),
         tables=[page_table(table) for table in tables.actuator_tables(found)],
-        figures=_drawn(found, ACTUATOR_FIGURES),
+        figures=plots(ACTUATOR_FIGURES, found),
         steps=[step for time in found.model.times.values() for step in time.steps],
         warnings=[*tables.scatter(found), *found.warnings],
         sources=[(record.file, record.sha256) for record in found.records],
@@ -45,25 +41,13 @@ def valve_page(found: ValveFit) -> str:
         summary=f"Mean absolute error {100.0 * found.mae:.2f} % of full flow; authority {found.how_authority}.",
         untold=[],
         tables=[page_table(table) for table in tables.valve_tables(found)],
-        figures=_drawn(found, VALVE_FIGURES),
+        figures=plots(VALVE_FIGURES, found),
         steps=[],
         warnings=found.warnings,
         sources=[(found.record.file, found.record.sha256)],
         reading=VALVE_READING,
         version=__version__,
     )
-
-
-def _drawn(found: Any, plots: Sequence[Plot[Any]]) -> list[PageFigure]:
-    figures = []
-    for plot in plots:
-        id = f"figure-{plot.id}"
-        title = f"{plot.title} (as the paper's figure {plot.number})" if plot.number else plot.title
-        try:
-            figures.append(PageFigure(id, title, plot.caption, svg_element(plot.draw(found), id)))
-        except Lacking as reason:
-            figures.append(PageFigure(id, title, "", "", str(reason)))
-    return figures
 
 
 ACTUATOR_READING = (

@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import math
 import textwrap
-from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
 
 from waxstudy.gap.result import Diagnosis, StageGap
 from waxstudy.report.diagnosis.focus import left_at
 from waxstudy.report.diagnosis.words import channel_words, number, percent, stage_words, times, with_unit
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, legend_of
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "The gap map: stages of the loop by regime"
-CAPTION = (
-    "A row for each judged channel, with the stages behind it; its gap as a whole, then by regime, the largest share "
-    "first. Each field has the gap there in multiples of the noise floor, and its share of the row's squared gap; "
-    "regimes may overlap. The darker, the further out of the noise. “No finding”: the form of the room's model, or "
-    "within the published uncertainty of what is believed."
-)
 # from how many noise floors on, in which colour; one hue from light to dark, which grey print keeps
 SHADES = ((0.0, "#ffffff"), (1.5, "#d6e5f2"), (3.0, "#9cc3e0"), (6.0, "#4a90c4"), (12.0, "#14507f"))
 DARK_FROM = 6.0
@@ -31,7 +23,14 @@ LETTERS = 13  # of a regime's name in a line
 ROW_IN = 0.96
 
 
-@styled
+@drawing(
+    "map",
+    "The gap map: stages of the loop by regime",
+    "A row for each judged channel, with the stages behind it; its gap as a whole, then by regime, the largest share "
+    "first. Each field has the gap there in multiples of the noise floor, and its share of the row's squared gap; "
+    "regimes may overlap. The darker, the further out of the noise. “No finding”: the form of the room's model, or "
+    "within the published uncertainty of what is believed.",
+)
 def figure_gap_map(diagnosis: Diagnosis) -> Figure:
     """Gaps over their noise floors [-] and shares of the squared gap [%]; raise `Lacking` where nothing is judged."""
     if not diagnosis.stages:
@@ -73,8 +72,6 @@ def _row(panel: Axes, row: int, stage: StageGap) -> None:
 def _field(
     panel: Axes, column: int, row: int, name: str, over_floor: float, below: str, is_whole: bool = False
 ) -> None:
-    from matplotlib.patches import Rectangle
-
     edge, width = (BLACK, 1.4) if is_whole else ("#8a8a8a", 0.7)
     place = (column + 0.03, row + 0.05)
     panel.add_patch(Rectangle(place, 0.94, 0.9, facecolor=shade(over_floor), edgecolor=edge, linewidth=width))
@@ -98,8 +95,6 @@ def shade(over_floor: float) -> str:
 
 
 def _legend(figure: Figure) -> None:
-    from matplotlib.patches import Patch
-
     ends = [*(least for least, _ in SHADES[1:]), math.inf]
     labels = [
         f"below {end:g}" if least == 0.0 else (f"{least:g} to {end:g}" if math.isfinite(end) else f"{least:g} or more")
@@ -109,5 +104,4 @@ def _legend(figure: Figure) -> None:
         Patch(facecolor=colour, edgecolor="#8a8a8a", label=label)
         for (_, colour), label in zip(SHADES, labels, strict=True)
     ]
-    title = "gap in multiples of the noise floor"
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), title=title)
+    legend_of(figure, handles, title="gap in multiples of the noise floor")

@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.identification.records import Record
 from waxstudy.identification.result import ActuatorFit
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-ERRORS = "Errors of all records"
-ERRORS_CAPTION = "Mean absolute and root mean square error of the modelled opening over each whole record, by product."
-HOURS = "An hour of a typical, the best and the worst record"
-HOURS_CAPTION = (
-    "Measured and modelled opening; records by their mean absolute error. Shown is the hour whose error is nearest "
-    "to that of its record. Dashed: signal."
-)
 HOUR_S = 3600.0
 
 
-@styled
+@drawing(
+    "errors",
+    "Errors of all records (as the paper's figure 13)",
+    "Mean absolute and root mean square error of the modelled opening over each whole record, by product.",
+)
 def figure_errors(found: ActuatorFit) -> Figure:
     """Bars per record."""
     shown = [record for record in found.records if record.name in found.errors]
@@ -46,7 +39,12 @@ def figure_errors(found: ActuatorFit) -> Figure:
     return figure
 
 
-@styled
+@drawing(
+    "hours",
+    "An hour of a typical, the best and the worst record (as the paper's figure 14)",
+    "Measured and modelled opening; records by their mean absolute error. Shown is the hour whose error is nearest "
+    "to that of its record. Dashed: signal.",
+)
 def figure_hours(found: ActuatorFit) -> Figure:
     """Three panels: typical, best, worst."""
     ordered = sorted(

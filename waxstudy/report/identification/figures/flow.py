@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.figure import Figure
 
 from waxstudy.identification.valve import ValveFit, curve
 from waxstudy.report.figures.places import rises
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below, legend_under, panels, styled
+from waxstudy.report.figures.plot import drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below, legend_under
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
-CYCLE = "One cycle of flow"
-CYCLE_CAPTION = (
-    "Heating signal, modelled opening, measured and modelled flow over full flow, of a cycle in the record's middle."
+@drawing(
+    "cycle",
+    "One cycle of flow (as the paper's figure 15)",
+    "Heating signal, modelled opening, measured and modelled flow over full flow, of a cycle in the record's middle.",
 )
-CURVE = "The valve's curve"
-CURVE_CAPTION = (
-    "Left: measured flow over the modelled opening (grey: excluded from the fit), the theoretical curve of three "
-    "points (dashed) and the curve corrected by the authority. Right: modelled against measured flow of the samples "
-    "that were considered."
-)
-
-
-@styled
 def figure_cycle(found: ValveFit) -> Figure:
     """Four lines over one cycle."""
     on = found.record.on
@@ -49,7 +39,13 @@ def figure_cycle(found: ValveFit) -> Figure:
     return figure
 
 
-@styled
+@drawing(
+    "curve",
+    "The valve's curve (as the paper's figure 16)",
+    "Left: measured flow over the modelled opening (grey: excluded from the fit), the theoretical curve of three "
+    "points (dashed) and the curve corrected by the authority. Right: modelled against measured flow of the samples "
+    "that were considered.",
+)
 def figure_curve(found: ValveFit) -> Figure:
     """Curve and measured points; modelled against measured."""
     figure, axes = panels(1, 2, 4.4)

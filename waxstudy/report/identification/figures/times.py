@@ -3,33 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.identification.actuator import TIMES
 from waxstudy.identification.models import TimeModel
 from waxstudy.identification.result import LIMIT_S, ActuatorFit
 from waxstudy.plugin import FloatArray
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, DASHES, MARKERS, legend_below, panels, styled
+from waxstudy.report.figures.plot import drawing, panels
+from waxstudy.report.figures.style import BLACK, DASHED, DASHES, legend_below, series
 
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TIMES_TITLE = "Characteristic times and their models"
-TIMES_CAPTION = (
-    "A point per cycle: dead and rise time over the undercooling time before, hold and fall time over the "
-    "overheating time. Lines: the fitted models, as far as the records reach; a level line is a constant."
-)
-RESIDUALS = "What the models leave"
-RESIDUALS_CAPTION = "Measured less modelled, for the same cycles; a trend here would be something that the models miss."
-ACTIVATION = "Full activation and deactivation"
-ACTIVATION_CAPTION = (
-    "Dead plus rise time, and hold plus fall time, of every cycle that was used, record by record. Dashed: 5 min, "
-    "within which a valve must open for the reserve that the paper has in mind."
-)
 BEFORE = {"dead": "before_s", "rise": "before_s", "hold": "overheat_s", "fall": "overheat_s"}
 AXIS = {"before_s": "undercooling time before, min", "overheat_s": "overheating time, min"}
 
@@ -37,16 +24,19 @@ AXIS = {"before_s": "undercooling time before, min", "overheat_s": "overheating 
 def motors(found: ActuatorFit) -> Mapping[str, dict[str, Any]]:
     """A colour and marker for each exemplar."""
     names = sorted({_motor(row) for row in found.records})
-    return {
-        name: {"color": COLOURS[i % len(COLOURS)], "marker": MARKERS[i % len(MARKERS)]} for i, name in enumerate(names)
-    }
+    return {name: series(i) for i, name in enumerate(names)}
 
 
 def _motor(row: Any) -> str:
     return f"{row.product} {row.exemplar}"
 
 
-@styled
+@drawing(
+    "times",
+    "Characteristic times and their models (as the paper's figure 11)",
+    "A point per cycle: dead and rise time over the undercooling time before, hold and fall time over the "
+    "overheating time. Lines: the fitted models, as far as the records reach; a level line is a constant.",
+)
 def figure_times(found: ActuatorFit) -> Figure:
     """Four panels, one per time."""
     figure, axes = panels(2, 2, 7.0)
@@ -80,7 +70,11 @@ def _curve(panel: Axes, time: TimeModel, product: str, own: pd.DataFrame, dash: 
     panel.plot(x / 60.0, curve.a_s.value * f + curve.b_s.value, color=BLACK, linestyle=dash, linewidth=1.6, label=label)
 
 
-@styled
+@drawing(
+    "residuals",
+    "What the models leave",
+    "Measured less modelled, for the same cycles; a trend here would be something that the models miss.",
+)
 def figure_residuals(found: ActuatorFit) -> Figure:
     figure, axes = panels(1, 4, 3.2)
     for panel, (name, time) in zip(axes[0], found.model.times.items(), strict=True):
@@ -106,7 +100,12 @@ def _predicted(time: TimeModel, product: str, own: pd.DataFrame) -> FloatArray:
     return np.asarray(curve.b_s.value + curve.a_s.value * f)
 
 
-@styled
+@drawing(
+    "activation",
+    "Full activation and deactivation (as the paper's figure 12)",
+    "Dead plus rise time, and hold plus fall time, of every cycle that was used, record by record. Dashed: 5 min, "
+    "within which a valve must open for the reserve that the paper has in mind.",
+)
 def figure_activation(found: ActuatorFit) -> Figure:
     """A column of points per record."""
     kept = found.cycles[found.cycles["lost"] == ""]
