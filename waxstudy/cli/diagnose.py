@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +12,7 @@ import click
 from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.errors import FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
 from waxstudy.cli.existing import Existing
-from waxstudy.cli.output import Command, print_out, stdout
+from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures
 from waxstudy.cli.study import load_study
 from waxstudy.simulation.threads import use_one_thread
@@ -69,7 +68,7 @@ def _diagnosis(dataset: Path, study: Path | None, seed: int, quick: bool, tick: 
 
 
 def _json(diagnosis: Diagnosis) -> str:
-    from waxstudy.report.render import json_text
+    from waxstudy.report.formats import json_text
 
     return json_text(diagnosis.described())
 
@@ -77,8 +76,7 @@ def _json(diagnosis: Diagnosis) -> str:
 def _summary(diagnosis: Diagnosis, out: Path | None) -> str:
     from waxstudy.report.diagnosis.summary import as_terminal
 
-    width = shutil.get_terminal_size((120, 24)).columns
-    text = as_terminal(diagnosis, width, colour=stdout().isatty())
+    text = as_terminal(diagnosis, *terminal())
     return text if out is None else f"{text}{out}\n"
 
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from waxstudy.report.blind_test.words import Score, ordered
+from waxstudy.report.blind_test.tables import Score, ordered
 from waxstudy.report.figures.plot import Lacking, drawing, panels
 from waxstudy.report.figures.style import BLACK, legend_of, series
 

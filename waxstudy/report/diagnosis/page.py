@@ -1,15 +1,14 @@
-"""A diagnosis as one self-contained HTML page."""
+"""A diagnosis as a page."""
 
 from __future__ import annotations
 
 from waxstudy.gap.result import Diagnosis
 from waxstudy.gap.told import told
-from waxstudy.report.diagnosis import tables
 from waxstudy.report.diagnosis.figures import FIGURES
 from waxstudy.report.diagnosis.summary import QUICK, VERDICTS, how_sure, lines
+from waxstudy.report.diagnosis.tables import TABLES, parameters
 from waxstudy.report.figures.plot import plots
-from waxstudy.report.page import PageTable, filled, page_table
-from waxstudy.report.words import Table
+from waxstudy.report.html import filled
 
 
 def as_html(diagnosis: Diagnosis) -> str:
@@ -21,25 +20,6 @@ def as_html(diagnosis: Diagnosis) -> str:
         quick=QUICK,
         lines=lines(diagnosis),
         figures=plots(FIGURES, diagnosis),
-        effects=[
-            (effect, told(effect), how_sure(effect), page_table(tables.parameters(effect)))
-            for effect in diagnosis.effects
-        ],
-        tables={name: table for name, table in _tables(diagnosis).items() if table.rows},
+        effects=[(effect, told(effect), how_sure(effect), parameters(effect)) for effect in diagnosis.effects],
+        tables={table.__name__: table(diagnosis) for table in TABLES},
     )
-
-
-def _tables(diagnosis: Diagnosis) -> dict[str, PageTable]:
-    made: dict[str, Table] = {
-        "stages": tables.stages(diagnosis),
-        "regimes": tables.regimes(diagnosis),
-        "found": tables.found(diagnosis),
-        "closed_loop": tables.closed_loop(diagnosis),
-        "tried": tables.tried(diagnosis),
-        "unexplained": tables.unexplained(diagnosis),
-        "untestable": tables.untestable(diagnosis),
-        "next": tables.next_measurements(diagnosis),
-        "departures": tables.departures(diagnosis),
-        "parts": tables.parts(diagnosis),
-    }
-    return {name: page_table(table) for name, table in made.items()}

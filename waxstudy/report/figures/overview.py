@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from waxstudy.report.comparison import Row
+from waxstudy.report.comparison import DIFFERENCE, Row
 from waxstudy.report.content import Content
 from waxstudy.report.figures.plot import drawing, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, GREY, MARKERS, legend_of
 
-DIFFERENCE, ERROR = "heat_vs_most_detailed_percent", "mae_K"
+ERROR = "mae_K"
 
 
 @drawing(

@@ -6,9 +6,9 @@ from waxstudy import __version__
 from waxstudy.identification.result import ActuatorFit
 from waxstudy.identification.valve import ValveFit
 from waxstudy.report.figures.plot import plots
+from waxstudy.report.html import filled
 from waxstudy.report.identification import tables
 from waxstudy.report.identification.figures import ACTUATOR_FIGURES, VALVE_FIGURES
-from waxstudy.report.page import filled, page_table
 from waxstudy.report.words import counted
 
 
@@ -22,7 +22,7 @@ def actuator_page(found: ActuatorFit) -> str:
         simulated=tables.SIMULATED if found.is_simulated else "",
         summary=f"Used: {counted(kept, 'cycle')} of {len(found.cycles)} in {counted(len(found.records), 'record')}.",
         untold=found.model.untold(),
-        tables=[page_table(table) for table in tables.actuator_tables(found)],
+        tables=tables.actuator_tables(found),
         figures=plots(ACTUATOR_FIGURES, found),
         steps=[step for time in found.model.times.values() for step in time.steps],
         warnings=[*tables.scatter(found), *found.warnings],
@@ -40,7 +40,7 @@ def valve_page(found: ValveFit) -> str:
         simulated=tables.SIMULATED if found.is_simulated else "",
         summary=f"Mean absolute error {100.0 * found.mae:.2f} % of full flow; authority {found.how_authority}.",
         untold=[],
-        tables=[page_table(table) for table in tables.valve_tables(found)],
+        tables=tables.valve_tables(found),
         figures=plots(VALVE_FIGURES, found),
         steps=[],
         warnings=found.warnings,

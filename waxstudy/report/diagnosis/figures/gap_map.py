@@ -11,7 +11,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from waxstudy.gap.result import Diagnosis, StageGap
 from waxstudy.report.diagnosis.focus import left_at
-from waxstudy.report.diagnosis.words import channel_words, number, percent, stage_words, times, with_unit
+from waxstudy.report.diagnosis.words import channel_words, percent, quantity, stage_words, times
 from waxstudy.report.figures.plot import Lacking, drawing, panels
 from waxstudy.report.figures.style import BLACK, legend_of
 
@@ -62,7 +62,7 @@ def _label(diagnosis: Diagnosis, stage: StageGap) -> str:
 
 
 def _row(panel: Axes, row: int, stage: StageGap) -> None:
-    whole = with_unit(number(stage.gap), stage.unit)
+    whole = quantity(stage.gap, stage.unit)
     _field(panel, 0, row, "whole", stage.over_floor, whole, is_whole=True)
     for column, regime in enumerate(sorted(stage.regimes, key=lambda each: -each.share)[:MOST_REGIMES], start=1):
         over = stage.regime_over_floor(regime)
