@@ -27,6 +27,7 @@ class Against(ABC):
     cells: Sequence[Cell]
     scores: Sequence[ColumnScore]
     findings: Sequence[Finding] = ()
+    notes: Sequence[str] = ()  # what keeps a figure from being compared
 
     csv_figures: ClassVar[Mapping[str, str]]  # by the end of a column's name, what of a cell stands there
     csv_form: ClassVar[str]
@@ -42,11 +43,6 @@ class Against(ABC):
     @abstractmethod
     def summary(self) -> str:
         """One sentence of what came out."""
-
-    @property
-    @abstractmethod
-    def notes(self) -> Sequence[str]:
-        """What keeps a figure from being compared."""
 
     @abstractmethod
     def described_cell(self, cell: Cell) -> dict[str, Any]:
@@ -83,9 +79,10 @@ class Against(ABC):
 
     def csv_columns(self) -> list[Column[Row]]:
         """Return what CSV says of the other side's figures."""
-        ends = self.csv_figures.items()
         return [
-            Column(f"{key}_{end}", partial(self._part, key, of), self.csv_form) for key in COLUMNS for end, of in ends
+            Column(f"{key}_{end}", partial(self._part, key, part), self.csv_form)
+            for key in COLUMNS
+            for end, part in self.csv_figures.items()
         ]
 
     def cell(self, column: str, row: Row | Cell) -> Cell | None:
@@ -121,7 +118,6 @@ class Published(Against):
     """A registered reference: one published run per case, and findings; `lacking` says why there are none."""
 
     lacking: str = ""
-    missing: Sequence[str] = ()
 
     csv_figures = {"published": "theirs.mean", "published_difference": "difference"}
     csv_form = ".5g"
@@ -140,10 +136,6 @@ class Published(Against):
         if self.lacking:
             return f"Findings are not judged: {self.lacking}."
         return f"Of the {counted(len(self.findings), 'finding')} of “{self.name}”: {self._verdicts()}."
-
-    @property
-    def notes(self) -> Sequence[str]:
-        return [*self.missing, *([self.lacking] if self.lacking else [])]
 
     def described_cell(self, cell: Cell) -> dict[str, Any]:
         return {"published": cell.theirs.mean}
@@ -179,9 +171,10 @@ def published(reference: type[Reference], run: Run, rows: Sequence[Row], members
         with told(f"reference '{name}': findings failed", ValueError):
             found = list(reference.findings(run))
     except ValueError as error:
-        return Published(name, paired, scores(paired), lacking=one_line(str(error)), missing=missing)
+        lacking = one_line(str(error))
+        return Published(name, paired, scores(paired), notes=[*missing, lacking], lacking=lacking)
     _keeps_its_contract(name, findings_problems(found))
-    return Published(name, paired, scores(paired), found, missing=missing)
+    return Published(name, paired, scores(paired), found, missing)
 
 
 def _missing(name: str, rows: Sequence[Row], figures: Sequence[PublishedRow]) -> Iterator[str]:

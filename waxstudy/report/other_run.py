@@ -46,7 +46,6 @@ class OtherRun(Against):
     folder: str = ""
     members: int = 1
     steps: Sequence[Step] = ()
-    missing: Sequence[str] = ()
 
     csv_figures = {"other": "theirs.mean", "other_sd": "theirs.sd"}
     csv_form = ".5f"
@@ -73,11 +72,6 @@ class OtherRun(Against):
         resolved = sum(bool(cell.resolved) for cell in self.judged)
         figures = f"Of {counted(len(self.judged), 'figure')}, {resolved} {'differs' if resolved == 1 else 'differ'}"
         return f"{figures} from “{self.name}” by a resolved amount; {self._signs()}."
-
-    @property
-    def notes(self) -> Sequence[str]:
-        alone = "a run with one member per case: no difference between the two runs can be called resolved"
-        return [*self.missing, *([alone] if self.cells and not self.judged else [])]
 
     def described_cell(self, cell: Cell) -> dict[str, Any]:
         low, high = cell.interval
@@ -145,8 +139,13 @@ def other_run(run: Run, rows: Sequence[Row], members: int, other: Run) -> OtherR
         folder=str(other.folder),
         members=their_members,
         steps=list(_steps(run, other)) if min(members, their_members) > 1 else (),
-        missing=[*_missing(run, other), *differing_inputs(run, other)],
+        notes=[*_missing(run, other), *differing_inputs(run, other), *_alone(paired)],
     )
+
+
+def _alone(paired: Sequence[Cell]) -> list[str]:
+    words = "a run with one member per case: no difference between the two runs can be called resolved"
+    return [words] if paired and all(cell.resolved is None for cell in paired) else []
 
 
 def _name(run: Run, other: Run) -> str:
@@ -182,21 +181,14 @@ def _steps(run: Run, other: Run) -> Iterator[Step]:
 def _missing(run: Run, other: Run) -> list[str]:
     """Say which cases and weeks only one of the two has, and which cases have another reference case."""
     ours, theirs = _references(run), _references(other)
-    notes = [
-        *_only("this run", ours, theirs, run.weeks, other.weeks),
-        *_only("the other run", theirs, ours, other.weeks, run.weeks),
-    ]
+    notes = [*_only("this run", run, other), *_only("the other run", other, run)]
     moved = [f"{case} ({ours[case]}, {theirs[case]})" for case in ours if theirs.get(case, ours[case]) != ours[case]]
     if moved:
         notes.append(f"differences not compared, as their reference case here and there differs: {', '.join(moved)}")
     return notes
 
 
-def _only(
-    who: str, cases: Mapping[str, str], their_cases: Mapping[str, str], weeks: Sequence[str], their_weeks: Sequence[str]
-) -> list[str]:
-    alone = {
-        "cases": [case for case in cases if case not in their_cases],
-        "weeks": [week for week in weeks if week not in their_weeks],
-    }
+def _only(who: str, run: Run, other: Run) -> list[str]:
+    pairs = (("cases", _references(run), _references(other)), ("weeks", run.weeks, other.weeks))
+    alone = {what: [name for name in own if name not in there] for what, own, there in pairs}
     return [f"{what} that only {who} has: {', '.join(names)}" for what, names in alone.items() if names]

@@ -10,14 +10,7 @@ from typing import Any, Generic, Literal, TypeVar
 from waxstudy.report.words import capital
 
 Row = TypeVar("Row")
-Kind = Literal[
-    "figure",
-    "theirs",  # a figure of another source beside ours: dim
-    "text",
-    "prose",  # text that may be broken where the terminal is narrow
-    "list",  # prose of which the terminal shows what comes first
-    "verdict",  # a word that the page marks
-]
+Kind = Literal["figure", "theirs", "text", "prose", "list", "verdict"]
 
 
 @dataclass(frozen=True)
@@ -25,7 +18,9 @@ class Column(Generic[Row]):
     """What stands in a column: the row's attribute `key` or what `value` returns, written as `form` says.
 
     `key` is its name in CSV, `form` a format specification such as ".2f". Words are written as they are; None and NaN
-    leave a cell empty.
+    leave a cell empty. Of the kinds, a figure ends at the right, and so does one of theirs, which is dim. All others
+    begin at the left: text; prose, which a narrow terminal breaks into lines; a list joined by "; ", of which the
+    terminal shows the first parts; and a verdict, which a page marks.
     """
 
     key: str
@@ -42,7 +37,7 @@ class Column(Generic[Row]):
 
     @property
     def is_left(self) -> bool:
-        """Whether its cells begin at its left edge; figures end at the right."""
+        """Whether it is not of figures."""
         return self.kind not in ("figure", "theirs")
 
     def text(self, row: Row) -> str:

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from waxstudy.report.attribution.render import WORDS, is_resolved, name
 from waxstudy.report.attribution.shares import HEAT, Attribution, OrderFree, Share
 from waxstudy.report.figures.plot import drawing, panels
-from waxstudy.report.figures.style import BLACK, COLOURS, GREY, legend_of
+from waxstudy.report.figures.style import BLACK, COLOURS, GREY, legend_of, name_rows
 
 BAR, SHIFT = 0.34, 0.19  # height of a bar, and its distance from the middle of its row
 FREE, NOT_RESOLVED = COLOURS[1], "white"
@@ -51,8 +51,7 @@ def _bars(panel: Axes, of: Attribution, figure: str) -> None:
     for i, share in enumerate(of.differences[figure].shares):
         _step(panel, i, share)
     panel.axvline(0.0, color=BLACK, linewidth=0.8)
-    panel.set_yticks(range(len(of.subsets.steps)), of.subsets.steps)
-    panel.set_ylim(len(of.subsets.steps) - 0.4, -0.6)
+    name_rows(panel, of.subsets.steps)
 
 
 def _step(panel: Axes, place: int, share: Share) -> None:

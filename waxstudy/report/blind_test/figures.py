@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from waxstudy.report.blind_test.tables import Score, ordered
 from waxstudy.report.figures.plot import Lacking, drawing, panels
-from waxstudy.report.figures.style import BLACK, legend_of, series
+from waxstudy.report.figures.style import BLACK, legend_of, name_rows, series
 
 NOT_CAUSES = ("nothing", "none", "counted apart", "unknown", "untestable", "failed")
 SIZES = ("0 to 1", "1 to 2", "2 to 4", "4 to 10", "above 10")
@@ -33,26 +33,18 @@ def figure_goals(score: Score) -> Figure:
     figure, axes = panels(1, 1, 1.2 + 0.34 * len(shown))
     panel = axes[0, 0]
     for place, goal in enumerate(shown):
-        _wanted(panel, place, goal)
+        if goal["wanted"] is not None:
+            panel.plot([goal["wanted"]] * 2, [place - 0.4, place + 0.4], color=BLACK, linewidth=2.0)
         for number, name in enumerate(names):
-            own = next(g for g in score["diagnosers"][name]["goals"] if (g["name"], g["where"]) == _which(goal))
+            every = score["diagnosers"][name]["goals"]
+            own = next(each for each in every if all(each[key] == goal[key] for key in ("name", "where")))
             _point(panel, place, own, number, len(names))
-    panel.set_yticks(range(len(shown)), [f"{goal['name']}  ({goal['where']})" for goal in shown])
-    panel.set_ylim(len(shown) - 0.4, -0.6)
-    panel.set_xlim(-0.02, 1.02)
+    name_rows(panel, [f"{goal['name']}  ({goal['where']})" for goal in shown])
     panel.grid(axis="y", visible=False)
-    panel.set_xlabel("share, or median shrinkage, with its 95 % interval; black bar: what is wanted")
+    words = "share, or median shrinkage, with its 95 % interval; black bar: what is wanted"
+    panel.set(xlim=(-0.02, 1.02), xlabel=words)
     _legend(figure, names)
     return figure
-
-
-def _which(goal: Mapping[str, Any]) -> tuple[str, str]:
-    return goal["name"], goal["where"]
-
-
-def _wanted(panel: Axes, place: int, goal: Mapping[str, Any]) -> None:
-    if goal["wanted"] is not None:
-        panel.plot([goal["wanted"]] * 2, [place - 0.4, place + 0.4], color=BLACK, linewidth=2.0)
 
 
 def _point(panel: Axes, place: int, goal: Mapping[str, Any], number: int, count: int) -> None:
@@ -92,8 +84,7 @@ def figure_confusion(score: Score) -> Figure:
     panel.set_xticks(range(len(said)), said, rotation=90)
     panel.set_yticks(range(len(truths)), truths)
     panel.grid(visible=False)
-    panel.set_xlabel("said")
-    panel.set_ylabel("true")
+    panel.set(xlabel="said", ylabel="true")
     return figure
 
 
@@ -110,15 +101,12 @@ def figure_sizes(score: Score) -> Figure:
     if not shown:
         raise Lacking("no record with one effect was answered")
     figure, axes = panels(1, 2, 3.6)
-    for panel, key, title in zip(
-        axes[0], ("right_group", "misdiagnosis"), ("right group", "misdiagnosis"), strict=True
-    ):
+    titles = {"right_group": "right group", "misdiagnosis": "misdiagnosis"}
+    for panel, (key, title) in zip(axes[0], titles.items(), strict=True):
         for number, name in enumerate(names):
             _course(panel, score["diagnosers"][name]["by"]["gap over floor"], shown, key, number)
         panel.set_xticks(range(len(shown)), shown)
-        panel.set_ylim(-0.03, 1.03)
-        panel.set_title(title)
-        panel.set_xlabel("true gap over its noise floor")
+        panel.set(ylim=(-0.03, 1.03), title=title, xlabel="true gap over its noise floor")
     axes[0, 0].set_ylabel("share of records with one effect")
     _legend(figure, names)
     return figure

@@ -136,9 +136,8 @@ def _truth(failure: Mapping[str, Any]) -> str:
 
 
 def _measured(failure: Mapping[str, Any]) -> str:
-    return (
-        f"{failure['channels']}, {failure['interval_s']:g} s, {failure['days']} d, noise x {failure['noise_factor']:g}"
-    )
+    interval_s, noise = failure["interval_s"], failure["noise_factor"]
+    return f"{failure['channels']}, {interval_s:g} s, {failure['days']} d, noise x {noise:g}"
 
 
 def parameter_table(parameters: Mapping[str, Any]) -> Table[tuple[str, Mapping[str, Any]]]:

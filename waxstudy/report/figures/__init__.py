@@ -1,23 +1,9 @@
 """The figures of a report: the comparison at a glance, and seven figures of the paper redrawn from the run."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
-
-from waxstudy.report.content import Content
 from waxstudy.report.figures.activation import figure_12
 from waxstudy.report.figures.control import figure_19
 from waxstudy.report.figures.last_step import figure_22
 from waxstudy.report.figures.loads import figure_21
-from waxstudy.report.figures.plot import Drawing
 from waxstudy.report.figures.temperatures import figure_17, figure_18, figure_20
 
-PAPER_FIGURES: Sequence[Drawing[Content]] = (
-    figure_12,
-    figure_17,
-    figure_18,
-    figure_19,
-    figure_20,
-    figure_21,
-    figure_22,
-)
+PAPER_FIGURES = figure_12, figure_17, figure_18, figure_19, figure_20, figure_21, figure_22

@@ -39,9 +39,7 @@ def figure_12(content: Content) -> Figure:
 
 def _dress(panel: Axes, title: str) -> None:
     limit_min = ACTIVATION_LIMIT_S / 60.0
-    panel.set_title(title)
-    panel.set_xlabel("time off before, min")
-    panel.set_xscale("log")
+    panel.set(title=title, xlabel="time off before, min", xscale="log")
     panel.xaxis.set_major_locator(FixedLocator(TICKS_MIN))
     panel.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     panel.xaxis.set_minor_locator(NullLocator())

@@ -42,8 +42,8 @@ def figure_19(content: Content) -> Figure:
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0.0, top=1.05 if channel != "flow_L_h" else None)
     axes[0, 0].set_title(f"{case}, {week}, day {day + 1}")
-    axes[-1, 0].set_xlabel("time of the day, h")
-    axes[-1, 0].set_xlim(start_s / HOUR_S % 24, start_s / HOUR_S % 24 + EXCERPT_H)
+    hour = start_s / HOUR_S % 24
+    axes[-1, 0].set(xlabel="time of the day, h", xlim=(hour, hour + EXCERPT_H))
     figure.align_ylabels()
     return figure
 

@@ -36,8 +36,7 @@ def figure_21(content: Content) -> Figure:
             _curves(panel, content, ladder, week, channel)
         _supply(column[1], content, ladder, week)
         column[0].set_title(f"{ladder.name}, {week}")
-        column[-1].set_xlabel("share of the time with lower values, %")
-        column[-1].set_xlim(0, 100)
+        column[-1].set(xlabel="share of the time with lower values, %", xlim=(0, 100))
         legend_under(column[-1], 1.0 / len(ladders))
     for panel, (_, label) in zip(axes[:, 0], CHANNELS, strict=True):
         panel.set_ylabel(label)

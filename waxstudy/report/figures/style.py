@@ -28,6 +28,12 @@ def series(place: int) -> dict[str, Any]:
     return {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
 
 
+def name_rows(panel: Axes, names: Sequence[str]) -> None:
+    """Name the rows of a panel, the first at its top."""
+    panel.set_yticks(range(len(names)), names)
+    panel.set_ylim(len(names) - 0.4, -0.6)
+
+
 def legend_of(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
     """Put a legend in one row below the figure."""
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), **options)

@@ -7,29 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from waxstudy.report.content import Content
-from waxstudy.report.figures.places import (
-    DAY_S,
-    adapted,
-    between,
-    cumulative,
-    days,
-    every,
-    first_week,
-    hours,
-    setpoint_C,
-    simplest,
-    trace,
-)
+from waxstudy.report.figures import places
 from waxstudy.report.figures.plot import drawing, panels
-from waxstudy.report.figures.style import (
-    BLACK,
-    COLOURS,
-    DASHED,
-    GREY,
-    ladder_dash,
-    legend_below,
-    look,
-)
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, ladder_dash, legend_below, look
 
 BAND_K = 0.25
 
@@ -43,10 +23,10 @@ BAND_K = 0.25
 )
 def figure_17(content: Content) -> Figure:
     """Air, operative temperature and setpoint [°C] during one day; raise `Lacking` without traces."""
-    week, ladders = first_week(content), content.run.ladders
+    week, ladders = places.first_week(content), content.run.ladders
     figure, axes = panels(1, len(ladders), 3.9, sharey=True)
     for panel, ladder in zip(axes[0], ladders, strict=True):
-        _day(panel, content, adapted(ladder), week)
+        _day(panel, content, places.adapted(ladder), week)
         panel.set_xlabel("time of the day, h")
     axes[0, 0].set_ylabel("temperature, °C")
     legend_below(figure, axes[0, 0])
@@ -54,18 +34,17 @@ def figure_17(content: Content) -> Figure:
 
 
 def _day(panel: Axes, content: Content, case: str, week: str) -> None:
-    whole = trace(content, case, week)
-    start_s = DAY_S * (int(whole["time_s"].iloc[-1] / DAY_S) // 2)
-    frame = between(whole, start_s, start_s + DAY_S)
+    whole = places.trace(content, case, week)
+    start_s = places.DAY_S * (int(whole["time_s"].iloc[-1] / places.DAY_S) // 2)
+    frame = places.between(whole, start_s, start_s + places.DAY_S)
     limit_C = content.study.comfort.operative_limit_C
     panel.axhline(limit_C, color=GREY, linewidth=2.0, zorder=1.0, label=f"limit {limit_C:g} °C")
-    time_h, colour = hours(frame, start_s), COLOURS[1]
+    time_h, colour = places.hours(frame, start_s), COLOURS[1]
     panel.plot(time_h, frame["air_C"], color=colour, label="air")
     panel.plot(time_h, frame["operative_C"], color=BLACK, linestyle=DASHED, label="operative")
-    panel.axhline(setpoint_C(content, case, week), color=COLOURS[5], linestyle=":", linewidth=1.8, label="setpoint")
-    panel.set_title(f"{case}, {week}, day {int(start_s / DAY_S) + 1}")
-    panel.set_xticks(range(0, 25, 3))
-    panel.set_xlim(0, 24)
+    setpoint_C = places.setpoint_C(content, case, week)
+    panel.axhline(setpoint_C, color=COLOURS[5], linestyle=":", linewidth=1.8, label="setpoint")
+    panel.set(title=f"{case}, {week}, day {int(start_s / places.DAY_S) + 1}", xticks=range(0, 25, 3), xlim=(0, 24))
 
 
 @drawing(
@@ -85,9 +64,7 @@ def figure_18(content: Content) -> Figure:
             for case in ladder.cases:
                 _duration(panel, content, case, week)
             _members(panel, content, ladder.reference, week)
-        panel.set_title(week)
-        panel.set_xlabel("share of the week that is cooler, %")
-        panel.set_xlim(0, 100)
+        panel.set(title=week, xlabel="share of the week that is cooler, %", xlim=(0, 100))
     axes[0, 0].set_ylabel("operative temperature, °C")
     legend_below(figure, axes[0, 0])
     return figure
@@ -100,7 +77,7 @@ def _comfort_lines(panel: Axes, content: Content) -> None:
 
 
 def _duration(panel: Axes, content: Content, case: str, week: str) -> None:
-    curve = cumulative(content, case, week)["operative_C"]
+    curve = places.cumulative(content, case, week)["operative_C"]
     style, place = look(content, case), len(panel.get_lines())
     markers = (5 + 3 * place % 20, 20)  # staggered, so that markers of close curves do not cover each other
     panel.plot(curve.index, curve, label=case, linestyle=ladder_dash(content, case), markevery=markers, **style)
@@ -120,13 +97,12 @@ def _members(panel: Axes, content: Content, case: str, week: str) -> None:
 )
 def figure_20(content: Content) -> Figure:
     """Air temperature [°C] over the first week, a panel per ladder; raise `Lacking` without traces."""
-    week, ladders = first_week(content), content.run.ladders
+    week, ladders = places.first_week(content), content.run.ladders
     figure, axes = panels(len(ladders), 1, 1.0 + 2.6 * len(ladders), sharex=True, sharey=True)
     for panel, ladder in zip(axes[:, 0], ladders, strict=True):
-        shown = dict.fromkeys((simplest(ladder), adapted(ladder), ladder.reference))
+        shown = dict.fromkeys((places.simplest(ladder), places.adapted(ladder), ladder.reference))
         _week(panel, content, list(shown), week)
-        panel.set_title(f"{ladder.name}, {week}")
-        panel.set_ylabel("air temperature, °C")
+        panel.set(title=f"{ladder.name}, {week}", ylabel="air temperature, °C")
         panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=3.0)
     axes[-1, 0].set_xlabel("time from the start of the week, days")
     return figure
@@ -136,10 +112,9 @@ def _week(panel: Axes, content: Content, cases: list[str], week: str) -> None:
     for off_K in (-BAND_K, BAND_K):
         panel.axhline(content.study.comfort.setpoint_C + off_K, color=GREY, linewidth=1.2, zorder=1.0)
     for place, case in enumerate(cases):
-        frame = every(trace(content, case, week), 300.0)
+        frame = places.every(places.trace(content, case, week), 300.0)
         style = look(content, case) | {"marker": "", "linestyle": "--" if place == 1 and len(cases) > 2 else "-"}
         style["linewidth"] = min(1.6, style.get("linewidth", 1.2))
-        panel.plot(days(frame), frame["air_C"], label=case, **style)
-    last = int(np.ceil(days(frame)[-1]))
-    panel.set_xticks(range(last + 1))
-    panel.set_xlim(0, last)
+        panel.plot(places.days(frame), frame["air_C"], label=case, **style)
+    last = int(np.ceil(places.days(frame)[-1]))
+    panel.set(xticks=range(last + 1), xlim=(0, last))

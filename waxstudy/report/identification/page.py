@@ -17,7 +17,7 @@ def actuator_page(found: ActuatorFit) -> str:
     kept = int((found.cycles["lost"] == "").sum())
     products = ", ".join(found.model.products)
     return filled(
-        "identification.html.j2",
+        "actuator.html.j2",
         title=f"Characteristic times of {products}",
         simulated=tables.SIMULATED if found.is_simulated else "",
         summary=f"Used: {counted(kept, 'cycle')} of {len(found.cycles)} in {counted(len(found.records), 'record')}.",
@@ -27,7 +27,6 @@ def actuator_page(found: ActuatorFit) -> str:
         steps=[step for time in found.model.times.values() for step in time.steps],
         warnings=[*tables.scatter(found), *found.warnings],
         sources=[(record.file, record.sha256) for record in found.records],
-        reading=ACTUATOR_READING,
         version=__version__,
     )
 
@@ -35,7 +34,7 @@ def actuator_page(found: ActuatorFit) -> str:
 def valve_page(found: ValveFit) -> str:
     """Return the page of a valve's fit."""
     return filled(
-        "identification.html.j2",
+        "valve.html.j2",
         title=f"Valve curve from {found.record.name}",
         simulated=tables.SIMULATED if found.is_simulated else "",
         summary=f"Mean absolute error {100.0 * found.mae:.2f} % of full flow; authority {found.how_authority}.",
@@ -45,27 +44,5 @@ def valve_page(found: ValveFit) -> str:
         steps=[],
         warnings=found.warnings,
         sources=[(found.record.file, found.record.sha256)],
-        reading=VALVE_READING,
         version=__version__,
     )
-
-
-ACTUATOR_READING = (
-    "A time is a f + b: f = exp(-t/tau) with the undercooling time t before, for dead and rise time; f = 1 - "
-    "exp(-t/tau) with the overheating time t, for hold time. The fall time is constant.",
-    "p-values are those of an ordinary linear model with tau taken as known, as in the paper; there cycles count as "
-    "independent.",
-    "Intervals are 95 % intervals. For each of 600 repetitions every exemplar and every record gets another "
-    "deviation, drawn with the scatter that was seen among them (and with how well that scatter is known), cycles "
-    "another residual, and the whole fit, tau included, is made again.",
-    "“Not bounded”: the resampled tau reaches the end of what was searched (20 to 7200 s).",
-    "Cycles are left out where the valve does not fully open (90 %) or close (5 %), where a gap lies, or where a "
-    "time is missing; a record of which less than half of the cycles remain is left out as a whole.",
-)
-VALVE_READING = (
-    "The opening is that of the actuator's model, driven by the signal. Openings below 0.05 and above 0.95 are "
-    "excluded.",
-    "“Pace” is a factor on all times of the model, for this exemplar; the paper has none.",
-    "Intervals are 95 % intervals of 100 fits to resampled whole cycles; they do not hold what is wrong with the "
-    "actuator's model.",
-)

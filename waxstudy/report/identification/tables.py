@@ -115,16 +115,9 @@ def notes(found: ActuatorFit) -> list[str]:
 def scatter(found: ActuatorFit) -> list[str]:
     """Say how records and exemplars scatter, as far as that can be seen."""
     parts = found.model.times["dead"].scatter
-    said = []
-    if not parts.exemplar_freedom:
-        said.append(
-            "there is one exemplar of each product: how others differ cannot be told, intervals are of this one"
-        )
-    if not parts.record_freedom:
-        said.append(
-            "the records are too few to tell how those of one exemplar differ: intervals are too narrow by that"
-        )
-    return said
+    alone = "there is one exemplar of each product: how others differ cannot be told, intervals are of this one"
+    few = "the records are too few to tell how those of one exemplar differ: intervals are too narrow by that"
+    return [*([] if parts.exemplar_freedom else [alone]), *([] if parts.record_freedom else [few])]
 
 
 def interval(value: Value, form: str) -> str:

@@ -1,21 +1,9 @@
 """The figures of a diagnosis: where the gap lies, what explains it, how far it shrinks."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
-
-from waxstudy.gap.result import Diagnosis
 from waxstudy.report.diagnosis.figures.departures import figure_departures
 from waxstudy.report.diagnosis.figures.gap_map import figure_gap_map
 from waxstudy.report.diagnosis.figures.ranking import figure_ranking
 from waxstudy.report.diagnosis.figures.traces import figure_traces
 from waxstudy.report.diagnosis.figures.waterfall import figure_waterfall
-from waxstudy.report.figures.plot import Drawing
 
-FIGURES: Sequence[Drawing[Diagnosis]] = (
-    figure_gap_map,
-    figure_traces,
-    figure_ranking,
-    figure_waterfall,
-    figure_departures,
-)
+FIGURES = figure_gap_map, figure_traces, figure_ranking, figure_waterfall, figure_departures

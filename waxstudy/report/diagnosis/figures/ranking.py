@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from waxstudy.gap.result import Diagnosis, Tried
 from waxstudy.report.diagnosis.words import channel_words, percent, probability, stage_words
 from waxstudy.report.figures.plot import Lacking, drawing, panels
-from waxstudy.report.figures.style import BLACK, GREY, legend_of
+from waxstudy.report.figures.style import BLACK, GREY, legend_of, name_rows
 
 MOST = 24
 BEST, ALIKE, OTHER = "found", "cannot be told from one that was found", "not found"
@@ -43,11 +43,9 @@ def figure_ranking(diagnosis: Diagnosis) -> Figure:
     for place, each in enumerate(shown):
         _bar(panel, place, each, role(diagnosis, each))
     panel.axvline(0.0, color=BLACK, linewidth=0.8)
-    panel.set_yticks(range(len(shown)), [label(diagnosis, each) for each in shown])
-    panel.set_ylim(len(shown) - 0.4, -0.6)
-    panel.set_xlim(RANGE[0], RANGE[1] + ROOM_FOR_WORDS)
-    panel.set_xticks(range(-25, 101, 25))
+    name_rows(panel, [label(diagnosis, each) for each in shown])
     panel.grid(axis="y", visible=False)
+    panel.set(xlim=(RANGE[0], RANGE[1] + ROOM_FOR_WORDS), xticks=range(-25, 101, 25))
     panel.set_xlabel("share of the gap above the noise floor that is explained, %")
     roles = {role(diagnosis, each) for each in shown}
     legend_of(figure, [Patch(label=name, linewidth=0.9, **look) for name, look in LOOKS.items() if name in roles])

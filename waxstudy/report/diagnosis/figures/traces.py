@@ -48,9 +48,7 @@ def figure_traces(diagnosis: Diagnosis) -> Figure:
     for panel, day in zip(axes[0], days, strict=True):
         panel.set_title(f"{day.what}, {day.date}")
     for panel in axes[-1]:
-        panel.set_xlabel("time of the day, h")
-        panel.set_xticks(range(0, 25, 3))
-        panel.set_xlim(0, 24)
+        panel.set(xlabel="time of the day, h", xticks=range(0, 25, 3), xlim=(0, 24))
     # what any panel shows: not every channel is changed by the effects
     handles = {str(line.get_label()): line for panel in axes.flat for line in panel.get_lines()}
     legend_of(figure, list(handles.values()), handlelength=3.0)

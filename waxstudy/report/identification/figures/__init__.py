@@ -1,24 +1,10 @@
 """The figures of fits: the paper's figures 9 to 14 of an actuator, 15 and 16 of a valve."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
-
-from waxstudy.identification.result import ActuatorFit
-from waxstudy.identification.valve import ValveFit
-from waxstudy.report.figures.plot import Drawing
 from waxstudy.report.identification.figures.cycles import figure_cut_offs, figure_periods
 from waxstudy.report.identification.figures.errors import figure_errors, figure_hours
 from waxstudy.report.identification.figures.flow import figure_curve, figure_cycle
 from waxstudy.report.identification.figures.times import figure_activation, figure_residuals, figure_times
 
-ACTUATOR_FIGURES: Sequence[Drawing[ActuatorFit]] = (
-    figure_periods,
-    figure_cut_offs,
-    figure_times,
-    figure_residuals,
-    figure_activation,
-    figure_errors,
-    figure_hours,
-)
-VALVE_FIGURES: Sequence[Drawing[ValveFit]] = (figure_cycle, figure_curve)
+OF_TIMES = figure_times, figure_residuals, figure_activation
+ACTUATOR_FIGURES = figure_periods, figure_cut_offs, *OF_TIMES, figure_errors, figure_hours
+VALVE_FIGURES = figure_cycle, figure_curve

@@ -37,8 +37,7 @@ def figure_periods(found: ActuatorFit) -> Figure:
         for _, cycle in own.iloc[1 : 1 + MOST_CYCLES].iterrows():
             _draw_cycle(axes[0, 1], record, cycle, alpha=0.35, **look)
     for panel, title in zip(axes[0], ("first period", "following periods"), strict=True):
-        panel.set_title(title)
-        panel.set_xlabel("time since switching on, min")
+        panel.set(title=title, xlabel="time since switching on, min")
     axes[0, 0].set_ylabel("opening, 1")
     legend_below(figure, axes[0, 0])
     return figure
@@ -99,9 +98,8 @@ def figure_cut_offs(found: ActuatorFit) -> Figure:
     panel.plot(seconds / 60.0, record.opening[start:end], color=BLACK, label="opening")
     on = record.on[start:end].astype(float)
     panel.plot(seconds / 60.0, on, color=BLACK, linestyle=DASHED, drawstyle="steps-post", label="heating signal")
-    panel.set_title(f"{record.name}, cycle {cycle['cycle']}")
-    panel.set_xlabel("time since switching on, min")
-    panel.set_ylabel("opening, 1")
+    title = f"{record.name}, cycle {cycle['cycle']}"
+    panel.set(title=title, xlabel="time since switching on, min", ylabel="opening, 1")
     legend_below(figure, panel)
     return figure
 

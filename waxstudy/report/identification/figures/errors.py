@@ -21,15 +21,11 @@ HOUR_S = 3600.0
 )
 def figure_errors(found: ActuatorFit) -> Figure:
     """Bars per record."""
-    shown = [record for record in found.records if record.name in found.errors]
-    if not shown:
-        raise Lacking("no record has a model")
+    shown = _modelled(found)
     figure, axes = panels(1, 1, 3.8)
     panel, place = axes[0, 0], np.arange(len(shown))
-    for shift, what, look in (
-        (-0.2, "mae", {"color": COLOURS[1]}),
-        (0.2, "rmse", {"color": COLOURS[4], "hatch": "////"}),
-    ):
+    looks = (-0.2, "mae", {"color": COLOURS[1]}), (0.2, "rmse", {"color": COLOURS[4], "hatch": "////"})
+    for shift, what, look in looks:
         heights = [getattr(found.errors[record.name], what) for record in shown]
         panel.bar(place + shift, heights, 0.38, label=what.upper(), edgecolor=BLACK, linewidth=0.6, **look)
     panel.set_xticks(place, [record.name for record in shown], rotation=60, ha="right")
@@ -37,6 +33,13 @@ def figure_errors(found: ActuatorFit) -> Figure:
     panel.set_ylabel("error of the opening, 1")
     panel.legend()
     return figure
+
+
+def _modelled(found: ActuatorFit) -> list[Record]:
+    """The records that have a model; raise `Lacking` if none has."""
+    if shown := [record for record in found.records if record.name in found.errors]:
+        return shown
+    raise Lacking("no record has a model")
 
 
 @drawing(
@@ -47,18 +50,12 @@ def figure_errors(found: ActuatorFit) -> Figure:
 )
 def figure_hours(found: ActuatorFit) -> Figure:
     """Three panels: typical, best, worst."""
-    ordered = sorted(
-        (record for record in found.records if record.name in found.errors),
-        key=lambda record: found.errors[record.name].mae,
-    )
-    if not ordered:
-        raise Lacking("no record has a model")
+    ordered = sorted(_modelled(found), key=lambda record: found.errors[record.name].mae)
     picked = {"typical": ordered[len(ordered) // 2], "best": ordered[0], "worst": ordered[-1]}
     figure, axes = panels(1, 3, 3.6, sharey=True)
     for panel, (what, record) in zip(axes[0], picked.items(), strict=True):
         _hour(panel, found, record)
-        panel.set_title(f"{what}: {record.name}, MAE {found.errors[record.name].mae:.3f}")
-        panel.set_xlabel("time, min")
+        panel.set(title=f"{what}: {record.name}, MAE {found.errors[record.name].mae:.3f}", xlabel="time, min")
     axes[0, 0].set_ylabel("opening, 1")
     legend_below(figure, axes[0, 0])
     return figure
