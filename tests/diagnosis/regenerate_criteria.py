@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from tests.conftest import ROOT
-from waxstudy.report.diagnosis.criteria import HEAD, as_markdown
+from waxstudy.report.diagnosis.criteria import table
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |\n"
+
 
 PAGE = ROOT / "docs" / "diagnosis-method.md"
+HEAD = _line(table().names) + _line(["---"] * len(table().names))
 
 
 def page() -> str:
     """The page as it should be: its table lists the criteria, in their order."""
     rows = re.escape(HEAD) + r"(\|.*\n)*"
-    text, found = re.subn(rows, lambda _: as_markdown(), PAGE.read_text(encoding="utf-8"))
+    text, found = re.subn(rows, lambda _: HEAD + "".join(map(_line, table().texts)), PAGE.read_text(encoding="utf-8"))
     assert found == 1, f"{PAGE.name} should have one table of criteria"
     return text
 

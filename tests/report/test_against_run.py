@@ -15,10 +15,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.report.conftest import computed
-from waxstudy.report.behind import differences
 from waxstudy.report.comparison import COLUMNS, estimate, unpaired_interval
 from waxstudy.report.content import Content, gather
-from waxstudy.report.figures import figure_overview
+from waxstudy.report.figures.overview import figure_overview
+from waxstudy.report.input_differences import differences
 from waxstudy.report.other_run import OtherRun, Step
 from waxstudy.report.page import as_html
 from waxstudy.report.render import all_notes, as_csv, as_json, as_markdown, as_terminal, tables
@@ -87,7 +87,7 @@ def test_one_member_has_no_range_to_lie_in(single: Run, base: Content) -> None:
     assert isinstance(alone.against, OtherRun)
     assert {cell.within_single_run_range for cell in alone.against.cells} == {None}
     assert {score.within_range for score in alone.against.scores} == {None}
-    assert {tuple(row[-2:]) for row in alone.against.tables()[0][2]} == {("", "")}
+    assert {tuple(row[-2:]) for row in alone.against.tables()[0].texts} == {("", "")}
 
 
 def test_what_was_changed_is_resolved_and_what_was_not_is_no_difference(base: Content, changed: Run) -> None:
@@ -107,7 +107,7 @@ def test_steps_whose_heat_changes_the_other_way_are_named(base: Content, changed
     _, against = held(base, changed)
     assert [step.name for step in against.steps] == ["rough to middle", "middle to precise"]
     assert against.steps[0].verdict == "differs"
-    title = tables(replace(base, against=against))[3][0]
+    title = tables(replace(base, against=against))[3].title
     assert re.match(r"sign of resolved steps: . agrees?, 1 differs: rough to middle \(cold\);", title)
 
 
@@ -211,8 +211,8 @@ def test_text_formats_show_the_other_mean_with_its_spread_and_every_table(base: 
         plain = re.sub(r"\s+", " ", text)
         for title in ("gainst", "his run minus", "1 differs: rough to middle (cold)"):
             assert title in plain
-    for title, headings, rows in tables(beside):
-        assert {len(row) for row in rows} <= {len(headings)}, title
+    for table in tables(beside):
+        assert {len(row) for row in table.texts} <= {len(table.names)}, table.title
 
 
 def test_the_page_shows_the_other_run_where_it_shows_published_figures(base: Content, changed: Run) -> None:

@@ -51,8 +51,8 @@ def test_shares_sum_to_the_total_in_all_of_them(found: OrderFree) -> None:
 
 
 def test_what_is_not_resolved_stands_in_brackets(found: OrderFree) -> None:
-    for of, (_, _, rows) in zip(found.attributions, tables(found)[::2], strict=True):
-        for step, row in enumerate(rows[:-1]):
+    for of, table in zip(found.attributions, tables(found)[::2], strict=True):
+        for step, row in enumerate(table.texts[:-1]):
             for figure, text in zip(of.differences, row[2::2], strict=True):
                 share = of.differences[figure].shares[step].order_free
                 assert text.startswith("(") is not share.excludes_zero
@@ -69,15 +69,15 @@ def test_cases_that_are_not_at_equal_comfort_are_named(found: OrderFree) -> None
 def test_a_narrow_terminal_hides_no_share(found: OrderFree, width: int) -> None:
     printed = as_terminal(found, width, colour=False)
     assert "…" not in printed
-    for _, _, rows in tables(found):
-        assert all(cell in printed for row in rows for cell in row)
+    for table in tables(found):
+        assert all(cell in printed for row in table.texts for cell in row)
 
 
 def test_the_page_holds_every_table_word_for_word(found: OrderFree, text: str) -> None:
     shown = Page(text).texts
-    for _, headings, rows in tables(found):
-        assert headings in shown
-        assert all(row in shown for row in rows)
+    for table in tables(found):
+        assert table.names in shown
+        assert all(row in shown for row in table.texts)
 
 
 def test_figures_in_brackets_stand_in_their_column(text: str) -> None:

@@ -17,10 +17,7 @@ from waxstudy.report.activation import activations
 from waxstudy.report.against import Published
 from waxstudy.report.content import Content
 from waxstudy.report.figures import (
-    OVERVIEW,
     PAPER_FIGURES,
-    Lacking,
-    Plot,
     figure_12,
     figure_17,
     figure_18,
@@ -28,18 +25,19 @@ from waxstudy.report.figures import (
     figure_20,
     figure_21,
     figure_22,
-    figure_overview,
 )
+from waxstudy.report.figures.overview import figure_overview
 from waxstudy.report.figures.places import steps
+from waxstudy.report.figures.plot import Drawing, Lacking
 from waxstudy.report.score import cells, scores
 
 UNITS = {"min", "h", "days", "%", "K", "°C", "L/h", "W/m²", "–"}
 CASES = ["rough", "precise", "usual", "pulsed", "motor"]
-ALL = pytest.mark.parametrize("plot", [OVERVIEW, *PAPER_FIGURES], ids=lambda plot: plot.id)
+ALL = pytest.mark.parametrize("drawing", [figure_overview, *PAPER_FIGURES], ids=lambda drawing: drawing.name)
 
 
-def laid_out(plot: Plot, content: Content) -> Any:
-    figure = plot.draw(content)
+def laid_out(drawing: Drawing[Content], content: Content) -> Any:
+    figure = drawing(content)
     figure.draw_without_rendering()
     return figure
 
@@ -54,32 +52,34 @@ def legend_texts(figure: Any) -> list[str]:
 
 
 @ALL
-def test_every_axis_has_a_label_that_ends_in_its_unit_or_shares_one_that_has(plot: Plot, small: Content) -> None:
-    for axes in plot.draw(small).axes:
+def test_every_axis_has_a_label_that_ends_in_its_unit_or_shares_one_that_has(
+    drawing: Drawing[Content], small: Content
+) -> None:
+    for axes in drawing(small).axes:
         for get, shared in (
             ("get_xlabel", axes.get_shared_x_axes()),
             ("get_ylabel", axes.get_shared_y_axes()),
         ):
             labels = [getattr(other, get)() for other in shared.get_siblings(axes)] + [getattr(axes, get)()]
             said = [label for label in labels if label]
-            cases_name_the_rows = plot is OVERVIEW and get == "get_ylabel"
+            cases_name_the_rows = drawing is figure_overview and get == "get_ylabel"
             assert said or cases_name_the_rows
             assert all(label.split(",")[-1].strip() in UNITS for label in said)
 
 
 @ALL
-def test_all_text_is_at_least_9_points_on_a_page_1100_pixels_wide(plot: Plot, small: Content) -> None:
+def test_all_text_is_at_least_9_points_on_a_page_1100_pixels_wide(drawing: Drawing[Content], small: Content) -> None:
     from matplotlib.text import Text
 
-    figure = laid_out(plot, small)
+    figure = laid_out(drawing, small)
     sizes = [text.get_fontsize() for text in figure.findobj(Text) if text.get_text()]
     assert min(sizes) >= 9.0
     assert figure.get_figwidth() * 96 <= 1100
 
 
 @ALL
-def test_legends_lie_inside_the_figure_and_beside_the_data(plot: Plot, small: Content) -> None:
-    figure = laid_out(plot, small)
+def test_legends_lie_inside_the_figure_and_beside_the_data(drawing: Drawing[Content], small: Content) -> None:
+    figure = laid_out(drawing, small)
     legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
     for legend in legends:
         box = legend.get_window_extent()
@@ -100,7 +100,7 @@ def test_legends_lie_inside_the_figure_and_beside_the_data(plot: Plot, small: Co
         (figure_20, "keeps no traces"),
         (figure_22, "single"),
     ],
-    ids=lambda value: getattr(value, "__name__", None),
+    ids=lambda value: getattr(value, "name", None),
 )
 def test_a_figure_that_lacks_its_data_says_what_is_missing(figure: Any, reason: str, bare: Content) -> None:
     with pytest.raises(Lacking, match=reason):

@@ -8,11 +8,12 @@ import io
 import json
 from collections.abc import Sequence
 from dataclasses import replace
+from types import ModuleType
 
 import pytest
 
 from waxstudy.plugin import Finding, PublishedRow, Reference
-from waxstudy.report import render
+from waxstudy.report import formats, words
 from waxstudy.report.against import Published, published
 from waxstudy.report.comparison import COLUMNS
 from waxstudy.report.content import Content
@@ -44,8 +45,8 @@ def test_csv_has_the_columns_of_table_5_each_with_its_spread(bare: Content) -> N
 
 
 def test_no_table_has_a_row_of_another_length(small: Content) -> None:
-    for title, headings, rows in tables(small):
-        assert {len(row) for row in rows} <= {len(headings)}, title
+    for table in tables(small):
+        assert {len(row) for row in table.texts} <= {len(table.names)}, table.title
 
 
 class Book(Reference):
@@ -71,7 +72,7 @@ def test_weeks_without_a_published_figure_have_no_empty_columns_and_a_note_says_
     shown = {}
     for reference in (Book, Other):
         against = replace(small, against=published(reference, small.run, small.rows, small.members))
-        shown[reference] = [headings.count("book") for _, headings, _ in tables(against)[:2]], all_notes(against)[-2:]
+        shown[reference] = [table.names.count("book") for table in tables(against)[:2]], all_notes(against)[-2:]
     lacking = (
         "cases of which book has no figures: precise, usual, pulsed, motor",
         "weeks of which book has no figures: sunny",
@@ -87,12 +88,16 @@ def test_the_terminal_shows_three_figures_of_a_finding_and_says_where_the_others
     assert "1 K; 2 K; 3 K; 2 more in --format html" in text
     assert "`not resolved`: single runs spread beyond a limit of the finding" in text
     assert "1 K; 2 K; 3 K; 4 K; 5 K" in as_markdown(against)
-    assert doctest.testmod(render).failed == 0
 
 
 def test_titles_say_what_counts_by_the_week_and_the_study_s_actuators_are_marked(small: Content) -> None:
-    shown = {title: rows for title, _, rows in tables(small)}
+    shown = {table.title: table.texts for table in tables(small)}
     assert sum(title.endswith("; heat and cycles per week") for title in shown) == 2
     actuators = next(rows for title, rows in shown.items() if title.endswith("; * in this study"))
     assert [row[0] for row in actuators if row[0].endswith("*")] == ["variable-times, product B *"]
     assert len(actuators) > 1
+
+
+@pytest.mark.parametrize(("module", "examples"), [(formats, 1), (words, 4)], ids=["formats", "words"])
+def test_the_examples_of_how_texts_are_written_hold(module: ModuleType, examples: int) -> None:
+    assert doctest.testmod(module) == (0, examples)

@@ -13,7 +13,7 @@ import click
 from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.errors import FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
 from waxstudy.cli.existing import Existing
-from waxstudy.cli.output import Command, print_out, stdout
+from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures
 from waxstudy.cli.study import load_study
 from waxstudy.simulation.threads import use_one_thread
@@ -32,7 +32,7 @@ def _print_criteria(context: click.Context, option: click.Parameter, is_asked: b
     if is_asked:
         from waxstudy.report.diagnosis.criteria import as_terminal
 
-        print_out(as_terminal(shutil.get_terminal_size((120, 24)).columns))
+        click.echo(as_terminal(shutil.get_terminal_size((120, 24)).columns), nl=False)
         context.exit()
 
 
@@ -88,7 +88,7 @@ def _diagnosis(dataset: Path, study: Path | None, seed: int, quick: bool, tick: 
 
 
 def _json(diagnosis: Diagnosis) -> str:
-    from waxstudy.report.render import json_text
+    from waxstudy.report.formats import json_text
 
     return json_text(diagnosis.described())
 
@@ -96,8 +96,7 @@ def _json(diagnosis: Diagnosis) -> str:
 def _summary(diagnosis: Diagnosis, out: Path | None) -> str:
     from waxstudy.report.diagnosis.summary import as_terminal
 
-    width = shutil.get_terminal_size((120, 24)).columns
-    text = as_terminal(diagnosis, width, colour=stdout().isatty())
+    text = as_terminal(diagnosis, *terminal())
     return text if out is None else f"{text}{out}\n"
 
 

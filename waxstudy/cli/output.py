@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
 import sys
 from contextlib import redirect_stdout
 from typing import Any, TextIO
@@ -49,6 +50,11 @@ def stdout() -> TextIO:
     """Return the stream for results, which is not `sys.stdout` while a command runs."""
     stream: TextIO = click.get_current_context().obj
     return stream
+
+
+def terminal() -> tuple[int, bool]:
+    """Return how many columns the reader's terminal has, and whether it shows colours."""
+    return shutil.get_terminal_size((120, 24)).columns, stdout().isatty()
 
 
 def print_out(text: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,7 @@ import click
 
 from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
 from waxstudy.cli.existing import Existing
-from waxstudy.cli.output import Command, print_out, stdout
+from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
 
@@ -129,13 +128,8 @@ def render(folder: Path, form: str, against: Path | str | None) -> str:
     from waxstudy.report import render as formats
 
     if form == "table":
-        return formats.as_terminal(content, *_terminal())
+        return formats.as_terminal(content, *terminal())
     return {"csv": formats.as_csv, "md": formats.as_markdown, "json": formats.as_json}[form](content)
-
-
-def _terminal() -> tuple[int, bool]:
-    """Width, and whether to use colour."""
-    return shutil.get_terminal_size((120, 24)).columns, stdout().isatty()
 
 
 def render_attribution(folder: Path, form: str, quiet: bool) -> str:
@@ -155,7 +149,7 @@ def render_attribution(folder: Path, form: str, quiet: bool) -> str:
     from waxstudy.report.attribution import render as formats
 
     if form == "table":
-        return formats.as_terminal(found, *_terminal())
+        return formats.as_terminal(found, *terminal())
     return {"csv": formats.as_csv, "md": formats.as_markdown, "json": formats.as_json}[form](found)
 
 

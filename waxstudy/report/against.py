@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from operator import attrgetter
 from typing import Any, ClassVar
 
 from waxstudy.plugin import Finding, PublishedRow, Reference
 from waxstudy.plugin.registry import PluginError, one_line, told
 from waxstudy.plugin.shapes import findings_problems, rows_problems
-from waxstudy.report.comparison import Row
+from waxstudy.report.comparison import COLUMNS, FIGURES, Row
 from waxstudy.report.score import Cell, ColumnScore, cells, scores
-from waxstudy.report.words import HEADINGS, Table, counted, with_spread
+from waxstudy.report.table import Column, Table, text
+from waxstudy.report.words import counted
 from waxstudy.results.run import Run
 
 
@@ -26,8 +27,10 @@ class Against(ABC):
     cells: Sequence[Cell]
     scores: Sequence[ColumnScore]
     findings: Sequence[Finding] = ()
+    notes: Sequence[str] = ()  # what keeps a figure from being compared
 
-    csv_suffixes: ClassVar[tuple[str, str]]
+    csv_figures: ClassVar[Mapping[str, str]]  # by the end of a column's name, what of a cell stands there
+    csv_form: ClassVar[str]
     cells_word: ClassVar[str]
     reading: ClassVar[str]  # how to read its part of the page
 
@@ -40,15 +43,6 @@ class Against(ABC):
     @abstractmethod
     def summary(self) -> str:
         """One sentence of what came out."""
-
-    @property
-    @abstractmethod
-    def notes(self) -> Sequence[str]:
-        """What keeps a figure from being compared."""
-
-    @abstractmethod
-    def csv_figures(self, cell: Cell) -> tuple[str, str]:
-        """Return what stands in the columns of `csv_suffixes`."""
 
     @abstractmethod
     def described_cell(self, cell: Cell) -> dict[str, Any]:
@@ -75,34 +69,48 @@ class Against(ABC):
             "within_single_run_range": cell.within_single_run_range,
         }
 
-    def tables(self) -> list[Table]:
+    def tables(self) -> list[Table[Any]]:
         """Return the agreement by column, then what only this kind has."""
         return [self._score_table()]
 
-    def of(self, row: Row) -> dict[str, Cell]:
-        """Return the cells of one of our rows by column."""
-        return {cell.column: cell for cell in self.cells if (cell.case, cell.week) == (row.case, row.week)}
+    def beside(self, figure: Column[Row]) -> Column[Row]:
+        """Return the column of the other side's figures beside one of ours."""
+        return Column(self.name, partial(self._part, figure.key, "theirs"), figure.form, kind="theirs")
 
-    def _score_table(self) -> Table:
-        headings = ["column", "week", "RMSE", "RMSE of median", "mean error", "correlation", "in range", "range width"]
-        rows = [
-            [
-                f"{HEADINGS[s.column][0]} {HEADINGS[s.column][1]}",
-                s.week,
-                f"{s.rmse:.3f}",
-                f"{s.null_rmse:.3f}",
-                f"{s.mean_error:+.3f}",
-                with_spread(s.correlation, math.nan, 2),
-                "" if s.within_range is None else f"{s.within_range} of {s.n}",
-                with_spread(s.mean_range_width, math.nan, 3),
-            ]
-            for s in self.scores
+    def csv_columns(self) -> list[Column[Row]]:
+        """Return what CSV says of the other side's figures."""
+        return [
+            Column(f"{key}_{end}", partial(self._part, key, part), self.csv_form)
+            for key in COLUMNS
+            for end, part in self.csv_figures.items()
         ]
-        title = (
+
+    def cell(self, column: str, row: Row | Cell) -> Cell | None:
+        """Return the cell of a column for the case and week of a row, if there is one."""
+        place = row.case, row.week, column
+        return next((cell for cell in self.cells if (cell.case, cell.week, cell.column) == place), None)
+
+    def _part(self, column: str, part: str, row: Row) -> Any:
+        cell = self.cell(column, row)
+        return cell and attrgetter(part)(cell)
+
+    def _score_table(self) -> Table[ColumnScore]:
+        names = {figure.key: figure.name for figure in FIGURES}
+        return Table(
             f"against {self.name}: agreement by column; `RMSE of median` is a model that predicts each "
-            f"column's median, `in range` the {self.cells_word} cells within the 95 % range of our single runs"
+            f"column's median, `in range` the {self.cells_word} cells within the 95 % range of our single runs",
+            [
+                text("column", lambda score: names[score.column]),
+                text("week"),
+                Column("rmse", form=".3f", heading="RMSE"),
+                Column("null_rmse", form=".3f", heading="RMSE of median"),
+                Column("mean_error", form="+.3f", heading="mean error"),
+                Column("correlation", form="z.2f"),
+                Column("in range", lambda s: None if s.within_range is None else f"{s.within_range} of {s.n}"),
+                Column("mean_range_width", form="z.3f", heading="range width"),
+            ],
+            self.scores,
         )
-        return title, headings, rows
 
 
 @dataclass(frozen=True)
@@ -110,9 +118,9 @@ class Published(Against):
     """A registered reference: one published run per case, and findings; `lacking` says why there are none."""
 
     lacking: str = ""
-    missing: Sequence[str] = ()
 
-    csv_suffixes = ("published", "published_difference")
+    csv_figures = {"published": "theirs.mean", "published_difference": "difference"}
+    csv_form = ".5g"
     reading = (
         "Dim columns are published figures. A finding is not resolved where single runs spread more than the "
         "distance to the nearest limit of the finding."
@@ -129,23 +137,23 @@ class Published(Against):
             return f"Findings are not judged: {self.lacking}."
         return f"Of the {counted(len(self.findings), 'finding')} of “{self.name}”: {self._verdicts()}."
 
-    @property
-    def notes(self) -> Sequence[str]:
-        return [*self.missing, *([self.lacking] if self.lacking else [])]
-
-    def csv_figures(self, cell: Cell) -> tuple[str, str]:
-        published, difference = (
-            "" if math.isnan(value) else f"{value:.5g}" for value in (cell.theirs.mean, cell.difference)
-        )
-        return published, difference
-
     def described_cell(self, cell: Cell) -> dict[str, Any]:
         return {"published": cell.theirs.mean}
 
-    def tables(self) -> list[Table]:
-        rows = [[f.id, f.statement, f.verdict, f.figure] for f in self.findings]
-        title = f"findings: {self._verdicts()}; `not resolved`: single runs spread beyond a limit of the finding"
-        return [*super().tables(), (title, ["id", "finding", "verdict", "our figure"], rows)]
+    def tables(self) -> list[Table[Any]]:
+        return [*super().tables(), self._finding_table()]
+
+    def _finding_table(self) -> Table[Finding]:
+        return Table(
+            f"findings: {self._verdicts()}; `not resolved`: single runs spread beyond a limit of the finding",
+            [
+                text("id"),
+                text("statement", kind="prose", heading="finding"),
+                text("verdict", kind="verdict"),
+                text("figure", kind="list", heading="our figure"),
+            ],
+            self.findings,
+        )
 
     def _verdicts(self) -> str:
         verdicts = [finding.verdict for finding in self.findings]
@@ -163,9 +171,10 @@ def published(reference: type[Reference], run: Run, rows: Sequence[Row], members
         with told(f"reference '{name}': findings failed", ValueError):
             found = list(reference.findings(run))
     except ValueError as error:
-        return Published(name, paired, scores(paired), lacking=one_line(str(error)), missing=missing)
+        lacking = one_line(str(error))
+        return Published(name, paired, scores(paired), notes=[*missing, lacking], lacking=lacking)
     _keeps_its_contract(name, findings_problems(found))
-    return Published(name, paired, scores(paired), found, missing=missing)
+    return Published(name, paired, scores(paired), found, missing)
 
 
 def _missing(name: str, rows: Sequence[Row], figures: Sequence[PublishedRow]) -> Iterator[str]:

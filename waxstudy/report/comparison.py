@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,8 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from waxstudy.plugin import FloatArray
+from waxstudy.report.table import Column
+from waxstudy.report.words import with_spread
 from waxstudy.results.run import Run
 from waxstudy.study.model import Ladder
 
@@ -27,6 +30,15 @@ class Estimate:
     @property
     def excludes_zero(self) -> bool:
         return bool(self.low > 0.0 or self.high < 0.0)
+
+    @property
+    def half_width(self) -> float:
+        """Half that interval."""
+        return (self.high - self.low) / 2.0
+
+    def __format__(self, form: str) -> str:
+        """Mean and standard deviation, each as the form says."""
+        return with_spread(self.mean, self.sd, form)
 
 
 def estimate(values: FloatArray) -> Estimate:
@@ -77,7 +89,14 @@ class Row:
     resolved: bool | None
 
 
-COLUMNS = ("setpoint_shift_K", "mae_K", "heat_kWh_m2_week", "heat_vs_most_detailed_percent")
+DIFFERENCE = "heat_vs_most_detailed_percent"
+FIGURES: Sequence[Column[Row]] = (  # of Table 5
+    Column("setpoint_shift_K", heading="shift", unit="K", form=".2f"),
+    Column("mae_K", heading="MAE", unit="K", form=".3f"),
+    Column("heat_kWh_m2_week", heading="heat", unit="kWh/m²", form=".2f"),
+    Column(DIFFERENCE, lambda row: "0" if row.resolved is None else getattr(row, DIFFERENCE), ".2f", "difference", "%"),
+)
+COLUMNS = tuple(figure.key for figure in FIGURES)
 
 
 def comparison(run: Run) -> list[Row]:

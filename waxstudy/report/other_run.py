@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
 from waxstudy.report.against import Against
-from waxstudy.report.behind import differing_inputs
-from waxstudy.report.comparison import Estimate, Row, comparison, differences_percent, estimate
+from waxstudy.report.comparison import DIFFERENCE, FIGURES, Estimate, Row, comparison, differences_percent, estimate
+from waxstudy.report.input_differences import differing_inputs
 from waxstudy.report.score import Cell, cells, scores
-from waxstudy.report.words import HEADINGS, Table, counted, decimals, with_spread
+from waxstudy.report.table import Column, Table, text
+from waxstudy.report.words import counted
 from waxstudy.results.run import Run
-
-DIFFERENCE = "heat_vs_most_detailed_percent"
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class OtherRun(Against):
     folder: str = ""
     members: int = 1
     steps: Sequence[Step] = ()
-    missing: Sequence[str] = ()
 
-    csv_suffixes = ("other", "other_sd")
+    csv_figures = {"other": "theirs.mean", "other_sd": "theirs.sd"}
+    csv_form = ".5f"
     cells_word = "other run's"
     reading = (
         "Dim columns are the other run's figures. A difference between the runs is resolved when the 95 % interval "
@@ -73,14 +73,6 @@ class OtherRun(Against):
         figures = f"Of {counted(len(self.judged), 'figure')}, {resolved} {'differs' if resolved == 1 else 'differ'}"
         return f"{figures} from “{self.name}” by a resolved amount; {self._signs()}."
 
-    @property
-    def notes(self) -> Sequence[str]:
-        alone = "a run with one member per case: no difference between the two runs can be called resolved"
-        return [*self.missing, *([alone] if self.cells and not self.judged else [])]
-
-    def csv_figures(self, cell: Cell) -> tuple[str, str]:
-        return decimals(cell.theirs.mean), decimals(cell.theirs.sd)
-
     def described_cell(self, cell: Cell) -> dict[str, Any]:
         low, high = cell.interval
         theirs = {"other": asdict(cell.theirs), "other_members": cell.their_members}
@@ -90,27 +82,38 @@ class OtherRun(Against):
         steps = [asdict(step) | {"verdict": step.verdict} for step in self.steps]
         return super().described() | {"folder": self.folder, "members": self.members, "steps": steps}
 
-    def tables(self) -> list[Table]:
+    def tables(self) -> list[Table[Any]]:
         return [*super().tables(), self._difference_table(), self._step_table()]
 
-    def _difference_table(self) -> Table:
-        columns = [f"{name} {unit}" for name, unit, _ in HEADINGS.values()]
-        keys = dict.fromkeys((cell.case, cell.week) for cell in self.cells)
-        rows = [self._differences(case, week) for case, week in keys]
+    def _difference_table(self) -> Table[Cell]:
+        """A row for each case and week, for which its last cell stands."""
         title = f"this run minus {self.name}: difference of the means ± half its 95 % interval, and which are resolved"
-        return title, ["case", "week", *columns, "resolved"], rows
+        columns: list[Column[Cell]] = [
+            text("case"),
+            text("week"),
+            *(Column(each.key, partial(self.cell, each.key), each.form, each.heading, each.unit) for each in FIGURES),
+            text("resolved", self._resolved, "verdict"),
+        ]
+        return Table(title, columns, list({(cell.case, cell.week): cell for cell in self.cells}.values()))
 
-    def _differences(self, case: str, week: str) -> list[str]:
-        found = {cell.column: cell for cell in self.cells if (cell.case, cell.week) == (case, week)}
-        texts = [_difference(found[c], HEADINGS[c][2]) if c in found else "" for c in HEADINGS]
-        resolved = [HEADINGS[column][0] for column, cell in found.items() if cell.resolved]
-        none = "no" if any(cell.resolved is False for cell in found.values()) else ""
-        return [case, week, *texts, ", ".join(resolved) or none]
+    def _resolved(self, row: Cell) -> str:
+        cells = {figure.heading: self.cell(figure.key, row) for figure in FIGURES}
+        resolved = [name for name, cell in cells.items() if cell and cell.resolved]
+        none = "no" if any(cell and cell.resolved is False for cell in cells.values()) else ""
+        return ", ".join(resolved) or none
 
-    def _step_table(self) -> Table:
-        rows = [[s.name, s.week, _percent(s.ours), _percent(s.theirs), s.verdict] for s in self.steps]
-        title = f"{self._signs()}; heat against the case before"
-        return title, ["step", "week", "this run %", self.name, "verdict"], rows
+    def _step_table(self) -> Table[Step]:
+        return Table(
+            f"{self._signs()}; heat against the case before",
+            [
+                text("name", heading="step"),
+                text("week"),
+                Column("ours", form=".2f", heading="this run", unit="%"),
+                Column("theirs", form=".2f", heading=self.name, kind="theirs"),
+                text("verdict", kind="verdict"),
+            ],
+            self.steps,
+        )
 
     def _signs(self) -> str:
         """How many steps change the heat in the same direction, and which do not."""
@@ -120,15 +123,6 @@ class OtherRun(Against):
         named = ", ".join(f"{step.name} ({step.week})" for step in other)
         said = f"{agree} {'agrees' if agree == 1 else 'agree'}, {differ}{': ' if named else ''}{named}"
         return f"sign of resolved steps: {said}"
-
-
-def _difference(cell: Cell, digits: int) -> str:
-    low, high = cell.interval
-    return with_spread(cell.difference, (high - low) / 2.0, digits)
-
-
-def _percent(value: Estimate) -> str:
-    return with_spread(value.mean, value.sd, HEADINGS[DIFFERENCE][2])
 
 
 # --- pairing two runs --------------------------------------------------------------------------------
@@ -145,8 +139,13 @@ def other_run(run: Run, rows: Sequence[Row], members: int, other: Run) -> OtherR
         folder=str(other.folder),
         members=their_members,
         steps=list(_steps(run, other)) if min(members, their_members) > 1 else (),
-        missing=[*_missing(run, other), *differing_inputs(run, other)],
+        notes=[*_missing(run, other), *differing_inputs(run, other), *_alone(paired)],
     )
+
+
+def _alone(paired: Sequence[Cell]) -> list[str]:
+    words = "a run with one member per case: no difference between the two runs can be called resolved"
+    return [words] if paired and all(cell.resolved is None for cell in paired) else []
 
 
 def _name(run: Run, other: Run) -> str:
@@ -182,21 +181,14 @@ def _steps(run: Run, other: Run) -> Iterator[Step]:
 def _missing(run: Run, other: Run) -> list[str]:
     """Say which cases and weeks only one of the two has, and which cases have another reference case."""
     ours, theirs = _references(run), _references(other)
-    notes = [
-        *_only("this run", ours, theirs, run.weeks, other.weeks),
-        *_only("the other run", theirs, ours, other.weeks, run.weeks),
-    ]
+    notes = [*_only("this run", run, other), *_only("the other run", other, run)]
     moved = [f"{case} ({ours[case]}, {theirs[case]})" for case in ours if theirs.get(case, ours[case]) != ours[case]]
     if moved:
         notes.append(f"differences not compared, as their reference case here and there differs: {', '.join(moved)}")
     return notes
 
 
-def _only(
-    who: str, cases: Mapping[str, str], their_cases: Mapping[str, str], weeks: Sequence[str], their_weeks: Sequence[str]
-) -> list[str]:
-    alone = {
-        "cases": [case for case in cases if case not in their_cases],
-        "weeks": [week for week in weeks if week not in their_weeks],
-    }
+def _only(who: str, run: Run, other: Run) -> list[str]:
+    pairs = (("cases", _references(run), _references(other)), ("weeks", run.weeks, other.weeks))
+    alone = {what: [name for name in own if name not in there] for what, own, there in pairs}
     return [f"{what} that only {who} has: {', '.join(names)}" for what, names in alone.items() if names]

@@ -1,53 +1,31 @@
-"""The report as one self-contained HTML page: no links to outside, no scripts; figures are inline SVG."""
+"""The report as a page."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
-
 from waxstudy.report.content import Content
-from waxstudy.report.render import all_notes, tables
-from waxstudy.report.words import Table, counted
-from waxstudy.results.run import Run
-
-FIGURE_TEXT = re.compile(r"(\(?[-+]?\d|never|$)")
+from waxstudy.report.figures import PAPER_FIGURES
+from waxstudy.report.figures.overview import figure_overview
+from waxstudy.report.figures.plot import plots
+from waxstudy.report.html import filled, provenance
+from waxstudy.report.render import activation_tables, all_notes, comparison_tables
+from waxstudy.report.words import counted
 
 
 def as_html(content: Content) -> str:
     """Return the report as one page; raise `RunError` where the run's curves or traces cannot be read."""
-    from waxstudy.report.figures import OVERVIEW, PAPER_FIGURES
-
-    comparison, against, activation = _grouped(content)
     return filled(
         "page.html.j2",
         content=content,
         summary=summary(content),
-        overview=_drawn(content, OVERVIEW),
-        comparison=comparison,
-        against=against,
-        activation=activation,
-        figures=[_drawn(content, plot) for plot in PAPER_FIGURES],
+        overview=figure_overview.plot(content),
+        comparison=comparison_tables(content),
+        against=[table for table in content.against.tables() if table.rows] if content.against else [],
+        activation=activation_tables(content),
+        starts={ladder.cases[0] for ladder in content.run.ladders},
+        figures=plots(PAPER_FIGURES, content),
         provenance=provenance(content.run),
         notes=all_notes(content),
     )
-
-
-def filled(template: str, **values: Any) -> str:
-    """Return one of the page templates with its values; a name that it does not know is an error."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-    from markupsafe import Markup
-
-    environment = Environment(
-        loader=PackageLoader("waxstudy.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["svg"] = Markup
-    return environment.get_template(template).render(**values)
 
 
 def summary(content: Content) -> list[str]:
@@ -72,109 +50,3 @@ def _resolved(content: Content) -> str:
         f"Of {counted(len(judged), 'difference')} in heat from the reference case, "
         f"{resolved} {'is' if resolved == 1 else 'are'} resolved."
     )
-
-
-# --- tables ------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Cell:
-    """Text of a cell and how it is shown: `text` to the left, `published` dim, a verdict marked."""
-
-    text: str
-    style: str
-
-
-@dataclass(frozen=True)
-class PageTable:
-    title: str
-    headings: Sequence[Cell]
-    rows: Sequence[tuple[str, Sequence[Cell]]]
-
-
-def _grouped(content: Content) -> tuple[list[PageTable], list[PageTable], list[PageTable]]:
-    """The tables in the order of `render.tables`: one per week, then those of the other side, then activation."""
-    other = content.against.name if content.against else None
-    shown = [page_table(table, starts_of(content.run), other) for table in tables(content)]
-    weeks = len(content.run.weeks)
-    after = weeks + (len(content.against.tables()) if content.against else 0)
-    groups = shown[:weeks], shown[weeks:after], shown[after:]
-    comparison, against, activation = ([table for table in group if table.rows] for group in groups)
-    return comparison, against, activation
-
-
-def starts_of(run: Run) -> set[str]:
-    """The cases that ladders start with."""
-    return {ladder.cases[0] for ladder in run.ladders}
-
-
-def page_table(table: Table, starts: Collection[str] = (), published: str | None = None) -> PageTable:
-    """Return a table as it is shown: a line above the rows that `starts` names, columns headed `published` dim."""
-    title, headings, rows = table
-    columns = list(zip(*rows, strict=True)) or [()] * len(headings)
-    styles = [_style(heading, column, published) for heading, column in zip(headings, columns, strict=True)]
-    return PageTable(
-        _heading(title),
-        [Cell(text, style) for text, style in zip(headings, styles, strict=True)],
-        [
-            (
-                "starts-ladder" if row[0] in starts else "",
-                [Cell(text, _marked(text, style)) for text, style in zip(row, styles, strict=True)],
-            )
-            for row in rows
-        ],
-    )
-
-
-def _heading(title: str) -> str:
-    return re.sub(r"`([^`]*)`", r"“\1”", title[0].upper() + title[1:])
-
-
-def _style(heading: str, texts: Sequence[str], published: str | None) -> str:
-    is_text = not all(FIGURE_TEXT.match(text) for text in texts)
-    return " ".join(name for name, holds in (("text", is_text), ("published", heading == published)) if holds)
-
-
-def _marked(text: str, style: str) -> str:
-    marks = {
-        **dict.fromkeys(("yes", "held", "agrees"), "good"),
-        **dict.fromkeys(("not held", "differs"), "bad"),
-        **dict.fromkeys(("no", "not resolved"), "open"),
-    }
-    return f"{style} {marks.get(text, '')}".strip()
-
-
-# --- figures and provenance --------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class PageFigure:
-    """A figure's words and its SVG, or why it is missing."""
-
-    id: str
-    title: str
-    caption: str
-    svg: str
-    missing: str = ""
-
-
-def _drawn(content: Content, plot: Any) -> PageFigure:
-    from waxstudy.report.figures import Lacking, svg_element
-
-    id = f"figure-{plot.id}"
-    try:
-        return PageFigure(id, plot.title, plot.caption, svg_element(plot.draw(content), id))
-    except Lacking as reason:
-        return PageFigure(id, plot.title, "", "", str(reason))
-
-
-def provenance(run: Run) -> list[tuple[str, str]]:
-    """Where the figures come from: the folder's name, then what the run says of itself."""
-    pairs = [(key, _words(value)) for key, value in run.provenance.items()]
-    return [("run folder", run.folder.resolve().name), *pairs]
-
-
-def _words(value: Any) -> str:
-    if isinstance(value, Mapping):
-        return ", ".join(f"{key} {item}" for key, item in value.items())
-    return str(value)

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.special import stdtrit
 
 from waxstudy.plugin import FloatArray, PublishedRow
-from waxstudy.report.comparison import COLUMNS, CONFIDENCE, Estimate, Row, unpaired_interval
+from waxstudy.report.comparison import COLUMNS, CONFIDENCE, DIFFERENCE, Estimate, Row, unpaired_interval
+from waxstudy.report.words import with_spread
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,11 @@ class Cell:
     def interval(self) -> tuple[float, float]:
         """The 95 % interval of the difference of the two means, unpaired; NaN where one has no spread."""
         return unpaired_interval(self.ours, self.members, self.theirs, self.their_members)
+
+    def __format__(self, form: str) -> str:
+        """The difference and half its interval, each as the form says."""
+        low, high = self.interval
+        return with_spread(self.difference, (high - low) / 2.0, form)
 
     @property
     def resolved(self) -> bool | None:
@@ -79,7 +85,7 @@ def cells(
         for row in rows
         if (other := known.get((row.case, row.week)))
         for column in COLUMNS
-        if not (column == "heat_vs_most_detailed_percent" and row.resolved is None)
+        if not (column == DIFFERENCE and row.resolved is None)
     ]
 
 

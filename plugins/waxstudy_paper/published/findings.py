@@ -54,8 +54,8 @@ class Check:
             return f"{self.label} not known"
         spread = float(np.std(self.values, ddof=1)) if len(self.values) > 1 else np.nan
         if not spread >= 0.5 * 10.0**-MOST_DECIMALS:  # it would be shown as zero
-            return f"{self.label} {with_spread(mean, np.nan, _decimals(mean, 3))} {self.unit}".rstrip()
-        return f"{self.label} {with_spread(mean, spread, _decimals(spread, 2))} {self.unit}".rstrip()
+            return f"{self.label} {with_spread(mean, np.nan, f'.{_decimals(mean, 3)}f')} {self.unit}".rstrip()
+        return f"{self.label} {with_spread(mean, spread, f'.{_decimals(spread, 2)}f')} {self.unit}".rstrip()
 
 
 def _decimals(value: float, figures: int) -> int:

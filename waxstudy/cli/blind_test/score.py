@@ -11,7 +11,7 @@ from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.blind_test.common import failures, key_given
 from waxstudy.cli.errors import CHECK_FAILED, USAGE, CommandError
 from waxstudy.cli.existing import Existing
-from waxstudy.cli.output import Command, print_out
+from waxstudy.cli.output import Command, print_out, terminal
 
 if TYPE_CHECKING:
     from waxstudy.blind_test.make import Place
@@ -75,7 +75,7 @@ def _shrinkages(place: Place, found: Opened, workers: int, tick: Tick) -> dict[s
 
 def _write(out: Path, told: dict[str, Any]) -> None:
     from waxstudy.report.blind_test.page import as_html
-    from waxstudy.report.render import json_text
+    from waxstudy.report.formats import json_text
     from waxstudy.results.atomic import whole_file
 
     out.mkdir(parents=True, exist_ok=True)
@@ -86,7 +86,7 @@ def _write(out: Path, told: dict[str, Any]) -> None:
 
 
 def _text(told: dict[str, Any], as_json: bool) -> str:
-    from waxstudy.report.blind_test.table import as_terminal
-    from waxstudy.report.render import json_text
+    from waxstudy.report.blind_test.tables import as_terminal
+    from waxstudy.report.formats import json_text
 
-    return json_text(told) if as_json else as_terminal(told)
+    return json_text(told) if as_json else as_terminal(told, *terminal())

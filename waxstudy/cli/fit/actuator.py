@@ -110,7 +110,7 @@ def _texts(found: ActuatorFit, files: dict[str, Path], out: Path) -> dict[Path, 
 
 
 def _json(found: ActuatorFit) -> str:
-    from waxstudy.report.render import json_text
+    from waxstudy.report.formats import json_text
 
     return json_text(found.described())
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -12,10 +11,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, USAGE, CommandError
-from waxstudy.cli.output import stdout
+from waxstudy.cli.output import terminal
 
 if TYPE_CHECKING:
-    from waxstudy.report.words import Table
+    from waxstudy.report.table import Table
 
 F = TypeVar("F", bound=Callable[..., Any])
 COLUMN = "Column that holds the time, signal, displacement or flow, if its name does not tell; repeatable."
@@ -101,8 +100,7 @@ def write(texts: Mapping[Path, str]) -> None:
         raise CommandError(f"the results cannot be written: {reason}", FAILED) from error
 
 
-def printed(tables: Sequence[Table], notes: Sequence[str]) -> str:
-    from waxstudy.report.render import terminal
+def printed(tables: Sequence[Table[Any]], notes: Sequence[str]) -> str:
+    from waxstudy.report import formats
 
-    width = shutil.get_terminal_size((120, 24)).columns
-    return terminal(tables, notes, width, colour=stdout().isatty())
+    return formats.terminal(tables, notes, *terminal())

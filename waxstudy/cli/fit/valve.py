@@ -120,7 +120,7 @@ def _page(found: ValveFit) -> str:
 
 
 def _json(found: ValveFit) -> str:
-    from waxstudy.report.render import json_text
+    from waxstudy.report.formats import json_text
 
     return json_text(found.described())
 

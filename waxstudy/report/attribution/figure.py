@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from waxstudy.report.attribution.render import WORDS, is_resolved, name
 from waxstudy.report.attribution.shares import HEAT, Attribution, OrderFree, Share
-from waxstudy.report.figures.style import BLACK, COLOURS, GREY, panels, styled
+from waxstudy.report.figures.plot import drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, GREY, legend_of, name_rows
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "What each step adds, by the ladder's order and averaged over all orders"
-CAPTION = (
-    "Upper bar (hatched): the ladder's order. Lower bar: mean over all orders, filled where it is resolved, with its "
-    "95 % interval from paired members (black). Thin line with ends: the least and the most that the step adds over "
-    "all orders."
-)
 BAR, SHIFT = 0.34, 0.19  # height of a bar, and its distance from the middle of its row
 FREE, NOT_RESOLVED = COLOURS[1], "white"
 HATCH = "/////"
 TICKS = 5  # more of them run into each other
 
 
-@styled
+@drawing(
+    "shares",
+    "What each step adds, by the ladder's order and averaged over all orders",
+    "Upper bar (hatched): the ladder's order. Lower bar: mean over all orders, filled where it is resolved, with its "
+    "95 % interval from paired members (black). Thin line with ends: the least and the most that the step adds over "
+    "all orders.",
+)
 def figure_shares(found: OrderFree) -> Figure:
     """Shares in heat [%], setpoint shift [K] and MAE [K]: a row for each ladder and week, one scale per ladder."""
     figures = [figure for figure in WORDS if figure != HEAT]
@@ -50,8 +51,7 @@ def _bars(panel: Axes, of: Attribution, figure: str) -> None:
     for i, share in enumerate(of.differences[figure].shares):
         _step(panel, i, share)
     panel.axvline(0.0, color=BLACK, linewidth=0.8)
-    panel.set_yticks(range(len(of.subsets.steps)), of.subsets.steps)
-    panel.set_ylim(len(of.subsets.steps) - 0.4, -0.6)
+    name_rows(panel, of.subsets.steps)
 
 
 def _step(panel: Axes, place: int, share: Share) -> None:
@@ -68,9 +68,6 @@ def _step(panel: Axes, place: int, share: Share) -> None:
 
 
 def _legend(figure: Figure) -> None:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     handles = [
         Patch(facecolor="white", edgecolor=BLACK, hatch=HATCH, label="ladder's order"),
         Patch(facecolor=FREE, edgecolor=FREE, label="order-free"),
@@ -78,4 +75,4 @@ def _legend(figure: Figure) -> None:
         Line2D([], [], color=BLACK, linewidth=2.6, label="95 % interval"),
         Line2D([], [], color=GREY, marker="|", markersize=7, label="least to most over all orders"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    legend_of(figure, handles)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from waxstudy.report.attribution.figure import CAPTION, TITLE, figure_shares
+from waxstudy.report.attribution.figure import figure_shares
 from waxstudy.report.attribution.notes import notes
 from waxstudy.report.attribution.render import is_resolved, name, tables
 from waxstudy.report.attribution.shares import PERCENT, Attribution, OrderFree
-from waxstudy.report.figures.style import svg_element
-from waxstudy.report.page import PageFigure, filled, page_table, provenance, starts_of
-from waxstudy.report.words import counted
-
-FIGURE_ID = "figure-shares"
+from waxstudy.report.html import filled, provenance
+from waxstudy.report.words import capital, counted
 
 
 def as_html(found: OrderFree) -> str:
@@ -20,8 +17,8 @@ def as_html(found: OrderFree) -> str:
         found=found,
         summary=summary(found),
         findings=[_of_heat(of) for of in found.attributions],
-        figure=PageFigure(FIGURE_ID, TITLE, CAPTION, svg_element(figure_shares(found), FIGURE_ID)),
-        tables=[page_table(table, starts_of(found.run)) for table in tables(found)],
+        figure=figure_shares.plot(found),
+        tables=tables(found),
         notes=notes(found),
         provenance=provenance(found.run),
     )
@@ -45,7 +42,7 @@ def _of_heat(of: Attribution) -> str:
     resolved = sum(bool(is_resolved(share.order_free)) for share in heat.shares)
     moved = sum(bool(is_resolved(share.of_its_place)) for share in heat.shares)
     return (
-        f"{name(of)[0].upper()}{name(of)[1:]}: all steps together change the heat by {heat.total.mean:+.1f} %; "
+        f"{capital(name(of))}: all steps together change the heat by {heat.total.mean:+.1f} %; "
         f"resolved are {resolved} of {len(heat.shares)} shares and {moved} of {len(heat.shares)} differences from the "
         "ladder's order."
     )

@@ -1,28 +1,33 @@
-"""The attribution as tables of text, CSV or JSON."""
+"""The attribution as tables, and as text for the terminal, Markdown, CSV or JSON."""
 
 from __future__ import annotations
 
-import csv
-import io
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 from waxstudy.report.attribution.notes import notes
 from waxstudy.report.attribution.shares import HEAT, MAE, PERCENT, SHIFT, Attribution, Difference, OrderFree, Share
 from waxstudy.report.comparison import Estimate
-from waxstudy.report.render import json_text, markdown, terminal
-from waxstudy.report.words import Table, counted, decimals, with_spread
+from waxstudy.report.formats import csv_text, json_text, markdown, terminal
+from waxstudy.report.table import Column, Table, text
+from waxstudy.report.words import counted, with_spread, yes_or_no
 
-WORDS = {HEAT: ("heat", "kWh/m²", 3), PERCENT: ("heat", "%", 2), SHIFT: ("shift", "K", 3), MAE: ("MAE", "K", 3)}
-TOTAL = "total"
+WORDS = {
+    HEAT: ("heat", "kWh/m²", ".3f"),
+    PERCENT: ("heat", "%", ".2f"),
+    SHIFT: ("shift", "K", ".3f"),
+    MAE: ("MAE", "K", ".3f"),
+}
+Shares = Mapping[str, Share]  # of a step, by figure
 
 
 # --- tables for the terminal, Markdown and HTML ------------------------------------------------------
 
 
-def tables(found: OrderFree) -> list[Table]:
+def tables(found: OrderFree) -> list[Table[Shares]]:
     """Two tables for each ladder and week: the shares, and how much of them is the step's place."""
     return [table for of in found.attributions for table in (_shares_table(of, found.members), _place_table(of))]
 
@@ -32,62 +37,59 @@ def name(of: Attribution) -> str:
     return f"ladder {of.subsets.ladder.name}, {of.week}"
 
 
-def _shares_table(of: Attribution, members: int) -> Table:
-    columns = [text for word, unit, _ in WORDS.values() for text in (f"{word} {unit}", "order-free")]
+def _shares_table(of: Attribution, members: int) -> Table[Shares]:
     how = "order-free ± half its 95 % interval, in brackets where not resolved" if members > 1 else "order-free"
-    cases, steps = of.subsets.ladder.cases, of.subsets.steps
+    cases = of.subsets.ladder.cases
     title = (
         f"{name(of)}: what each step adds, {cases[0]} to {cases[-1]}, by the ladder's order and beside it {how} "
         f"({counted(of.orders, 'order')}, {counted(members, 'member')})"
     )
-    rows = [[step, *_shares(of, i)] for i, step in enumerate(steps)]
-    total = [text for figure, d in of.differences.items() for text in _total(d, WORDS[figure][2])]
-    return title, ["step", *columns], [*rows, [TOTAL, *total]]
+    return Table(title, [_step(), *(column for figure in WORDS for column in _share_columns(figure))], _rows(of))
 
 
-def _shares(of: Attribution, step: int) -> list[str]:
-    texts = []
-    for figure, (_, _, digits) in WORDS.items():
-        share = of.differences[figure].shares[step]
-        texts += [_plain(share.in_ladder.mean, digits), _with_interval(share.order_free, digits)]
-    return texts
+def _step() -> Column[Shares]:
+    return text("step", lambda shares: shares[HEAT].step)
 
 
-def _total(of: Difference, digits: int) -> tuple[str, str]:
-    return _plain(sum(share.in_ladder.mean for share in of.shares), digits), _with_interval(of.total, digits)
+def _rows(of: Attribution) -> list[Shares]:
+    """A row for each step, and the total."""
+    lines = zip(*(difference.lines for difference in of.differences.values()), strict=True)
+    return [dict(zip(of.differences, shares, strict=True)) for shares in lines]
 
 
-def _place_table(of: Attribution) -> Table:
-    shown = [figure for figure in WORDS if figure != HEAT]
-    columns = [text for f in shown for text in (f"{WORDS[f][0]} {WORDS[f][1]}", "its place")]
+def _share_columns(figure: str) -> list[Column[Shares]]:
+    word, unit, form = WORDS[figure]
+    return [
+        Column(figure, lambda shares: shares[figure].in_ladder.mean, f"z{form}", word, unit),
+        Column("order-free", lambda shares: _with_interval(shares[figure].order_free, form)),
+    ]
+
+
+def _place_table(of: Attribution) -> Table[Shares]:
     title = (
         f"{name(of)}: how much that depends on the order: least to most over all orders, and beside it what of the "
         "ladder's figure is the step's place there (ladder's order minus order-free)"
     )
-    return title, ["step", *columns], [[step, *_places(of, shown, i)] for i, step in enumerate(of.subsets.steps)]
+    columns = [column for figure in WORDS if figure != HEAT for column in _place_columns(figure)]
+    return Table(title, [_step(), *columns], _rows(of)[:-1])
 
 
-def _places(of: Attribution, figures: Sequence[str], step: int) -> list[str]:
-    texts = []
-    for figure in figures:
-        share, digits = of.differences[figure].shares[step], WORDS[figure][2]
-        texts += [_range(share, digits), _with_interval(share.of_its_place, digits)]
-    return texts
+def _place_columns(figure: str) -> list[Column[Shares]]:
+    word, unit, form = WORDS[figure]
+    return [
+        Column(figure, lambda shares: _range(shares[figure], form), heading=word, unit=unit),
+        Column("its place", lambda shares: _with_interval(shares[figure].of_its_place, form)),
+    ]
 
 
-def _range(share: Share, digits: int) -> str:
-    least, most = (_plain(value, digits) for value in (share.least, share.most))
-    return f"{least} to {most}" if least else ""
+def _range(share: Share, form: str) -> str:
+    return "" if math.isnan(share.least) else f"{share.least:z{form}} to {share.most:z{form}}"
 
 
-def _with_interval(value: Estimate, digits: int) -> str:
+def _with_interval(value: Estimate, form: str) -> str:
     """In brackets where the ensemble cannot tell it from zero."""
-    text = with_spread(value.mean, (value.high - value.low) / 2.0, digits)
+    text = with_spread(value.mean, value.half_width, form)
     return f"({text})" if is_resolved(value) is False else text
-
-
-def _plain(value: float, digits: int) -> str:
-    return with_spread(value, math.nan, digits)
 
 
 def is_resolved(value: Estimate) -> bool | None:
@@ -106,36 +108,31 @@ def as_markdown(found: OrderFree) -> str:
     return markdown(found.run.study, tables(found), notes(found))
 
 
-ESTIMATES = ("in_ladder", "order_free", "of_its_place")
+class Line(NamedTuple):
+    """A row of the CSV."""
+
+    ladder: str
+    week: str
+    figure: str
+    share: Share
 
 
 def as_csv(found: OrderFree) -> str:
     """One row per ladder, week, figure and step; the row `total` of each is what the shares sum to."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    columns = [f"{name}{end}" for name in ESTIMATES for end in ("", "_low", "_high")]
-    writer.writerow(["ladder", "week", "figure", "step", *columns, "least", "most", "resolved"])
-    for of in found.attributions:
-        for figure, d in of.differences.items():
-            start = [of.subsets.ladder.name, of.week, figure]
-            writer.writerows([*start, share.step, *_csv_share(share)] for share in d.shares)
-            total = _csv_estimate(d.total)
-            writer.writerow([*start, TOTAL, *total, *total, *[""] * 5, _word(d.total)])
-    return out.getvalue()
-
-
-def _csv_share(share: Share) -> list[str]:
-    estimates = [text for name in ESTIMATES for text in _csv_estimate(getattr(share, name))]
-    return [*estimates, decimals(share.least), decimals(share.most), _word(share.order_free)]
-
-
-def _csv_estimate(value: Estimate) -> list[str]:
-    return [decimals(figure) for figure in (value.mean, value.low, value.high)]
-
-
-def _word(value: Estimate) -> str:
-    """Empty where there is no spread to tell it from."""
-    return {None: "", True: "yes", False: "no"}[is_resolved(value)]
+    columns: list[Column[Line]] = [Column("ladder"), Column("week"), Column("figure")]
+    columns.append(Column("step", attrgetter("share.step")))
+    for key in ("in_ladder", "order_free", "of_its_place"):
+        for end, part in (("", "mean"), ("_low", "low"), ("_high", "high")):
+            columns.append(Column(f"{key}{end}", attrgetter(f"share.{key}.{part}"), ".5f"))
+    columns += [Column(key, attrgetter(f"share.{key}"), ".5f") for key in ("least", "most")]
+    columns.append(Column("resolved", lambda line: yes_or_no(is_resolved(line.share.order_free))))
+    lines = [
+        Line(of.subsets.ladder.name, of.week, figure, share)
+        for of in found.attributions
+        for figure, difference in of.differences.items()
+        for share in difference.lines
+    ]
+    return csv_text(Table("", columns, lines))
 
 
 def as_json(found: OrderFree) -> str:

@@ -13,12 +13,12 @@ from waxstudy.plugin import FloatArray
 from waxstudy.report.attribution.shapley import Placement, Subset, order_count, placements, shapley
 from waxstudy.report.attribution.simulate import simulate
 from waxstudy.report.attribution.subsets import CannotAttribute, Subsets, subsets
-from waxstudy.report.comparison import Estimate, differences_percent, estimate, member_values
+from waxstudy.report.comparison import DIFFERENCE, Estimate, differences_percent, estimate, member_values
 from waxstudy.results.run import Run
 from waxstudy.simulation.run import Progress
 from waxstudy.study.model import Study
 
-HEAT, PERCENT, SHIFT, MAE = "heat_kWh_m2_week", "heat_vs_most_detailed_percent", "setpoint_shift_K", "mae_K"
+HEAT, PERCENT, SHIFT, MAE = "heat_kWh_m2_week", DIFFERENCE, "setpoint_shift_K", "mae_K"
 FIGURES = (HEAT, PERCENT, SHIFT, MAE)
 
 
@@ -47,6 +47,12 @@ class Difference:
     def remainder(self) -> float:
         """What the order-free shares leave of the total: nothing but rounding."""
         return sum(share.order_free.mean for share in self.shares) - self.total.mean
+
+    @property
+    def lines(self) -> list[Share]:
+        """The shares, and what they sum to."""
+        nothing = Estimate(np.nan, np.nan, np.nan, np.nan)
+        return [*self.shares, Share("total", self.total, self.total, nothing, np.nan, np.nan)]
 
 
 @dataclass(frozen=True)

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from waxstudy.report.blind_test.words import Score, ordered
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, COLOURS, GREY, MARKERS, panels, styled
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from waxstudy.report.blind_test.tables import Score, ordered
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, legend_of, name_rows, series
 
 NOT_CAUSES = ("nothing", "none", "counted apart", "unknown", "untestable", "failed")
 SIZES = ("0 to 1", "1 to 2", "2 to 4", "4 to 10", "above 10")
 
 
-@styled
+@drawing(
+    "goals",
+    "Figures and goals",
+    "With their 95 % intervals; where no mark stands, nobody answered such a record.",
+)
 def figure_goals(score: Score) -> Figure:
     """Each goal's figure of everybody, with its 95 % interval, beside what is wanted."""
     names = ordered(score)
@@ -28,26 +33,18 @@ def figure_goals(score: Score) -> Figure:
     figure, axes = panels(1, 1, 1.2 + 0.34 * len(shown))
     panel = axes[0, 0]
     for place, goal in enumerate(shown):
-        _wanted(panel, place, goal)
+        if goal["wanted"] is not None:
+            panel.plot([goal["wanted"]] * 2, [place - 0.4, place + 0.4], color=BLACK, linewidth=2.0)
         for number, name in enumerate(names):
-            own = next(g for g in score["diagnosers"][name]["goals"] if (g["name"], g["where"]) == _which(goal))
+            every = score["diagnosers"][name]["goals"]
+            own = next(each for each in every if all(each[key] == goal[key] for key in ("name", "where")))
             _point(panel, place, own, number, len(names))
-    panel.set_yticks(range(len(shown)), [f"{goal['name']}  ({goal['where']})" for goal in shown])
-    panel.set_ylim(len(shown) - 0.4, -0.6)
-    panel.set_xlim(-0.02, 1.02)
+    name_rows(panel, [f"{goal['name']}  ({goal['where']})" for goal in shown])
     panel.grid(axis="y", visible=False)
-    panel.set_xlabel("share, or median shrinkage, with its 95 % interval; black bar: what is wanted")
+    words = "share, or median shrinkage, with its 95 % interval; black bar: what is wanted"
+    panel.set(xlim=(-0.02, 1.02), xlabel=words)
     _legend(figure, names)
     return figure
-
-
-def _which(goal: Mapping[str, Any]) -> tuple[str, str]:
-    return goal["name"], goal["where"]
-
-
-def _wanted(panel: Axes, place: int, goal: Mapping[str, Any]) -> None:
-    if goal["wanted"] is not None:
-        panel.plot([goal["wanted"]] * 2, [place - 0.4, place + 0.4], color=BLACK, linewidth=2.0)
 
 
 def _point(panel: Axes, place: int, goal: Mapping[str, Any], number: int, count: int) -> None:
@@ -55,26 +52,22 @@ def _point(panel: Axes, place: int, goal: Mapping[str, Any], number: int, count:
         return
     at = place + 0.6 * ((number + 0.5) / count - 0.5)
     value, low, high = (min(1.0, max(0.0, goal[key])) for key in ("value", "low", "high"))
-    colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
-    panel.plot([low, high], [at, at], color=colour, linewidth=1.2)
-    panel.plot([value], [at], markersize=5.0, linestyle="none", color=colour, marker=marker)
+    look = series(number)
+    panel.plot([low, high], [at, at], color=look["color"], linewidth=1.2)
+    panel.plot([value], [at], markersize=5.0, linestyle="none", **look)
 
 
 def _legend(figure: Figure, names: list[str]) -> None:
-    from matplotlib.lines import Line2D
-
-    handles = [
-        Line2D([], [], label=n, color=COLOURS[i % len(COLOURS)], marker=MARKERS[i % len(MARKERS)], linestyle="none")
-        for i, n in enumerate(names)
-    ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    legend_of(figure, [Line2D([], [], label=name, linestyle="none", **series(i)) for i, name in enumerate(names)])
 
 
-@styled
+@drawing(
+    "confusion",
+    "True cause and what was said",
+    "Records with one cause or none, all channel sets and noises; the darker, the larger the share of a row.",
+)
 def figure_confusion(score: Score) -> Figure:
     """True cause against what the first diagnoser named; raise `Lacking` without answers."""
-    import numpy as np
-
     rows = score["diagnosers"][ordered(score)[0]]["confusion"]
     if not rows:
         raise Lacking("nothing was answered")
@@ -91,12 +84,15 @@ def figure_confusion(score: Score) -> Figure:
     panel.set_xticks(range(len(said)), said, rotation=90)
     panel.set_yticks(range(len(truths)), truths)
     panel.grid(visible=False)
-    panel.set_xlabel("said")
-    panel.set_ylabel("true")
+    panel.set(xlabel="said", ylabel="true")
     return figure
 
 
-@styled
+@drawing(
+    "sizes",
+    "What size of gap is found",
+    "Shares with 95 % intervals; all channel sets and noises.",
+)
 def figure_sizes(score: Score) -> Figure:
     """How often the right group is found, and a wrong effect named, by the size of the true gap."""
     names = ordered(score)
@@ -105,15 +101,12 @@ def figure_sizes(score: Score) -> Figure:
     if not shown:
         raise Lacking("no record with one effect was answered")
     figure, axes = panels(1, 2, 3.6)
-    for panel, key, title in zip(
-        axes[0], ("right_group", "misdiagnosis"), ("right group", "misdiagnosis"), strict=True
-    ):
+    titles = {"right_group": "right group", "misdiagnosis": "misdiagnosis"}
+    for panel, (key, title) in zip(axes[0], titles.items(), strict=True):
         for number, name in enumerate(names):
             _course(panel, score["diagnosers"][name]["by"]["gap over floor"], shown, key, number)
         panel.set_xticks(range(len(shown)), shown)
-        panel.set_ylim(-0.03, 1.03)
-        panel.set_title(title)
-        panel.set_xlabel("true gap over its noise floor")
+        panel.set(ylim=(-0.03, 1.03), title=title, xlabel="true gap over its noise floor")
     axes[0, 0].set_ylabel("share of records with one effect")
     _legend(figure, names)
     return figure
@@ -122,8 +115,7 @@ def figure_sizes(score: Score) -> Figure:
 def _course(panel: Axes, split: Mapping[str, Any], shown: list[str], key: str, number: int) -> None:
     points = [(place, split[size][key]) for place, size in enumerate(shown) if size in split]
     seen = [(place, figure) for place, figure in points if figure["value"] is not None]
-    colour = COLOURS[number % len(COLOURS)] if seen else GREY
+    look = series(number)
     for place, each in seen:
-        panel.plot([place] * 2, [each["low"], each["high"]], color=colour, linewidth=1.0)
-    places, values = [place for place, _ in seen], [each["value"] for _, each in seen]
-    panel.plot(places, values, color=colour, marker=MARKERS[number % len(MARKERS)], markersize=5.0)
+        panel.plot([place] * 2, [each["low"], each["high"]], color=look["color"], linewidth=1.0)
+    panel.plot([place for place, _ in seen], [each["value"] for _, each in seen], markersize=5.0, **look)

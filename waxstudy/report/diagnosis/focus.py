@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
 
 from waxstudy.diagnosis.result import Diagnosis, Measurement, StageGap, Unexplained, Untestable
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 MOST_STAGES = 3
 LEAST_OF_A_DAY = 0.5  # samples, against the fullest day
@@ -81,8 +80,6 @@ class Day:
 
 def shown_days(diagnosis: Diagnosis, channel: str) -> list[Day]:
     """Return the days on which what is believed misses a channel most, and as much as on a typical day."""
-    import numpy as np
-
     off = (diagnosis.traces[f"{channel}_before"] - diagnosis.traces[f"{channel}_measured"]) ** 2
     days = by_day(diagnosis.traces)
     size = off.groupby(days).mean() ** 0.5
@@ -98,7 +95,5 @@ def shown_days(diagnosis: Diagnosis, channel: str) -> list[Day]:
 
 def by_day(traces: pd.DataFrame) -> pd.Series[str]:
     """The date of each row; stamps are ends of intervals, so that midnight ends a day."""
-    import pandas as pd
-
     times = pd.DatetimeIndex(traces.index)
     return pd.Series((times - pd.Timedelta(1, "s")).strftime("%Y-%m-%d"), index=traces.index)

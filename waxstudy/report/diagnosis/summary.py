@@ -6,6 +6,8 @@ import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
+from rich.table import Table as Grid
+
 from waxstudy.diagnosis.result import BeforeAfter, Diagnosis, FoundEffect, Interval, Measurement, StageGap, Unexplained
 from waxstudy.report.diagnosis.focus import by_reason, left_at, main_stages, measurements, other_stages, unit_left
 from waxstudy.report.diagnosis.words import (
@@ -24,6 +26,7 @@ from waxstudy.report.diagnosis.words import (
     times,
     with_unit,
 )
+from waxstudy.report.formats import console
 from waxstudy.report.words import counted
 
 VERDICTS = {
@@ -204,19 +207,14 @@ def _next(measurement: Measurement) -> str:
 
 def as_terminal(diagnosis: Diagnosis, width: int, colour: bool) -> str:
     """The summary for a terminal of a given width."""
-    from rich.console import Console
-    from rich.table import Table
-
     out = io.StringIO()
-    console = Console(
-        file=out, width=width, force_terminal=colour, no_color=not colour, highlight=False, markup=False, emoji=False
-    )
-    console.print(f"{diagnosis.dataset}: {VERDICTS[diagnosis.verdict]}", style="bold")
-    console.print(diagnosis.summary)
-    grid = Table.grid(padding=(0, 2, 0, 0))
+    printer = console(out, width, colour)
+    printer.print(f"{diagnosis.dataset}: {VERDICTS[diagnosis.verdict]}", style="bold")
+    printer.print(diagnosis.summary)
+    grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True, style="dim")
     grid.add_column()
     for label, text in lines(diagnosis):
         grid.add_row(label, text)
-    console.print(grid)
+    printer.print(grid)
     return "".join(f"{line.rstrip()}\n" for line in out.getvalue().splitlines())

@@ -1,169 +1,169 @@
-"""The tables of a diagnosis, as text."""
+"""The tables of a diagnosis."""
 
 from __future__ import annotations
 
-from waxstudy.diagnosis.result import Diagnosis, FoundEffect, StageGap
+from math import nan
+from typing import Any
+
+from waxstudy.diagnosis.result import BeforeAfter, Diagnosis, FoundEffect, Measurement, StageGap, Tried, Unexplained
+from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.figures.ranking import ranked, role
 from waxstudy.report.diagnosis.focus import by_reason, measurements, unit_left
 from waxstudy.report.diagnosis.summary import held_out, in_order, remarks
-from waxstudy.report.diagnosis.words import (
-    channel_words,
-    decimals,
-    interval,
-    loop_words,
-    named,
-    number,
-    percent,
-    percent_interval,
-    probability,
-    rough,
-    signed,
-    stage_words,
-    times,
-    unit_words,
-    with_unit,
-)
-from waxstudy.report.words import Table
+from waxstudy.report.diagnosis.words import quantity, with_unit
+from waxstudy.report.table import Column, Table, text
 
 PARTS = {"fit": "fit", "select": "choice", "shrinkage": "shrinkage"}
+EFFECT: Column[Any] = text("name", heading="effect")
+STAGE: Column[Any] = text("stage", lambda each: words.stage_words(each.stage))
+CHANNEL: Column[Any] = text("channel", lambda each: words.channel_words(each.channel))
+JUDGED_BY: Column[Any] = text("judged by", CHANNEL.value)
+P: Column[Any] = Column("p", lambda each: words.probability(each.p))
 
 
-def stages(diagnosis: Diagnosis) -> Table:
+def stages(diagnosis: Diagnosis) -> Table[StageGap]:
     """The gap of each judged channel."""
-    headings = ["stage", "channel", "gap", "noise floor", "times", "with the effects", "heat", "air", "memory"]
+    columns: list[Column[StageGap]] = [
+        STAGE,
+        CHANNEL,
+        Column("gap", lambda stage: quantity(stage.gap, stage.unit)),
+        Column("noise floor", lambda stage: quantity(stage.noise_floor, stage.unit)),
+        Column("times", lambda stage: words.times(stage.over_floor)),
+        Column("with the effects", lambda stage: quantity(stage.gap_after, stage.unit)),
+        Column("heat", lambda stage: with_unit(words.signed(stage.impact.get("heat_percent", nan)), "%")),
+        Column("air", lambda stage: with_unit(words.rough(stage.impact.get("air_K", nan)), "K")),
+        Column("memory", lambda stage: words.number(stage.autocorrelation, 2)),
+    ]
     title = "gap of each judged channel: root mean square, and what it does to heat and air temperature"
-    return title, headings, [_stage(stage) for stage in diagnosis.stages]
+    return Table(title, columns, diagnosis.stages)
 
 
-def _stage(stage: StageGap) -> list[str]:
-    heat, air = stage.impact.get("heat_percent"), stage.impact.get("air_K")
-    return [
-        stage_words(stage.stage),
-        channel_words(stage.channel),
-        *(with_unit(number(value), stage.unit) for value in (stage.gap, stage.noise_floor)),
-        times(stage.over_floor),
-        with_unit(number(stage.gap_after), stage.unit),
-        "" if heat is None else with_unit(signed(heat), "%"),
-        "" if air is None else with_unit(rough(air), "K"),
-        number(stage.autocorrelation, 2),
+def regimes(diagnosis: Diagnosis) -> Table[Any]:
+    """The same by regime; a row is a stage and its regime."""
+    columns: list[Column[Any]] = [
+        text("stage", lambda row: STAGE.text(row[0])),
+        text("channel", lambda row: CHANNEL.text(row[0])),
+        text("regime", lambda row: row[1].name),
+        Column("gap", lambda row: quantity(row[1].gap, row[0].unit)),
+        Column("times the floor", lambda row: words.times(row[0].regime_over_floor(row[1]))),
+        Column("share of the square", lambda row: words.percent(row[1].share)),
     ]
+    return Table("the gap by regime", columns, [(stage, each) for stage in diagnosis.stages for each in stage.regimes])
 
 
-def regimes(diagnosis: Diagnosis) -> Table:
-    """The same by regime."""
-    rows = [
-        [
-            stage_words(stage.stage),
-            channel_words(stage.channel),
-            regime.name,
-            with_unit(number(regime.gap), stage.unit),
-            times(stage.regime_over_floor(regime)),
-            percent(regime.share),
-        ]
-        for stage in diagnosis.stages
-        for regime in stage.regimes
-    ]
-    return "the gap by regime", ["stage", "channel", "regime", "gap", "times the floor", "share of the square"], rows
-
-
-def parameters(effect: FoundEffect) -> Table:
+def parameters(effect: FoundEffect) -> Table[Any]:
     """Fitted parameters of a found effect with their 95 % intervals, and those of its group without."""
     members = {effect.name: effect.parameters, **{each.name: each.parameters for each in effect.alternatives}}
-    several = len(members) > 1
-    rows = [
-        [*([member] if several else []), named(name)[0], interval(value, named(name)[1])]
-        for member, parameters in members.items()
-        for name, value in parameters.items()
+    rows = [(member, *words.named(key), value) for member, fitted in members.items() for key, value in fitted.items()]
+    of_first = f"; only of {effect.name} intervals were looked for" if len(members) > 1 else ""
+    columns: list[Column[Any]] = [
+        text("effect", lambda row: row[0]),
+        text("parameter", lambda row: row[1]),
+        Column("value", lambda row: words.interval(row[3], row[2])),
     ]
-    of_first = f"; only of {effect.name} intervals were looked for" if several else ""
-    headings = [*(["effect"] if several else []), "parameter", "value"]
-    return f"fitted parameters, with 95 % intervals{of_first}", headings, rows
+    title = f"fitted parameters, with 95 % intervals{of_first}"
+    return Table(title, columns if len(members) > 1 else columns[1:], rows)
 
 
-def found(diagnosis: Diagnosis) -> Table:
+def found(diagnosis: Diagnosis) -> Table[FoundEffect]:
     """How sure each found effect is, and how far its gap shrinks."""
     units = {stage.channel: stage.unit for stage in diagnosis.stages}
-    rows = [
-        [
-            effect.name,
-            channel_words(effect.channel),
-            *(with_unit(number(v), units.get(effect.channel, "")) for v in (effect.gap_before, effect.gap_after)),
-            with_unit(number(effect.noise_floor), units.get(effect.channel, "")),
-            percent_interval(effect.shrink),
-            percent(effect.inclusion),
-            probability(effect.p),
-        ]
-        for effect in diagnosis.effects
+    columns: list[Column[FoundEffect]] = [
+        EFFECT,
+        JUDGED_BY,
+        Column("gap before", lambda effect: quantity(effect.gap_before, units.get(effect.channel, ""))),
+        Column("gap after", lambda effect: quantity(effect.gap_after, units.get(effect.channel, ""))),
+        Column("noise floor", lambda effect: quantity(effect.noise_floor, units.get(effect.channel, ""))),
+        Column("shrinks by", lambda effect: words.percent_interval(effect.shrink)),
+        Column("found again", lambda effect: words.percent(effect.inclusion)),
+        P,
     ]
-    headings = ["effect", "judged by", "gap before", "gap after", "noise floor", "shrinks by", "found again", "p"]
-    return f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis.effects)}", headings, rows
+    title = f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis.effects)}"
+    return Table(title, columns, diagnosis.effects)
 
 
-def closed_loop(diagnosis: Diagnosis) -> Table:
+def closed_loop(diagnosis: Diagnosis) -> Table[tuple[str, BeforeAfter]]:
     """Figures of the closed loop, which runs free."""
-    rows = []
-    for key, figure in in_order(diagnosis.closed_loop):
-        words, unit = loop_words(key)
-        values = (figure.measured, figure.before, figure.after)
-        places = min((decimals(value) for value in values if value != round(value)), default=0)
-        places = 2 if unit == "°C" else places  # as in the summary: of 21 °C hundredths matter
-        rows.append([words, *(number(value, places) for value in values), unit_words(unit)])
-    headings = ["figure", "measured", "as believed", "with the effects", "unit"]
-    return "the closed loop, running free", headings, rows
+
+    def shown(row: tuple[str, BeforeAfter], value: float) -> str:
+        every = (row[1].measured, row[1].before, row[1].after)
+        places = min((words.decimals(each) for each in every if each != round(each)), default=0)
+        is_air = words.loop_words(row[0])[1] == "°C"  # as in the summary: of 21 °C hundredths matter
+        return words.number(value, 2 if is_air else places)
+
+    columns: list[Column[tuple[str, BeforeAfter]]] = [
+        text("figure", lambda row: words.loop_words(row[0])[0]),
+        Column("measured", lambda row: shown(row, row[1].measured)),
+        Column("as believed", lambda row: shown(row, row[1].before)),
+        Column("with the effects", lambda row: shown(row, row[1].after)),
+        text("unit", lambda row: words.unit_words(words.loop_words(row[0])[1])),
+    ]
+    return Table("the closed loop, running free", columns, in_order(diagnosis.closed_loop))
 
 
-def tried(diagnosis: Diagnosis) -> Table:
+def tried(diagnosis: Diagnosis) -> Table[Tried]:
     """Every effect that was fitted, in the order of the figure."""
-    rows = [
-        [
-            each.name,
-            stage_words(each.stage),
-            channel_words(each.channel),
-            percent(each.share),
-            number(each.gain),
-            probability(each.p),
-            f"{role(diagnosis, each)}{f': {each.why}' if each.why else ''}",
-        ]
-        for each in ranked(diagnosis)
+    columns: list[Column[Tried]] = [
+        EFFECT,
+        STAGE,
+        JUDGED_BY,
+        Column("explains", lambda each: words.percent(each.share)),
+        Column("gain", lambda each: words.number(each.gain)),
+        P,
+        text("verdict", lambda each: f"{role(diagnosis, each)}{f': {each.why}' if each.why else ''}"),
     ]
-    headings = ["effect", "stage", "judged by", "explains", "gain", "p", "verdict"]
-    return "every effect that was tried, on days that its fit has not seen", headings, rows
+    return Table("every effect that was tried, on days that its fit has not seen", columns, ranked(diagnosis))
 
 
-def unexplained(diagnosis: Diagnosis) -> Table:
+def unexplained(diagnosis: Diagnosis) -> Table[Unexplained]:
     """Gaps that no effect of the library explains."""
-    rows = [
-        [
-            stage_words(each.stage),
-            channel_words(each.channel),
-            *(with_unit(number(value), unit_left(diagnosis, each)) for value in (each.gap, each.noise_floor)),
-            probability(each.p),
-            "; ".join(remarks(each)),
-        ]
-        for each in diagnosis.unexplained
+    columns: list[Column[Unexplained]] = [
+        STAGE,
+        CHANNEL,
+        Column("gap", lambda left: quantity(left.gap, unit_left(diagnosis, left))),
+        Column("noise floor", lambda left: quantity(left.noise_floor, unit_left(diagnosis, left))),
+        P,
+        text("remark", lambda left: "; ".join(remarks(left))),
     ]
-    return "gaps without a known cause", ["stage", "channel", "gap", "noise floor", "p", "remark"], rows
+    return Table("gaps without a known cause", columns, diagnosis.unexplained)
 
 
-def untestable(diagnosis: Diagnosis) -> Table:
+def untestable(diagnosis: Diagnosis) -> Table[tuple[str, list[str]]]:
     """Effects that this record could not show, by reason."""
-    rows = [[reason, ", ".join(names)] for reason, names in by_reason(diagnosis.untestable)]
-    return "effects that this record could not show", ["why", "effects"], rows
+    return Table(
+        "effects that this record could not show",
+        [text("why", lambda row: row[0]), text("effects", lambda row: ", ".join(row[1]))],
+        by_reason(diagnosis.untestable),
+    )
 
 
-def next_measurements(diagnosis: Diagnosis) -> Table:
+def next_measurements(diagnosis: Diagnosis) -> Table[Measurement]:
     """What to measure next."""
-    rows = [[each.what, ", ".join(map(stage_words, each.splits))] for each in measurements(diagnosis)]
-    return "measurements that would tell more", ["measurement", "what it would settle"], rows
+    columns: list[Column[Measurement]] = [
+        text("what", heading="measurement"),
+        text("what it would settle", lambda each: ", ".join(map(words.stage_words, each.splits))),
+    ]
+    return Table("measurements that would tell more", columns, measurements(diagnosis))
 
 
-def departures(diagnosis: Diagnosis) -> Table:
+def departures(diagnosis: Diagnosis) -> Table[tuple[str, float]]:
     """Departures of the room in standard deviations of their priors."""
-    rows = [[name, signed(value)] for name, value in diagnosis.departures.items()]
-    return "departures of the room", ["of", "standard deviations"], rows
+    return Table(
+        "departures of the room",
+        [text("of", lambda row: row[0]), Column("standard deviations", lambda row: words.signed(row[1]))],
+        list(diagnosis.departures.items()),
+    )
 
 
-def parts(diagnosis: Diagnosis) -> Table:
+def parts(diagnosis: Diagnosis) -> Table[tuple[str, str, str]]:
     """Which days served for what."""
-    rows = [[PARTS.get(name, name), *days[:1], *days[-1:]] for name, days in diagnosis.parts.items() if days]
-    return "parts of the record", ["part", "first day", "last day"], rows
+    rows = [(PARTS.get(name, name), days[0], days[-1]) for name, days in diagnosis.parts.items() if days]
+    columns: list[Column[tuple[str, str, str]]] = [
+        text("part", lambda row: row[0]),
+        Column("first day", lambda row: row[1]),
+        Column("last day", lambda row: row[2]),
+    ]
+    return Table("parts of the record", columns, rows)
+
+
+TABLES = stages, regimes, found, closed_loop, tried, unexplained, untestable, next_measurements, departures, parts

@@ -110,6 +110,10 @@ def interval(value: Interval, unit: str = "") -> str:
     return f"{text} ({number(value.low, places)} to {number(value.high, places)})"
 
 
+def quantity(value: float, unit: str) -> str:
+    return with_unit(number(value), unit)
+
+
 def with_unit(text: str, unit: str) -> str:
     return f"{text} {unit_words(unit)}".strip() if text else ""
 

@@ -2,36 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from waxstudy.report.content import Content
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, MARKERS, legend_below, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, DASHED, GREY, legend_below, series
 from waxstudy.results.kpis import ACTIVATION_LIMIT_S
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "Full activation time against the time off before"
-CAPTION = (
-    "Time from the signal to full opening (solid) and to 90 % of the full flow behind the valve of the first "
-    "ladder's reference case (dashed), after a long heating period and the given time off. After a short "
-    "pause the valve is still open. The grey line is the limit for the reserve market."
-)
 TICKS_MIN = (0.5, 1, 2, 5, 10, 20, 45, 120)
 
 
-@styled
+@drawing(
+    "12",
+    "Figure 12. Full activation time against the time off before",
+    "Time from the signal to full opening (solid) and to 90 % of the full flow behind the valve of the first "
+    "ladder's reference case (dashed), after a long heating period and the given time off. After a short "
+    "pause the valve is still open. The grey line is the limit for the reserve market.",
+)
 def figure_12(content: Content) -> Figure:
     """Times to full opening and to 90 % of flow [min] of every actuator; raise `Lacking` without actuators."""
     if not content.activations:
         raise Lacking("no actuator is installed")
     figure, axes = panels(1, 2, 4.3, sharey=True)
     for i, curve in enumerate(content.activations):
-        look = {"color": COLOURS[i % len(COLOURS)], "marker": MARKERS[i % len(MARKERS)], "markersize": 4.0}
-        axes[0, 0].plot(curve.off_min, curve.opening_s / 60.0, label=curve.actuator, **look)
-        axes[0, 1].plot(curve.off_min, curve.flow_s / 60.0, label=curve.actuator, linestyle=DASHED, **look)
+        look = {"label": curve.actuator, "markersize": 4.0, **series(i)}
+        axes[0, 0].plot(curve.off_min, curve.opening_s / 60.0, **look)
+        axes[0, 1].plot(curve.off_min, curve.flow_s / 60.0, linestyle=DASHED, **look)
     for panel, title in zip(axes[0], ("to full opening", "to 90 % of full flow"), strict=True):
         _dress(panel, title)
     axes[0, 0].set_ylabel("time from the signal, min")
@@ -40,12 +38,8 @@ def figure_12(content: Content) -> Figure:
 
 
 def _dress(panel: Axes, title: str) -> None:
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-
     limit_min = ACTIVATION_LIMIT_S / 60.0
-    panel.set_title(title)
-    panel.set_xlabel("time off before, min")
-    panel.set_xscale("log")
+    panel.set(title=title, xlabel="time off before, min", xscale="log")
     panel.xaxis.set_major_locator(FixedLocator(TICKS_MIN))
     panel.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     panel.xaxis.set_minor_locator(NullLocator())

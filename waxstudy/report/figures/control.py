@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from waxstudy.report.content import Content
 from waxstudy.report.figures.places import DAY_S, HOUR_S, between, first_week, hours, rises, trace
-from waxstudy.report.figures.style import BLACK, COLOURS, panels, styled
+from waxstudy.report.figures.plot import drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS
 from waxstudy.study.model import Ladder
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-TITLE = "From controller output to flow"
-CAPTION = (
-    "A few hours of the reference case of the ladder with modulation (else of the last ladder), in the "
-    "first week and where the signal starts most often; one member, means over the interval of the trace."
-)
 EXCERPT_H = 4
 CHANNELS = (
     ("output", "controller\noutput, –"),
@@ -29,7 +21,12 @@ CHANNELS = (
 )
 
 
-@styled
+@drawing(
+    "19",
+    "Figure 19. From controller output to flow",
+    "A few hours of the reference case of the ladder with modulation (else of the last ladder), in the "
+    "first week and where the signal starts most often; one member, means over the interval of the trace.",
+)
 def figure_19(content: Content) -> Figure:
     """Output, signal, opening [-] and flow [L/h] of a few hours; raise `Lacking` without traces."""
     case, week = modulated(content).reference, first_week(content)
@@ -45,8 +42,8 @@ def figure_19(content: Content) -> Figure:
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0.0, top=1.05 if channel != "flow_L_h" else None)
     axes[0, 0].set_title(f"{case}, {week}, day {day + 1}")
-    axes[-1, 0].set_xlabel("time of the day, h")
-    axes[-1, 0].set_xlim(start_s / HOUR_S % 24, start_s / HOUR_S % 24 + EXCERPT_H)
+    hour = start_s / HOUR_S % 24
+    axes[-1, 0].set(xlabel="time of the day, h", xlim=(hour, hour + EXCERPT_H))
     figure.align_ylabels()
     return figure
 

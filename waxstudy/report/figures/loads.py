@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.report.content import Content
-from waxstudy.report.figures.places import Lacking, cumulative, first_week, trace
-from waxstudy.report.figures.style import DASHED, GREY, legend_under, look, panels, styled
+from waxstudy.report.figures.places import cumulative, first_week, trace
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import DASHED, GREY, legend_under, look
 from waxstudy.results.kpis import DURATION_PERCENT
 from waxstudy.study.model import Ladder
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "Cumulative performance in the first week"
-CAPTION = (
-    "Values that are not exceeded for a share of the time, mean over the members: water flow (the paper's "
-    "mass flow), return temperature while water flows, supply temperature (dashed, where the study keeps a "
-    "trace), and heat from the floor surface into the room."
-)
 CHANNELS = (
     ("flow_L_h", "water flow, L/h"),
     ("return_C", "return temperature, °C"),
@@ -29,7 +20,13 @@ CHANNELS = (
 )
 
 
-@styled
+@drawing(
+    "21",
+    "Figure 21. Cumulative performance in the first week",
+    "Values that are not exceeded for a share of the time, mean over the members: water flow (the paper's "
+    "mass flow), return temperature while water flows, supply temperature (dashed, where the study keeps a "
+    "trace), and heat from the floor surface into the room.",
+)
 def figure_21(content: Content) -> Figure:
     """Duration curves of flow [L/h], return temperature [°C] and floor heat [W/m²], a column per ladder."""
     ladders, week = content.run.ladders, first_week(content)
@@ -39,8 +36,7 @@ def figure_21(content: Content) -> Figure:
             _curves(panel, content, ladder, week, channel)
         _supply(column[1], content, ladder, week)
         column[0].set_title(f"{ladder.name}, {week}")
-        column[-1].set_xlabel("share of the time with lower values, %")
-        column[-1].set_xlim(0, 100)
+        column[-1].set(xlabel="share of the time with lower values, %", xlim=(0, 100))
         legend_under(column[-1], 1.0 / len(ladders))
     for panel, (_, label) in zip(axes[:, 0], CHANNELS, strict=True):
         panel.set_ylabel(label)

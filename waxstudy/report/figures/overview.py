@@ -4,40 +4,41 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from waxstudy.report.comparison import Row
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from waxstudy.report.comparison import DIFFERENCE
 from waxstudy.report.content import Content
-from waxstudy.report.figures.style import BLACK, COLOURS, GREY, MARKERS, panels, styled
+from waxstudy.report.figures.plot import drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, GREY, MARKERS, legend_of
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-TITLE = "The comparison at a glance"
-CAPTION = (
+@drawing(
+    "overview",
+    "The comparison at a glance",
     "Left: heat of each case against the reference case of its ladder, mean and 95 % interval of paired "
     "members; filled where the difference is resolved. Right: mean absolute error of the air temperature, "
-    "mean and standard deviation of single runs."
+    "mean and standard deviation of single runs.",
 )
-DIFFERENCE, ERROR = "heat_vs_most_detailed_percent", "mae_K"
-
-
-@styled
 def figure_overview(content: Content) -> Figure:
     """Differences in heat [%] and mean absolute errors [K] of all cases and weeks, the other side's beside."""
     cases = [case for ladder in content.run.ladders for case in ladder.cases]
     figure, axes = panels(1, 2, 1.4 + 0.33 * len(cases), sharey=True)
     left, right = axes[0]
-    for week in content.run.weeks:
-        rows = [row for row in content.rows if row.week == week]
-        heights = [cases.index(row.case) + _offset(content, week) for row in rows]
-        _differences(left, content, rows, heights)
-        _errors(right, content, rows, heights)
+    for row in content.rows:
+        height, look = cases.index(row.case) + _offset(content, row.week), _week_look(content, row.week)
+        difference, error = row.heat_vs_most_detailed_percent, row.mae_K
+        if row.resolved is not None:
+            _point(left, look, height, (difference.low, difference.mean, difference.high), row.resolved)
+        _point(right, look, height, (error.mean - error.sd, error.mean, error.mean + error.sd), True)
+        for panel, column in ((left, DIFFERENCE), (right, "mae_K")):
+            if cell := content.against and content.against.cell(column, row):
+                panel.plot(cell.theirs.mean, height, "x", color=GREY, markersize=6, markeredgewidth=1.6, zorder=2.5)
     left.axvline(0.0, color=BLACK, linewidth=0.8)
     left.set_xlabel("heat against the reference case, %")
-    right.set_xlabel("mean absolute error of the air temperature, K")
-    right.set_xlim(left=0.0)
+    right.set(xlabel="mean absolute error of the air temperature, K", xlim=(0.0, None))
     left.set_yticks(range(len(cases)), cases)
     left.invert_yaxis()
     _separate_ladders(content, axes[0])
@@ -51,33 +52,11 @@ def _offset(content: Content, week: str) -> float:
     return 0.36 * (content.run.weeks.index(week) - (n - 1) / 2.0) / max(1, n - 1)
 
 
-def _differences(axes: Axes, content: Content, rows: Sequence[Row], heights: Sequence[float]) -> None:
-    for row, height in zip(rows, heights, strict=True):
-        if row.resolved is None:
-            continue
-        value, colour, marker = getattr(row, DIFFERENCE), *_week_look(content, row.week)
-        if not math.isnan(value.low):
-            axes.plot([value.low, value.high], [height, height], color=colour)
-        axes.plot(value.mean, height, marker, color=colour, markersize=6, mfc=colour if row.resolved else "white")
-    _others(axes, content, rows, heights, DIFFERENCE)
-
-
-def _errors(axes: Axes, content: Content, rows: Sequence[Row], heights: Sequence[float]) -> None:
-    for row, height in zip(rows, heights, strict=True):
-        colour, marker = _week_look(content, row.week)
-        if not math.isnan(row.mae_K.sd):
-            low, high = row.mae_K.mean - row.mae_K.sd, row.mae_K.mean + row.mae_K.sd
-            axes.plot([low, high], [height, height], color=colour)
-        axes.plot(row.mae_K.mean, height, marker, color=colour, markersize=6)
-    _others(axes, content, rows, heights, ERROR)
-
-
-def _others(axes: Axes, content: Content, rows: Sequence[Row], heights: Sequence[float], column: str) -> None:
-    cells = content.against.cells if content.against else ()
-    found = {(cell.case, cell.week): cell.theirs.mean for cell in cells if cell.column == column}
-    for row, height in zip(rows, heights, strict=True):
-        if (row.case, row.week) in found:
-            axes.plot(found[row.case, row.week], height, "x", color=GREY, markersize=6, markeredgewidth=1.6, zorder=2.5)
+def _point(axes: Axes, look: tuple[str, str], height: float, span: tuple[float, float, float], is_filled: bool) -> None:
+    (colour, marker), (low, mean, high) = look, span
+    if not math.isnan(low):
+        axes.plot([low, high], [height, height], color=colour)
+    axes.plot(mean, height, marker, color=colour, markersize=6, mfc=colour if is_filled else "white")
 
 
 def _week_look(content: Content, week: str) -> tuple[str, str]:
@@ -94,8 +73,6 @@ def _separate_ladders(content: Content, axes: Sequence[Axes]) -> None:
 
 
 def _legend(figure: Figure, content: Content) -> None:
-    from matplotlib.lines import Line2D
-
     handles = []
     for week in content.run.weeks:
         colour, marker = _week_look(content, week)
@@ -104,4 +81,4 @@ def _legend(figure: Figure, content: Content) -> None:
     if content.against:
         label = content.against.label
         handles.append(Line2D([], [], color=GREY, marker="x", linestyle="", markeredgewidth=1.6, label=label))
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    legend_of(figure, handles)

@@ -9,13 +9,10 @@ from numpy.typing import NDArray
 from waxstudy.plugin import FloatArray
 from waxstudy.report.comparison import member_values
 from waxstudy.report.content import Content
+from waxstudy.report.figures.plot import Lacking
 from waxstudy.study.model import Ladder
 
 DAY_S, HOUR_S = 86400.0, 3600.0
-
-
-class Lacking(Exception):
-    """A figure cannot be drawn; the message says what the study lacks."""
 
 
 def simplest(ladder: Ladder) -> str:

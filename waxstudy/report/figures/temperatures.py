@@ -2,67 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.report.content import Content
-from waxstudy.report.figures.places import (
-    DAY_S,
-    adapted,
-    between,
-    cumulative,
-    days,
-    every,
-    first_week,
-    hours,
-    setpoint_C,
-    simplest,
-    trace,
-)
-from waxstudy.report.figures.style import (
-    BLACK,
-    COLOURS,
-    DASHED,
-    GREY,
-    ladder_dash,
-    legend_below,
-    look,
-    panels,
-    styled,
-)
+from waxstudy.report.figures import places
+from waxstudy.report.figures.plot import drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, ladder_dash, legend_below, look
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE_17 = "Air and operative temperature of one day"
-CAPTION_17 = (
-    "Air temperature (solid), operative temperature (dashed) and shifted setpoint (dotted) of the second case "
-    "of each ladder in the middle of the first week; one member. The grey line is the limit of the operative "
-    "temperature."
-)
-TITLE_18 = "Cumulative operative temperatures"
-CAPTION_18 = (
-    "Operative temperature that is not exceeded for a share of the week, mean over the members; the first "
-    "ladder solid, the second dashed, the reference cases black and thick, with the range of the members "
-    "as a band. The grey lines meet where equal comfort asks every case to pass."
-)
-TITLE_20 = "Air temperature over the first week"
-CAPTION_20 = (
-    "The simplest (thin), the second (dashed) and the reference case (black) of each ladder; one member. "
-    "The grey lines are a quarter of a kelvin above and below the unshifted setpoint."
-)
 BAND_K = 0.25
 
 
-@styled
+@drawing(
+    "17",
+    "Figure 17. Air and operative temperature of one day",
+    "Air temperature (solid), operative temperature (dashed) and shifted setpoint (dotted) of the second case "
+    "of each ladder in the middle of the first week; one member. The grey line is the limit of the operative "
+    "temperature.",
+)
 def figure_17(content: Content) -> Figure:
     """Air, operative temperature and setpoint [°C] during one day; raise `Lacking` without traces."""
-    week, ladders = first_week(content), content.run.ladders
+    week, ladders = places.first_week(content), content.run.ladders
     figure, axes = panels(1, len(ladders), 3.9, sharey=True)
     for panel, ladder in zip(axes[0], ladders, strict=True):
-        _day(panel, content, adapted(ladder), week)
+        _day(panel, content, places.adapted(ladder), week)
         panel.set_xlabel("time of the day, h")
     axes[0, 0].set_ylabel("temperature, °C")
     legend_below(figure, axes[0, 0])
@@ -70,21 +34,26 @@ def figure_17(content: Content) -> Figure:
 
 
 def _day(panel: Axes, content: Content, case: str, week: str) -> None:
-    whole = trace(content, case, week)
-    start_s = DAY_S * (int(whole["time_s"].iloc[-1] / DAY_S) // 2)
-    frame = between(whole, start_s, start_s + DAY_S)
+    whole = places.trace(content, case, week)
+    start_s = places.DAY_S * (int(whole["time_s"].iloc[-1] / places.DAY_S) // 2)
+    frame = places.between(whole, start_s, start_s + places.DAY_S)
     limit_C = content.study.comfort.operative_limit_C
     panel.axhline(limit_C, color=GREY, linewidth=2.0, zorder=1.0, label=f"limit {limit_C:g} °C")
-    time_h, colour = hours(frame, start_s), COLOURS[1]
+    time_h, colour = places.hours(frame, start_s), COLOURS[1]
     panel.plot(time_h, frame["air_C"], color=colour, label="air")
     panel.plot(time_h, frame["operative_C"], color=BLACK, linestyle=DASHED, label="operative")
-    panel.axhline(setpoint_C(content, case, week), color=COLOURS[5], linestyle=":", linewidth=1.8, label="setpoint")
-    panel.set_title(f"{case}, {week}, day {int(start_s / DAY_S) + 1}")
-    panel.set_xticks(range(0, 25, 3))
-    panel.set_xlim(0, 24)
+    setpoint_C = places.setpoint_C(content, case, week)
+    panel.axhline(setpoint_C, color=COLOURS[5], linestyle=":", linewidth=1.8, label="setpoint")
+    panel.set(title=f"{case}, {week}, day {int(start_s / places.DAY_S) + 1}", xticks=range(0, 25, 3), xlim=(0, 24))
 
 
-@styled
+@drawing(
+    "18",
+    "Figure 18. Cumulative operative temperatures",
+    "Operative temperature that is not exceeded for a share of the week, mean over the members; the first "
+    "ladder solid, the second dashed, the reference cases black and thick, with the range of the members "
+    "as a band. The grey lines meet where equal comfort asks every case to pass.",
+)
 def figure_18(content: Content) -> Figure:
     """Duration curves of the operative temperature [°C], one panel per week."""
     weeks = content.run.weeks
@@ -95,9 +64,7 @@ def figure_18(content: Content) -> Figure:
             for case in ladder.cases:
                 _duration(panel, content, case, week)
             _members(panel, content, ladder.reference, week)
-        panel.set_title(week)
-        panel.set_xlabel("share of the week that is cooler, %")
-        panel.set_xlim(0, 100)
+        panel.set(title=week, xlabel="share of the week that is cooler, %", xlim=(0, 100))
     axes[0, 0].set_ylabel("operative temperature, °C")
     legend_below(figure, axes[0, 0])
     return figure
@@ -110,7 +77,7 @@ def _comfort_lines(panel: Axes, content: Content) -> None:
 
 
 def _duration(panel: Axes, content: Content, case: str, week: str) -> None:
-    curve = cumulative(content, case, week)["operative_C"]
+    curve = places.cumulative(content, case, week)["operative_C"]
     style, place = look(content, case), len(panel.get_lines())
     markers = (5 + 3 * place % 20, 20)  # staggered, so that markers of close curves do not cover each other
     panel.plot(curve.index, curve, label=case, linestyle=ladder_dash(content, case), markevery=markers, **style)
@@ -122,16 +89,20 @@ def _members(panel: Axes, content: Content, case: str, week: str) -> None:
     panel.fill_between(low.index.to_numpy(), low.to_numpy(), high.to_numpy(), color=BLACK, alpha=0.15, linewidth=0)
 
 
-@styled
+@drawing(
+    "20",
+    "Figure 20. Air temperature over the first week",
+    "The simplest (thin), the second (dashed) and the reference case (black) of each ladder; one member. "
+    "The grey lines are a quarter of a kelvin above and below the unshifted setpoint.",
+)
 def figure_20(content: Content) -> Figure:
     """Air temperature [°C] over the first week, a panel per ladder; raise `Lacking` without traces."""
-    week, ladders = first_week(content), content.run.ladders
+    week, ladders = places.first_week(content), content.run.ladders
     figure, axes = panels(len(ladders), 1, 1.0 + 2.6 * len(ladders), sharex=True, sharey=True)
     for panel, ladder in zip(axes[:, 0], ladders, strict=True):
-        shown = dict.fromkeys((simplest(ladder), adapted(ladder), ladder.reference))
+        shown = dict.fromkeys((places.simplest(ladder), places.adapted(ladder), ladder.reference))
         _week(panel, content, list(shown), week)
-        panel.set_title(f"{ladder.name}, {week}")
-        panel.set_ylabel("air temperature, °C")
+        panel.set(title=f"{ladder.name}, {week}", ylabel="air temperature, °C")
         panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=3.0)
     axes[-1, 0].set_xlabel("time from the start of the week, days")
     return figure
@@ -141,10 +112,9 @@ def _week(panel: Axes, content: Content, cases: list[str], week: str) -> None:
     for off_K in (-BAND_K, BAND_K):
         panel.axhline(content.study.comfort.setpoint_C + off_K, color=GREY, linewidth=1.2, zorder=1.0)
     for place, case in enumerate(cases):
-        frame = every(trace(content, case, week), 300.0)
+        frame = places.every(places.trace(content, case, week), 300.0)
         style = look(content, case) | {"marker": "", "linestyle": "--" if place == 1 and len(cases) > 2 else "-"}
         style["linewidth"] = min(1.6, style.get("linewidth", 1.2))
-        panel.plot(days(frame), frame["air_C"], label=case, **style)
-    last = int(np.ceil(days(frame)[-1]))
-    panel.set_xticks(range(last + 1))
-    panel.set_xlim(0, last)
+        panel.plot(places.days(frame), frame["air_C"], label=case, **style)
+    last = int(np.ceil(places.days(frame)[-1]))
+    panel.set(xticks=range(last + 1), xlim=(0, last))

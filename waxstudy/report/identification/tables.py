@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 from waxstudy.identification.models import ProductCurve, Value
+from waxstudy.identification.records import Record
 from waxstudy.identification.result import ActuatorFit, counts
 from waxstudy.identification.valve import ValveFit
-from waxstudy.report.words import Table
+from waxstudy.report.table import Column, Table, text
 
 SIMULATED = "SIMULATED: these records come from a virtual test bench; no motor was measured"
 MEANING = {
@@ -22,65 +25,84 @@ MEANING = {
 }
 
 
-def actuator_tables(found: ActuatorFit) -> list[Table]:
+def actuator_tables(found: ActuatorFit) -> list[Table[Any]]:
     return [coefficients(found), activation(found), records(found)]
 
 
-def coefficients(found: ActuatorFit) -> Table:
+class Coefficient(NamedTuple):
+    """A coefficient of a product, and the curve that it is of."""
+
+    product: str
+    name: str
+    value: Value
+    curve: ProductCurve
+
+    @property
+    def is_absent(self) -> bool:
+        """Whether a constant has none such."""
+        return self.curve.form == "constant" and self.name.endswith(("_a_s", "_tau_s"))
+
+    @property
+    def interval(self) -> str:
+        """Its interval, as far as that means something."""
+        if self.is_absent:
+            return "" if self.value.told or self.curve.b_s.told else "cannot be told"
+        if self.curve.form != "constant" and not self.curve.a_s.told:
+            return "cannot be told"
+        weak = ", of the constant alone" if self.curve.form == "constant" else ", not bounded"
+        return interval(self.value, ".1f") + ("" if self.value.told else weak)
+
+
+def coefficients(found: ActuatorFit) -> Table[Coefficient]:
     """Coefficient, 95 % interval, model."""
-    rows = []
-    for product in found.model.products:
-        for name, value in found.model.coefficients(product).items():
-            time = found.model.times[name.split("_")[0]].curves[product]
-            shown = _shown(name, value, time)
-            rows.append([product, name, *shown, time.form, str(time.cycles), MEANING.get(name, "")])
-    headings = ["product", "coefficient", "value, s", "95 % interval", "model", "cycles", "meaning"]
-    return "coefficients of the characteristic times", headings, rows
+    columns: list[Column[Coefficient]] = [
+        text("product"),
+        text("name", heading="coefficient"),
+        Column("value", lambda each: "-" if each.is_absent else each.value.value, ".1f", unit="s"),
+        text("interval", heading="95 % interval"),
+        text("model", lambda each: each.curve.form),
+        Column("cycles", lambda each: each.curve.cycles),
+        text("meaning", lambda each: MEANING.get(each.name)),
+    ]
+    rows = [
+        Coefficient(product, name, value, found.model.times[name.split("_")[0]].curves[product])
+        for product in found.model.products
+        for name, value in found.model.coefficients(product).items()
+    ]
+    return Table("coefficients of the characteristic times", columns, rows)
 
 
-def _shown(name: str, value: Value, curve: ProductCurve) -> list[str]:
-    """Return a coefficient and its interval, as far as both mean something."""
-    if curve.form == "constant":
-        if name.endswith(("_a_s", "_tau_s")):
-            return ["-", "cannot be told" if not value.told and not curve.b_s.told else ""]
-        return [f"{value.value:.1f}", interval(value, 1) + ("" if value.told else ", of the constant alone")]
-    if not curve.a_s.told:
-        return [f"{value.value:.1f}", "cannot be told"]
-    return [f"{value.value:.1f}", interval(value, 1) + ("" if value.told else ", not bounded")]
+def activation(found: ActuatorFit) -> Table[dict[str, Any]]:
+    """Times of each product, as `ActuatorFit.activation` has them."""
+    columns: list[Column[dict[str, Any]]] = [
+        text("product", lambda of: of["product"]),
+        Column("activation", lambda of: of["full_activation_median_s"], ".0f", unit="s"),
+        Column("longest", lambda of: of["full_activation_max_s"], ".0f"),
+        Column("above 300 s", lambda of: f"{100.0 * of['full_activation_above_300_s']:.0f} %"),
+        Column("deactivation", lambda of: of["deactivation_median_s"], ".0f", unit="s"),
+        Column("longest", lambda of: of["deactivation_max_s"], ".0f"),
+    ]
+    title = "full activation (dead + rise) and deactivation (hold + fall), median and longest"
+    rows = [{"product": product, **found.activation(product)} for product in found.model.products]
+    return Table(title, columns, rows)
 
 
-def activation(found: ActuatorFit) -> Table:
-    rows = []
-    for product in found.model.products:
-        of = found.activation(product)
-        figures = [f"{of[name]:.0f}" for name in of if name.endswith("_s") and "above" not in name]
-        rows.append([product, *figures[:2], f"{100.0 * of['full_activation_above_300_s']:.0f} %", *figures[2:]])
-    headings = ["product", "activation, s", "longest", "above 300 s", "deactivation, s", "longest"]
-    return "full activation (dead + rise) and deactivation (hold + fall), median and longest", headings, rows
-
-
-def records(found: ActuatorFit) -> Table:
+def records(found: ActuatorFit) -> Table[Record]:
     """A row per record as in Table A1: whole cycles, lost ones with the reason, errors of the opening."""
-    rows = []
-    for record in found.records:
-        errors = found.errors.get(record.name)
-        stroke = f"{record.stroke:.3f} {record.unit}".strip()
-        rows.append(
-            [
-                record.name,
-                record.product,
-                record.exemplar,
-                "yes" if record.has_valve else "no",
-                f"{record.duration_min:.0f}",
-                stroke,
-                str(found.kept(record)),
-                counts(found.lost(record)).replace("none", ""),
-                f"{errors.mae:.3f}" if errors else "",
-                f"{errors.rmse:.3f}" if errors else "",
-            ]
-        )
-    headings = ["record", "product", "exemplar", "valve", "min", "stroke", "cycles", "left out", "MAE", "RMSE"]
-    return "records: cycles used and left out, and the model's error of the opening over the stroke", headings, rows
+    columns: list[Column[Record]] = [
+        text("name", heading="record"),
+        text("product"),
+        text("exemplar"),
+        text("valve", lambda record: "yes" if record.has_valve else "no"),
+        Column("duration_min", form=".0f", heading="min"),
+        Column("stroke", lambda record: f"{record.stroke:.3f} {record.unit}".strip()),
+        Column("cycles", found.kept),
+        text("left out", lambda record: counts(found.lost(record)).replace("none", ""), "prose"),
+        Column("MAE", lambda record: found.errors[record.name].mae if record.name in found.errors else None, ".3f"),
+        Column("RMSE", lambda record: found.errors[record.name].rmse if record.name in found.errors else None, ".3f"),
+    ]
+    title = "records: cycles used and left out, and the model's error of the opening over the stroke"
+    return Table(title, columns, found.records)
 
 
 def notes(found: ActuatorFit) -> list[str]:
@@ -93,30 +115,29 @@ def notes(found: ActuatorFit) -> list[str]:
 def scatter(found: ActuatorFit) -> list[str]:
     """Say how records and exemplars scatter, as far as that can be seen."""
     parts = found.model.times["dead"].scatter
-    said = []
-    if not parts.exemplar_freedom:
-        said.append(
-            "there is one exemplar of each product: how others differ cannot be told, intervals are of this one"
-        )
-    if not parts.record_freedom:
-        said.append(
-            "the records are too few to tell how those of one exemplar differ: intervals are too narrow by that"
-        )
-    return said
+    alone = "there is one exemplar of each product: how others differ cannot be told, intervals are of this one"
+    few = "the records are too few to tell how those of one exemplar differ: intervals are too narrow by that"
+    return [*([] if parts.exemplar_freedom else [alone]), *([] if parts.record_freedom else [few])]
 
 
-def interval(value: Value, digits: int) -> str:
-    return f"{value.low:.{digits}f} to {value.high:.{digits}f}"
+def interval(value: Value, form: str) -> str:
+    return f"{value.low:{form}} to {value.high:{form}}"
 
 
-def valve_tables(found: ValveFit) -> list[Table]:
-    rows = []
-    for name, value in found.values.items():
+def valve_tables(found: ValveFit) -> list[Table[Any]]:
+    def bounds(name: str) -> str:
+        value = found.values[name]
         taken = "given" if value.low == value.high else "not told: at the bound"
-        shown = interval(value, 3) if value.told else taken
-        rows.append([name, f"{value.value:.3f}", shown, MEANING[name]])
+        return interval(value, ".3f") if value.told else taken
+
+    columns: list[Column[str]] = [
+        text("parameter", lambda name: name),
+        Column("value", lambda name: found.values[name].value, ".3f"),
+        text("95 % interval", bounds),
+        text("meaning", MEANING.get),
+    ]
     title = f"curve of the valve: MAE {100.0 * found.mae:.2f} % of full flow over {int(found.considered.sum())} samples"
-    return [(title, ["parameter", "value", "95 % interval", "meaning"], rows)]
+    return [Table(title, columns, list(found.values))]
 
 
 def valve_notes(found: ValveFit) -> list[str]:

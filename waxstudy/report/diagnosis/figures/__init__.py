@@ -1,34 +1,9 @@
 """The figures of a diagnosis: where the gap lies, what explains it, how far it shrinks."""
 
-from __future__ import annotations
+from waxstudy.report.diagnosis.figures.departures import figure_departures
+from waxstudy.report.diagnosis.figures.gap_map import figure_gap_map
+from waxstudy.report.diagnosis.figures.ranking import figure_ranking
+from waxstudy.report.diagnosis.figures.traces import figure_traces
+from waxstudy.report.diagnosis.figures.waterfall import figure_waterfall
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-from waxstudy.diagnosis.result import Diagnosis
-from waxstudy.report.diagnosis.figures import departures, gap_map, ranking, traces, waterfall
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["FIGURES", "Plot"]
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A figure with its words; `draw` raises `Lacking` where the diagnosis lacks what it needs."""
-
-    id: str
-    title: str
-    caption: str
-    draw: Callable[[Diagnosis], Figure]
-
-
-FIGURES: Sequence[Plot] = (
-    Plot("map", gap_map.TITLE, gap_map.CAPTION, gap_map.figure_gap_map),
-    Plot("traces", traces.TITLE, traces.CAPTION, traces.figure_traces),
-    Plot("ranking", ranking.TITLE, ranking.CAPTION, ranking.figure_ranking),
-    Plot("waterfall", waterfall.TITLE, waterfall.CAPTION, waterfall.figure_waterfall),
-    Plot("departures", departures.TITLE, departures.CAPTION, departures.figure_departures),
-)
+FIGURES = figure_gap_map, figure_traces, figure_ranking, figure_waterfall, figure_departures

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from matplotlib.figure import Figure
 
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.report.diagnosis.words import signed
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, COLOURS, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-TITLE = "What was adjusted of the room"
-CAPTION = (
-    "Departures of the room, of what drives it and of how it began from what is believed, in standard deviations of "
-    "how well each is known beforehand. Within the grey band they are nothing to speak of; far outside, the room is "
-    "not as described."
-)
 USUAL_SD = 2.0
 
 
-@styled
+@drawing(
+    "departures",
+    "What was adjusted of the room",
+    "Departures of the room, of what drives it and of how it began from what is believed, in standard deviations of "
+    "how well each is known beforehand. Within the grey band they are nothing to speak of; far outside, the room is "
+    "not as described.",
+)
 def figure_departures(diagnosis: Diagnosis) -> Figure:
     """Departures [standard deviations]; raise `Lacking` where no room took part."""
     if not diagnosis.departures:

@@ -4,34 +4,39 @@ from __future__ import annotations
 
 import math
 import textwrap
-from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
 
 from waxstudy.diagnosis.result import Diagnosis, StageGap
 from waxstudy.report.diagnosis.focus import left_at
-from waxstudy.report.diagnosis.words import channel_words, number, percent, stage_words, times, with_unit
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, panels, styled
+from waxstudy.report.diagnosis.words import channel_words, percent, quantity, stage_words, times
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, GREY, legend_of
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "The gap map: stages of the loop by regime"
-CAPTION = (
-    "A row for each judged channel, with the stages behind it; its gap as a whole, then by regime, the largest share "
-    "first. Each field has the gap there in multiples of the noise floor, and its share of the row's squared gap; "
-    "regimes may overlap. The darker, the further out of the noise. “No finding”: the form of the room's model, or "
-    "within the published uncertainty of what is believed."
-)
 # from how many noise floors on, in which colour; one hue from light to dark, which grey print keeps
-SHADES = ((0.0, "#ffffff"), (1.5, "#d6e5f2"), (3.0, "#9cc3e0"), (6.0, "#4a90c4"), (12.0, "#14507f"))
+SHADES = (
+    (0.0, "#ffffff", "below 1.5"),
+    (1.5, "#d6e5f2", "1.5 to 3"),
+    (3.0, "#9cc3e0", "3 to 6"),
+    (6.0, "#4a90c4", "6 to 12"),
+    (12.0, "#14507f", "12 or more"),
+)
 DARK_FROM = 6.0
 MOST_REGIMES = 7
 LETTERS = 13  # of a regime's name in a line
 ROW_IN = 0.96
 
 
-@styled
+@drawing(
+    "map",
+    "The gap map: stages of the loop by regime",
+    "A row for each judged channel, with the stages behind it; its gap as a whole, then by regime, the largest share "
+    "first. Each field has the gap there in multiples of the noise floor, and its share of the row's squared gap; "
+    "regimes may overlap. The darker, the further out of the noise. “No finding”: the form of the room's model, or "
+    "within the published uncertainty of what is believed.",
+)
 def figure_gap_map(diagnosis: Diagnosis) -> Figure:
     """Gaps over their noise floors [-] and shares of the squared gap [%]; raise `Lacking` where nothing is judged."""
     if not diagnosis.stages:
@@ -41,17 +46,14 @@ def figure_gap_map(diagnosis: Diagnosis) -> Figure:
     for row, stage in enumerate(diagnosis.stages):
         _row(panel, row, stage)
     columns = 1 + max(min(MOST_REGIMES, len(stage.regimes)) for stage in diagnosis.stages)
-    panel.set_xlim(0.0, max(4, columns))
-    panel.set_ylim(len(diagnosis.stages), 0.0)
-    panel.set_yticks(
-        [row + 0.5 for row in range(len(diagnosis.stages))], [_label(diagnosis, s) for s in diagnosis.stages]
-    )
-    panel.set_xticks([])
+    panel.set(xlim=(0.0, max(4, columns)), ylim=(len(diagnosis.stages), 0.0), xticks=[])
+    places = [row + 0.5 for row in range(len(diagnosis.stages))]
+    panel.set_yticks(places, [_label(diagnosis, stage) for stage in diagnosis.stages])
     panel.tick_params(length=0)
     panel.grid(False)
-    for spine in panel.spines.values():
-        spine.set_visible(False)
-    _legend(figure)
+    panel.spines[:].set_visible(False)
+    handles = [Patch(facecolor=colour, edgecolor=GREY, label=words) for _, colour, words in SHADES]
+    legend_of(figure, handles, title="gap in multiples of the noise floor")
     return figure
 
 
@@ -63,7 +65,7 @@ def _label(diagnosis: Diagnosis, stage: StageGap) -> str:
 
 
 def _row(panel: Axes, row: int, stage: StageGap) -> None:
-    whole = with_unit(number(stage.gap), stage.unit)
+    whole = quantity(stage.gap, stage.unit)
     _field(panel, 0, row, "whole", stage.over_floor, whole, is_whole=True)
     for column, regime in enumerate(sorted(stage.regimes, key=lambda each: -each.share)[:MOST_REGIMES], start=1):
         over = stage.regime_over_floor(regime)
@@ -73,9 +75,7 @@ def _row(panel: Axes, row: int, stage: StageGap) -> None:
 def _field(
     panel: Axes, column: int, row: int, name: str, over_floor: float, below: str, is_whole: bool = False
 ) -> None:
-    from matplotlib.patches import Rectangle
-
-    edge, width = (BLACK, 1.4) if is_whole else ("#8a8a8a", 0.7)
+    edge, width = (BLACK, 1.4) if is_whole else (GREY, 0.7)
     place = (column + 0.03, row + 0.05)
     panel.add_patch(Rectangle(place, 0.94, 0.9, facecolor=shade(over_floor), edgecolor=edge, linewidth=width))
     ink = "white" if over_floor >= DARK_FROM else BLACK
@@ -94,20 +94,4 @@ def _times(over_floor: float) -> str:
 
 def shade(over_floor: float) -> str:
     """The colour of a gap of so many noise floors."""
-    return [colour for least, colour in SHADES if over_floor >= least or least == 0.0][-1]
-
-
-def _legend(figure: Figure) -> None:
-    from matplotlib.patches import Patch
-
-    ends = [*(least for least, _ in SHADES[1:]), math.inf]
-    labels = [
-        f"below {end:g}" if least == 0.0 else (f"{least:g} to {end:g}" if math.isfinite(end) else f"{least:g} or more")
-        for (least, _), end in zip(SHADES, ends, strict=True)
-    ]
-    handles = [
-        Patch(facecolor=colour, edgecolor="#8a8a8a", label=label)
-        for (_, colour), label in zip(SHADES, labels, strict=True)
-    ]
-    title = "gap in multiples of the noise floor"
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), title=title)
+    return [colour for least, colour, _ in SHADES if over_floor >= least or least == 0.0][-1]

@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from waxstudy.diagnosis.result import Diagnosis, Tried
 from waxstudy.report.diagnosis.words import channel_words, percent, probability, stage_words
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, GREY, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, GREY, legend_of, name_rows
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "Every effect that was tried"
-CAPTION = (
-    "Share of the gap above the noise floor that each effect explains, alone and as large as it fits best, on days "
-    "that its fit has not seen; at the bar its p over all effects tried (family-wise). Black: found. Hatched: in the "
-    "group of one that was found, and not to be told from it with this record. White: not named, for the reason beside "
-    "it. An effect that two measured channels can show stands twice, each with its channel."
-)
 MOST = 24
 BEST, ALIKE, OTHER = "found", "cannot be told from one that was found", "not found"
 LOOKS: Mapping[str, Any] = {
@@ -32,7 +25,14 @@ RANGE = (-25.0, 110.0)  # %; beyond, the figure at the bar tells
 ROOM_FOR_WORDS = 65.0  # % of a scale that is longer than its bars
 
 
-@styled
+@drawing(
+    "ranking",
+    "Every effect that was tried",
+    "Share of the gap above the noise floor that each effect explains, alone and as large as it fits best, on days "
+    "that its fit has not seen; at the bar its p over all effects tried (family-wise). Black: found. Hatched: in the "
+    "group of one that was found, and not to be told from it with this record. White: not named, for the reason beside "
+    "it. An effect that two measured channels can show stands twice, each with its channel.",
+)
 def figure_ranking(diagnosis: Diagnosis) -> Figure:
     """Shares explained [%] of the effects tried; raise `Lacking` where none could be."""
     if not diagnosis.tried:
@@ -43,13 +43,12 @@ def figure_ranking(diagnosis: Diagnosis) -> Figure:
     for place, each in enumerate(shown):
         _bar(panel, place, each, role(diagnosis, each))
     panel.axvline(0.0, color=BLACK, linewidth=0.8)
-    panel.set_yticks(range(len(shown)), [label(diagnosis, each) for each in shown])
-    panel.set_ylim(len(shown) - 0.4, -0.6)
-    panel.set_xlim(RANGE[0], RANGE[1] + ROOM_FOR_WORDS)
-    panel.set_xticks(range(-25, 101, 25))
+    name_rows(panel, [label(diagnosis, each) for each in shown])
     panel.grid(axis="y", visible=False)
+    panel.set(xlim=(RANGE[0], RANGE[1] + ROOM_FOR_WORDS), xticks=range(-25, 101, 25))
     panel.set_xlabel("share of the gap above the noise floor that is explained, %")
-    _legend(figure, [role(diagnosis, each) for each in shown])
+    roles = {role(diagnosis, each) for each in shown}
+    legend_of(figure, [Patch(label=name, linewidth=0.9, **look) for name, look in LOOKS.items() if name in roles])
     return figure
 
 
@@ -80,10 +79,3 @@ def _bar(panel: Axes, place: int, tried: Tried, role: str) -> None:
     text += "" if share == 100.0 * tried.share else f" (explains {percent(tried.share)})"
     text += f"; {tried.why}" if tried.why else ""
     panel.annotate(text, (max(share, 0.0), place), (5, 0), textcoords="offset points", va="center", fontsize=9.0)
-
-
-def _legend(figure: Figure, roles: list[str]) -> None:
-    from matplotlib.patches import Patch
-
-    handles = [Patch(label=name, linewidth=0.9, **look) for name, look in LOOKS.items() if name in roles]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

@@ -4,28 +4,20 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.diagnosis.result import Diagnosis, StageGap
 from waxstudy.plugin import FloatArray
 from waxstudy.report.diagnosis.focus import Day, main_stages, shown_days
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_of
 
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "The worst and a typical day"
-CAPTION = (
-    "Measured, as believed, and with the effects found, if any, on the day on which what is believed misses the first "
-    "channel most, and on a typical day (the middle of all days, ordered by that). Each channel is driven by what was "
-    "measured before it in the loop; lines are broken where nothing is known, as a return without flow."
-)
 LOOKS: Mapping[str, tuple[str, Any]] = {
     "measured": ("measured", {"color": BLACK, "linewidth": 0.9}),
     "before": ("as believed", {"color": COLOURS[5], "linewidth": 1.7, "linestyle": DASHED}),
@@ -35,7 +27,13 @@ LEVELS = 2  # values of a channel that only switches
 BREAK = 3.5  # times what usually lies between two samples: a line through more would be made up
 
 
-@styled
+@drawing(
+    "traces",
+    "The worst and a typical day",
+    "Measured, as believed, and with the effects found, if any, on the day on which what is believed misses the first "
+    "channel most, and on a typical day (the middle of all days, ordered by that). Each channel is driven by what was "
+    "measured before it in the loop; lines are broken where nothing is known, as a return without flow.",
+)
 def figure_traces(diagnosis: Diagnosis) -> Figure:
     """Traces of up to three channels over two days; raise `Lacking` where there is nothing to compare."""
     stages = [s for s in main_stages(diagnosis) if f"{s.channel}_before" in diagnosis.traces]
@@ -50,18 +48,12 @@ def figure_traces(diagnosis: Diagnosis) -> Figure:
     for panel, day in zip(axes[0], days, strict=True):
         panel.set_title(f"{day.what}, {day.date}")
     for panel in axes[-1]:
-        panel.set_xlabel("time of the day, h")
-        panel.set_xticks(range(0, 25, 3))
-        panel.set_xlim(0, 24)
-    _legend(figure, axes)
+        panel.set(xlabel="time of the day, h", xticks=range(0, 25, 3), xlim=(0, 24))
+    # what any panel shows: not every channel is changed by the effects
+    handles = {str(line.get_label()): line for panel in axes.flat for line in panel.get_lines()}
+    legend_of(figure, list(handles.values()), handlelength=3.0)
     figure.align_ylabels()
     return figure
-
-
-def _legend(figure: Figure, axes: Any) -> None:
-    """What any panel shows: not every channel is changed by the effects."""
-    handles = {str(line.get_label()): line for panel in axes.flat for line in panel.get_lines()}
-    figure.legend(handles=list(handles.values()), loc="outside lower center", ncols=len(handles), handlelength=3.0)
 
 
 def _label(stage: StageGap) -> str:
@@ -91,8 +83,6 @@ def course(known: pd.Series[float]) -> tuple[FloatArray, FloatArray]:
 
 def _hours(known: pd.Series[float]) -> FloatArray:
     """Hours of the day; midnight ends it."""
-    import pandas as pd
-
     stamps = pd.DatetimeIndex(known.index)
     hours = np.asarray((stamps - stamps.normalize()) / pd.Timedelta(1, "h"), dtype=float)
     return np.where(hours == 0.0, 24.0, hours)

@@ -4,28 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.diagnosis.result import Diagnosis, Step
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, number
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-TITLE = "How far the gap shrinks, effect by effect"
-CAPTION = (
-    "Root mean square gap of each channel over the whole record: as believed, what each effect takes away (hatched), "
-    "and what is left. Dashed: noise floor, below which no model can come."
-)
 MOST_CHANNELS = 4
 HEIGHT = 0.62
 HATCH = "////"
 
 
-@styled
+@drawing(
+    "waterfall",
+    "How far the gap shrinks, effect by effect",
+    "Root mean square gap of each channel over the whole record: as believed, what each effect takes away (hatched), "
+    "and what is left. Dashed: noise floor, below which no model can come.",
+)
 def figure_waterfall(diagnosis: Diagnosis) -> Figure:
     """Gaps by channel, in the channel's unit; raise `Lacking` where no effect was found."""
     shown = [steps for steps in _by_channel(diagnosis) if len(steps) > 1][:MOST_CHANNELS]

@@ -2,38 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.identification.records import Record
 from waxstudy.identification.result import ActuatorFit
 from waxstudy.identification.times import TIMES
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, DASHES, legend_below, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, DASHES, legend_below
 
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-PERIODS = "The first period and the following ones"
-PERIODS_CAPTION = (
-    "Opening since switching on, one record per exemplar in the profile that most of them share. Left the first "
-    "period, which begins as cold as the motor happened to be; right the following ones, one upon the other."
-)
-CUT_OFFS = "Where the characteristic times are cut"
-CUT_OFFS_CAPTION = (
-    "The cycle of the record with the most cycles whose times lie nearest to their medians. Rise and fall are where "
-    "the opening is steeper than 0.83 % up or 1.67 % down in 5 s; signal and opening tell the rest apart. Dashed: "
-    "signal."
-)
 MOST_RECORDS = 6
 MOST_CYCLES = 40
 SHADES = dict(zip(TIMES, ("#56B4E9", "#E69F00", "#D55E00", "#CC79A7", "#009E73", "#0072B2"), strict=True))
 
 
-@styled
+@drawing(
+    "periods",
+    "The first period and the following ones (as the paper's figure 9)",
+    "Opening since switching on, one record per exemplar in the profile that most of them share. Left the first "
+    "period, which begins as cold as the motor happened to be; right the following ones, one upon the other.",
+)
 def figure_periods(found: ActuatorFit) -> Figure:
     """First and following periods of up to six exemplars."""
     records = _shared_profile(found)
@@ -45,8 +37,7 @@ def figure_periods(found: ActuatorFit) -> Figure:
         for _, cycle in own.iloc[1 : 1 + MOST_CYCLES].iterrows():
             _draw_cycle(axes[0, 1], record, cycle, alpha=0.35, **look)
     for panel, title in zip(axes[0], ("first period", "following periods"), strict=True):
-        panel.set_title(title)
-        panel.set_xlabel("time since switching on, min")
+        panel.set(title=title, xlabel="time since switching on, min")
     axes[0, 0].set_ylabel("opening, 1")
     legend_below(figure, axes[0, 0])
     return figure
@@ -85,7 +76,13 @@ def _span(record: Record, cycle: pd.Series) -> tuple[int, int]:
     return start, min(len(record.opening), start + int(length_s / record.interval_s) + 1)
 
 
-@styled
+@drawing(
+    "cut-offs",
+    "Where the characteristic times are cut (as the paper's figure 10)",
+    "The cycle of the record with the most cycles whose times lie nearest to their medians. Rise and fall are where "
+    "the opening is steeper than 0.83 % up or 1.67 % down in 5 s; signal and opening tell the rest apart. Dashed: "
+    "signal.",
+)
 def figure_cut_offs(found: ActuatorFit) -> Figure:
     """One cycle with its six times shaded."""
     record, cycle = _typical(found)
@@ -101,9 +98,8 @@ def figure_cut_offs(found: ActuatorFit) -> Figure:
     panel.plot(seconds / 60.0, record.opening[start:end], color=BLACK, label="opening")
     on = record.on[start:end].astype(float)
     panel.plot(seconds / 60.0, on, color=BLACK, linestyle=DASHED, drawstyle="steps-post", label="heating signal")
-    panel.set_title(f"{record.name}, cycle {cycle['cycle']}")
-    panel.set_xlabel("time since switching on, min")
-    panel.set_ylabel("opening, 1")
+    title = f"{record.name}, cycle {cycle['cycle']}"
+    panel.set(title=title, xlabel="time since switching on, min", ylabel="opening, 1")
     legend_below(figure, panel)
     return figure
 

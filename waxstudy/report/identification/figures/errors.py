@@ -2,41 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from waxstudy.identification.records import Record
 from waxstudy.identification.result import ActuatorFit
-from waxstudy.report.figures.places import Lacking
-from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below, panels, styled
+from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-ERRORS = "Errors of all records"
-ERRORS_CAPTION = "Mean absolute and root mean square error of the modelled opening over each whole record, by product."
-HOURS = "An hour of a typical, the best and the worst record"
-HOURS_CAPTION = (
-    "Measured and modelled opening; records by their mean absolute error. Shown is the hour whose error is nearest "
-    "to that of its record. Dashed: signal."
-)
 HOUR_S = 3600.0
 
 
-@styled
+@drawing(
+    "errors",
+    "Errors of all records (as the paper's figure 13)",
+    "Mean absolute and root mean square error of the modelled opening over each whole record, by product.",
+)
 def figure_errors(found: ActuatorFit) -> Figure:
     """Bars per record."""
-    shown = [record for record in found.records if record.name in found.errors]
-    if not shown:
-        raise Lacking("no record has a model")
+    shown = _modelled(found)
     figure, axes = panels(1, 1, 3.8)
     panel, place = axes[0, 0], np.arange(len(shown))
-    for shift, what, look in (
-        (-0.2, "mae", {"color": COLOURS[1]}),
-        (0.2, "rmse", {"color": COLOURS[4], "hatch": "////"}),
-    ):
+    looks = (-0.2, "mae", {"color": COLOURS[1]}), (0.2, "rmse", {"color": COLOURS[4], "hatch": "////"})
+    for shift, what, look in looks:
         heights = [getattr(found.errors[record.name], what) for record in shown]
         panel.bar(place + shift, heights, 0.38, label=what.upper(), edgecolor=BLACK, linewidth=0.6, **look)
     panel.set_xticks(place, [record.name for record in shown], rotation=60, ha="right")
@@ -46,21 +35,27 @@ def figure_errors(found: ActuatorFit) -> Figure:
     return figure
 
 
-@styled
+def _modelled(found: ActuatorFit) -> list[Record]:
+    """The records that have a model; raise `Lacking` if none has."""
+    if shown := [record for record in found.records if record.name in found.errors]:
+        return shown
+    raise Lacking("no record has a model")
+
+
+@drawing(
+    "hours",
+    "An hour of a typical, the best and the worst record (as the paper's figure 14)",
+    "Measured and modelled opening; records by their mean absolute error. Shown is the hour whose error is nearest "
+    "to that of its record. Dashed: signal.",
+)
 def figure_hours(found: ActuatorFit) -> Figure:
     """Three panels: typical, best, worst."""
-    ordered = sorted(
-        (record for record in found.records if record.name in found.errors),
-        key=lambda record: found.errors[record.name].mae,
-    )
-    if not ordered:
-        raise Lacking("no record has a model")
+    ordered = sorted(_modelled(found), key=lambda record: found.errors[record.name].mae)
     picked = {"typical": ordered[len(ordered) // 2], "best": ordered[0], "worst": ordered[-1]}
     figure, axes = panels(1, 3, 3.6, sharey=True)
     for panel, (what, record) in zip(axes[0], picked.items(), strict=True):
         _hour(panel, found, record)
-        panel.set_title(f"{what}: {record.name}, MAE {found.errors[record.name].mae:.3f}")
-        panel.set_xlabel("time, min")
+        panel.set(title=f"{what}: {record.name}, MAE {found.errors[record.name].mae:.3f}", xlabel="time, min")
     axes[0, 0].set_ylabel("opening, 1")
     legend_below(figure, axes[0, 0])
     return figure

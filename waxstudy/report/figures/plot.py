@@ -1,0 +1,100 @@
+"""A figure from its drawing to a page: its words, its size, the look that all share, and the way to SVG."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+WIDTH_IN = 11.0  # the width of the page's text: at 100 % a point of a figure is a point on the page
+RC: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.5,
+    "axes.titlesize": 10.5,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "legend.fontsize": 9.5,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+    "path.simplify_threshold": 0.25,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "waxstudy",
+}
+Shown = TypeVar("Shown")  # what a figure is drawn of
+
+
+class Lacking(Exception):
+    """A figure cannot be drawn; the message says what is missing."""
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure of a page: its title is its alternative text as well; one without SVG says what is missing."""
+
+    id: str
+    title: str
+    caption: str
+    svg: str
+    missing: str = ""
+
+
+@dataclass(frozen=True)
+class Drawing(Generic[Shown]):
+    """How a figure is drawn, and its words; `draw` raises `Lacking` where what is shown has not what it needs."""
+
+    name: str
+    title: str
+    caption: str
+    draw: Callable[[Shown], Figure]
+
+    def __call__(self, shown: Shown) -> Figure:
+        """Draw in the common look, whatever the reader's own matplotlib settings are."""
+        with rc_context(RC):
+            return self.draw(shown)
+
+    def plot(self, shown: Shown) -> Plot:
+        """Return the figure as it is put on a page."""
+        id = f"figure-{self.name}"
+        try:
+            return Plot(id, self.title, self.caption, _svg(self(shown), id))
+        except Lacking as reason:
+            return Plot(id, self.title, self.caption, "", str(reason))
+
+
+def drawing(name: str, title: str, caption: str) -> Callable[[Callable[[Shown], Figure]], Drawing[Shown]]:
+    """Give a function that draws a figure its words."""
+    return lambda draw: Drawing(name, title, caption, draw)
+
+
+def plots(drawings: Sequence[Drawing[Shown]], shown: Shown) -> dict[str, Plot]:
+    """Return figures by their names."""
+    return {each.name: each.plot(shown) for each in drawings}
+
+
+def panels(rows: int, columns: int, height_in: float, **options: Any) -> tuple[Figure, Any]:
+    """Return a figure over the full width of the page and its axes (rows, columns)."""
+    figure = Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def _svg(figure: Figure, prefix: str) -> str:
+    """Return the figure as an element of a page, the same for the same figure; the prefix keeps ids apart."""
+    out = io.StringIO()
+    with rc_context(RC):
+        figure.savefig(out, format="svg", metadata={"Date": None})
+    text = re.sub(r"\s*<metadata>.*?</metadata>", "", out.getvalue(), flags=re.S)
+    element = re.sub(r"\sxmlns(:\w+)?=\"[^\"]*\"", "", text[text.index("<svg") :])
+    return re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", element)

@@ -1,0 +1,109 @@
+"""Tables and notes as text for a terminal, as Markdown and as CSV; data as JSON. Pages are in `page`."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from rich import box
+from rich.cells import cell_len
+from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table as Grid
+
+from waxstudy.report.table import Table
+
+WIDEST = 1000  # columns that no table needs
+FIRST = 3  # of a list, in the terminal
+
+
+def csv_text(table: Table[Any]) -> str:
+    """A line per row, under the columns' keys."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerows([[column.key for column in table.columns], *table.texts])
+    return out.getvalue()
+
+
+def json_text(data: dict[str, Any]) -> str:
+    """Return data as JSON, NaN as null."""
+    return json.dumps(_finite(data), indent=1) + "\n"
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no NaN."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def markdown(title: str, tables: Sequence[Table[Any]], notes: Sequence[str]) -> str:
+    """Pipe tables, then the notes."""
+    parts = [f"# {title}\n"]
+    for table in _filled(tables):
+        lines = [table.names, ["---"] * len(table.columns), *table.texts]
+        parts.append(f"## {table.heading}\n\n" + "".join(map(_pipes, lines)))
+    if notes:
+        parts.append("## Notes\n\n" + "".join(f"- {note}\n" for note in notes))
+    return "\n".join(parts)
+
+
+def _pipes(texts: Sequence[str]) -> str:
+    return "| " + " | ".join(text.replace("|", "\\|") for text in texts) + " |\n"
+
+
+def _filled(tables: Sequence[Table[Any]]) -> list[Table[Any]]:
+    return [table for table in tables if table.rows]
+
+
+def terminal(tables: Sequence[Table[Any]], notes: Sequence[str], width: int, colour: bool) -> str:
+    """Tables and notes for a terminal of a given width; one too narrow for the figures wraps lines, but hides none."""
+    out = io.StringIO()
+    printer = console(out, WIDEST, colour)
+    for table in _filled(tables):
+        printer.print(table.title, style="bold", width=width)
+        grid = _grid(table)
+        least = Measurement.get(printer, printer.options, grid).minimum
+        printer.print(grid, width=max(width, least), crop=False)
+    for note in notes:
+        printer.print(f"note: {note}", width=width)
+    return out.getvalue()
+
+
+def console(out: io.StringIO, width: int, colour: bool) -> Console:
+    """Return what prints for a terminal, words as they are."""
+    return Console(file=out, width=width, force_terminal=colour, highlight=False, markup=False, emoji=False)
+
+
+def _grid(table: Table[Any]) -> Grid:
+    grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    for column in table.columns:
+        cells = [column.text(row) for row in table.rows]
+        can_wrap = column.kind in ("prose", "list")
+        grid.add_column(
+            column.name,
+            justify="left" if column.is_left else "right",
+            style="dim" if column.kind == "theirs" else None,
+            no_wrap=not can_wrap,
+            min_width=None if can_wrap else max(map(cell_len, (column.name, *cells))),
+        )
+    for texts in table.texts:
+        row = zip(table.columns, texts, strict=True)
+        grid.add_row(*(_first(text) if column.kind == "list" else text for column, text in row))
+    return grid
+
+
+def _first(text: str) -> str:
+    """
+    >>> _first("1 K; 2 K; 3 K"), _first("1 K; 2 K; 3 K; 4 K; 5 K")
+    ('1 K; 2 K; 3 K', '1 K; 2 K; 3 K; 2 more in --format html')
+    """
+    figures = text.split("; ")
+    more = len(figures) - FIRST
+    return text if more <= 0 else "; ".join([*figures[:FIRST], f"{more} more in --format html"])
