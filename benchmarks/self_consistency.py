@@ -82,7 +82,7 @@ def _true(values: Mapping[str, float]) -> str:
 def summary(told: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the shares: right where the gap is large enough, and false alarms."""
     effects, none = [t for t in told if t["effect"]], [t for t in told if not t["effect"]]
-    large = [t for t in effects if t["diagnosis"] > LEAST * t["floor"]]
+    large = [t for t in effects if t["gap"] > LEAST * t["floor"]]
     beyond = [t for t in large if t["beyond"] > LEAST]
     lines = ["Self-consistency (the same code makes and fits these records):"]
     for label, chosen in (("right", large), *((f"right, {s}", _of(large, s)) for s in SEVERITIES)):

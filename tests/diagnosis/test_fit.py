@@ -171,11 +171,11 @@ def test_a_room_in_long_steps_is_refined_to_what_short_ones_give(true: Mapping[s
     segment = segment_of("thermal-mass", segments(seen, believed))
     convention, edited = segment.conventions[0], with_effects(believed, effects(**true))
     fine, coarse = (segment.predict(seen, edited, convention, is_fine=way) for way in (True, False))
-    refined = estimator(segment, seen, believed).predicted(edited, convention)
+    refined = estimator(segment, seen, believed).problem.predicted(edited, convention)
     for channel in OF_AIR_AND_FLOOR:
         off_K = [np.nanstd((each[channel] - fine[channel])[24:]) for each in (refined, coarse)]
         assert off_K[0] <= 0.25 * off_K[1], channel
-    whole = estimator(segment, seen, believed).predicted.fine(edited, convention)
+    whole = estimator(segment, seen, believed).problem.predicted.fine(edited, convention)
     assert all(np.array_equal(whole[channel], fine[channel], equal_nan=True) for channel in OF_AIR_AND_FLOOR)
 
 
@@ -187,7 +187,7 @@ def test_a_room_that_is_as_believed_is_missed_by_thousandths_whatever_the_sample
     seen = record(case, interval_s=interval_s, **PERFECT)
     believed = belief(case, seen)
     segment = segment_of("thermal-mass", segments(seen, believed))
-    for residual in estimator(segment, seen, believed, room_tolerance=0.0).base.residuals:
+    for residual in estimator(segment, seen, believed, is_exact_room=True).base.residuals:
         if residual.channel in OF_AIR_AND_FLOOR:
             assert residual.gap() < most_K, residual.channel
 
@@ -283,7 +283,7 @@ def test_a_room_s_departures_take_up_what_its_priors_allow() -> None:
     seen, believed, cut = ready("REAL")
     segment = next(each for each in cut if each.with_room)
     plain = estimator(segment, seen, believed)
-    moved = planted(segment, seen, plain.edited((), plain.sd))
+    moved = planted(segment, seen, plain.problem.edited((), plain.problem.sd))
     fitter = estimator(segment, moved, believed)
     believed_only = fitter.problem.at((), np.zeros(len(fitter.problem.sd)), fitter.base.convention)
     assert believed_only

@@ -15,7 +15,7 @@ from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.result import Interval
-from waxstudy.diagnosis.select.intervals import CLOCK_S, _reaching, _timing, parameter_intervals, shrink
+from waxstudy.diagnosis.select.intervals import CLOCK_S, _Local, _reaching, parameter_intervals, shrink
 from waxstudy.plugin import FloatArray, Prior
 
 SAMPLES = 2000
@@ -144,7 +144,7 @@ def test_a_motor_s_times_are_known_no_better_than_its_switches_nor_than_when_it_
     for place, name in enumerate(Space(motor).names):
         prior = motor.priors[name]
         if not prior.is_log:
-            open_s = _timing(fitter, fitted, motor, place) * (prior.high - prior.low)
+            open_s = _Local(fitter.problem, fitted)._timing(motor, place) * (prior.high - prior.low)
             assert open_s == pytest.approx(max(CLOCK_S, interval_s / 6.0))
 
 

@@ -12,6 +12,7 @@ from waxstudy.diagnosis.model.modulator_clock import late_s
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.judge import Judge
+from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.plugin import Choice
 from waxstudy_paper.modulators import Pwm
 
@@ -50,7 +51,9 @@ def test_such_a_clock_is_no_gap(minutes: int) -> None:
     (segment,) = [each for each in segments(seen, believed) if each.stages == ("modulator",)]
     judge = Judge(segment, seen, believed)
     (residual,) = judge.residuals(segment.predict(seen, believed))
-    assert residual.gap() <= 1.5 * judge.timing_s("heating_signal")
+    pulses = judge.ways["heating_signal"]
+    assert isinstance(pulses, Switching)
+    assert residual.gap() <= 1.5 * pulses.typical_s
 
 
 def test_pulses_without_that_rhythm_have_no_clock() -> None:

@@ -59,7 +59,7 @@ def test_a_setpoint_that_is_logged_when_it_changes_holds_until_the_next() -> Non
 
 
 def test_without_a_setpoint_what_lies_behind_the_controller_is_still_judged() -> None:
-    data = rows("WAX", days=DAYS).drop(columns=[*ROOM, "setpoint_C"], residuals="ignore")
+    data = rows("WAX", days=DAYS).drop(columns=[*ROOM, "setpoint_C"], errors="ignore")
     diagnosis = diagnose(replace(dataset(data, "WAX"), setpoint_C=None, room=None), quick=True)
     assert diagnosis.verdict == "none"
     assert {gap.stage for gap in diagnosis.stages} >= {"actuator", "valve"}

@@ -11,16 +11,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.diagnosis.evidences import KEPT, SOUND
 from tests.diagnosis.realities import EFFECTS, PERFECT, SETPOINT_C, belief, effects, estimator, plain, planted, record
 from waxstudy.diagnosis.consequence.closed_loop import closed_loop, distance, free_run, recorded
 from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.regimes import LONG_PAUSE_S, PHASES, of_chain, of_room, regimes
+from waxstudy.diagnosis.criteria import Question, limit, meets
 from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.segments import Segment, segments
-from waxstudy.diagnosis.model.travel import is_covered, opening, published_error_s
+from waxstudy.diagnosis.model.travel import opening, published_error_s, travel
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.judge import Judge
-from waxstudy.diagnosis.result import FoundEffect, Interval, Untestable
+from waxstudy.diagnosis.result import FoundEffect, Interval, Lack, Untestable
 from waxstudy.diagnosis.select.evidence import distinct
 from waxstudy.diagnosis.select.search import Selection, select
 from waxstudy.diagnosis.select.testability import (
@@ -124,11 +126,12 @@ def test_the_opening_that_is_believed_is_what_was_recorded_of_it() -> None:
 
 def test_covered_is_what_moves_the_opening_little_and_nothing_else() -> None:
     seen, believed, cut = ready()
-    fitter = estimator(segment_at("actuator", cut), seen, believed)
+    fitter, most = estimator(segment_at("actuator", cut), seen, believed), limit(Question.CLAIM, "travel", SOUND)
+    still = fitter.problem.belief_of(fitter.base)
     for factor, is_little in ((1.02, True), (2.0, False)):
         moved = fitter.problem.at([(EFFECTS["slow-actuator"], {"factor": factor})], np.zeros(0), fitter.base.convention)
         assert moved
-        assert is_covered(fitter, fitter.base, moved) is is_little
+        assert (travel(seen, still, fitter.problem.belief_of(moved)) <= most) is is_little
 
 
 # --- what could not be seen ------------------------------------------------------------------------------
@@ -300,7 +303,8 @@ def test_a_group_is_split_by_the_channel_between_its_stages_or_by_a_closer_look(
 
 def test_what_was_never_excited_asks_for_more_days() -> None:
     seen, _, cut = ready()
-    unseen = [Untestable("let-by", "nothing in this record would look different with it, unless it were large")]
+    reason = "nothing in this record would look different with it, unless it were large"
+    unseen = [Untestable("let-by", reason, Lack.NOT_EXCITED)]
     assert list(next_measurements(cut, [], unseen, {}, seen))[-1].splits == ["let-by"]
 
 
@@ -317,7 +321,8 @@ def test_a_claim_is_noticeably_off_what_is_believed_and_its_interval_leaves_that
     low, high = value * (1.0 - below), value * (1.0 + above)
     noticeable = slow.priors["factor"].noticeable
     is_off = max(value, 1.0 / value) > noticeable and not low <= 1.0 <= high
-    assert (distinct(slow, factor_of(value, low, high), believed) > 1.0) is is_off
+    kept = replace(KEPT, stage="actuator", distinct=distinct(slow, factor_of(value, low, high), believed))
+    assert meets(Question.KEEP, kept) is is_off
 
 
 @pytest.mark.parametrize("seed", [4, 5])
@@ -329,7 +334,7 @@ def test_no_effect_is_named_that_is_below_noticeable_in_the_end(seed: int) -> No
     selection = searched(segment, made, believed, ["max-flow"])
     values = [dict(selection.after.effects)[found.effect]["factor"] for found in selection.found]
     assert all(value > EFFECTS["max-flow"].priors["factor"].noticeable for value in values)
-    assert len(selection.found) + len(selection.indistinct) == 1
+    assert len(selection.found) + sum(each.is_blurred for each in selection.withdrawn) == 1
     assert list(unexplained(selection, 1)) == []
 
 

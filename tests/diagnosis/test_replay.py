@@ -31,7 +31,7 @@ def closed(case: str, hours: int = 30) -> tuple[Chain, FloatArray, FloatArray]:
     chain = Chain(study().cases[case].blocks, STEP_S)
     loop = Loop(chain, driven, 21.0)
     state = loop.start(SETPOINT_C)
-    first_C = float(state.conventions[0])
+    first_C = float(state.readings[0])
     trace = loop.advance(state, np.arange(hours), 0.0, SETPOINT_C, trace=True)[1]
     return chain, np.concatenate(([first_C], trace[:-1, TRACE.index("air_C")])), trace
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from waxstudy.diagnosis.select.criteria import LEAST_GAP, LEAST_SMOOTHED_GAP
 
+from tests.diagnosis.evidences import SOUND
 from tests.diagnosis.realities import PERFECT, belief, estimator, plain, record
+from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.predicted import Predicted
 from waxstudy.diagnosis.model.segments import Segment, segments
@@ -20,6 +22,7 @@ from waxstudy.diagnosis.residuals.continuous import stands
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.switching import softened
+from waxstudy.diagnosis.select.search import runs_on_at
 from waxstudy.plugin import Belief
 
 DAY = 1440
@@ -100,7 +103,7 @@ def switching(days: int = 8) -> tuple[Record, Judge]:
 def test_a_switch_that_comes_late_or_early_costs_its_seconds(minutes: int, is_early: bool) -> None:
     seen, judge = switching()
     shifted = np.roll(seen.values["heating_signal"], -minutes if is_early else minutes)
-    (residual,) = judge.residuals({"heating_signal": shifted})
+    (residual,) = judge.residuals(Predicted({"heating_signal": shifted}))
     assert residual.unit == "s"
     # up to half of the shortest pulse, beyond which it is nearer to another switch
     assert residual.error[residual.judged][1:-1] == pytest.approx(60.0 * minutes)
@@ -110,13 +113,13 @@ def test_a_switch_that_comes_late_or_early_costs_its_seconds(minutes: int, is_ea
 
 def test_a_prediction_that_is_the_record_misses_nothing() -> None:
     seen, judge = switching()
-    (residual,) = judge.residuals({"heating_signal": seen.values["heating_signal"]})
+    (residual,) = judge.residuals(Predicted({"heating_signal": seen.values["heating_signal"]}))
     assert residual.gap() == residual.loss() == 0.0
 
 
 def test_a_switch_that_never_comes_costs_the_whole_pulse() -> None:
     seen, judge = switching()
-    (residual,) = judge.residuals({"heating_signal": np.zeros(len(seen))})
+    (residual,) = judge.residuals(Predicted({"heating_signal": np.zeros(len(seen))}))
     pulse_s = 0.3 * 86_400.0 / 8
     assert residual.error[residual.judged].sum() == pytest.approx(pulse_s * 8 * 7.75, rel=0.02)
 
@@ -209,10 +212,12 @@ def test_how_often_a_room_s_temperatures_are_logged_moves_its_prediction_by_no_t
 def test_a_right_controller_misses_no_more_than_what_its_own_drive_s_noise_makes_of_it(interval_s: float) -> None:
     seen = record("PI", days=4, interval_s=interval_s)
     believed = belief("PI", seen)
-    fitter = estimator(segments(seen, believed)[0], seen, believed, 1.0, 1.0)
+    fitter = estimator(segments(seen, believed)[0], seen, believed)
     floor = NoiseFloor.of(fitter.problem, fitter.base)
     for each in fitter.base.residuals:
-        least = LEAST_SMOOTHED_GAP if each.channel == "control_output" else LEAST_GAP
+        channel, runs_on = each.channel, runs_on_at(fitter.base, each.channel)
+        assert runs_on == (channel == "control_output")
+        least = limit(Question.CLAIM, "over", replace(SOUND, stage="controller", channel=channel, runs_on=runs_on))
         assert 0.7 < each.gap() / floor.plain[each.channel] < least
 
 
@@ -220,7 +225,7 @@ def test_the_gap_is_in_the_channel_s_unit() -> None:
     """A temperature that is half a kelvin off misses half a kelvin."""
     judge, predicted, _ = next(each for each in judged() if each[0].segment.with_room)
     for channel in ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C"):
-        off = {**predicted, channel: judge.measured(channel) + 0.5}
+        off = Predicted({**predicted, channel: judge.ways[channel].measured + 0.5})
         (found,) = [each for each in judge.residuals(off) if each.channel == channel]
         assert found.unit == "K"
         assert found.gap() == pytest.approx(0.5)

@@ -12,22 +12,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from waxstudy.diagnosis.select.criteria import (
-    LEAST_GAP,
-    LEAST_OF_TRAVEL,
-    LEAST_SAMPLED_GAP,
-    LEAST_SMOOTHED_GAP,
-    least_gap,
-)
 
 from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, estimator, planted, record
 from waxstudy.diagnosis.assembly import _alternative
+from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.select.candidate import best_of
+from waxstudy.diagnosis.select.candidate import Candidate, best_of
 from waxstudy.diagnosis.select.evidence import explained
-from waxstudy.diagnosis.select.search import Selection, _Search, select
+from waxstudy.diagnosis.select.search import Found, Selection, _Search, select
 from waxstudy.diagnosis.sentences import why_not
 from waxstudy.plugin import Belief, Effect, hookimpl
 from waxstudy.plugin.registry import Registry, _register
@@ -61,6 +55,15 @@ def of_planted(true: Effects, stage: str, case: str = "REAL") -> Selection:
     return searched(segment, planted(segment, seen, believed, true), believed)
 
 
+def distrusted(selection: Selection) -> list[Found]:
+    """What explains too little of the whole record, or of a room that is not understood."""
+    return [each.found for each in selection.withdrawn if each.criterion.name == "too much stays"]
+
+
+def with_evidence(candidate: Candidate, **changes: float) -> Candidate:
+    return replace(candidate, evidence=replace(candidate.evidence, **changes))
+
+
 # --- nothing of nothing ----------------------------------------------------------------------------------
 
 
@@ -76,10 +79,10 @@ def test_where_everything_is_as_believed_nothing_is_claimed(case: str, stage: st
 @pytest.mark.parametrize(
     ("interval_s", "without", "least"),
     [
-        (60.0, (), LEAST_GAP),
-        (300.0, (), LEAST_OF_TRAVEL),
-        (60.0, ("heating_signal", "control_output"), LEAST_SMOOTHED_GAP),
-        (300.0, ("heating_signal", "control_output"), LEAST_OF_TRAVEL),
+        (60.0, (), 1.1),
+        (300.0, (), 3.5),
+        (60.0, ("heating_signal", "control_output"), 1.75),
+        (300.0, ("heating_signal", "control_output"), 3.5),
     ],
 )
 def test_a_motor_is_claimed_by_more_where_its_pulses_or_its_path_are_not_known(
@@ -88,9 +91,15 @@ def test_a_motor_is_claimed_by_more_where_its_pulses_or_its_path_are_not_known(
     seen = record("REAL", days=2, interval_s=interval_s, without=without)
     believed = belief("REAL", seen)
     segment = segment_at("actuator", segments(seen, believed))
-    assert least_gap(estimator(segment, seen, believed), "displacement", "1") == least
-    of_flow = max(LEAST_SAMPLED_GAP, LEAST_SMOOTHED_GAP if without else 0.0) if interval_s == 300.0 else least
-    assert least_gap(estimator(segment, seen, believed), "flow_L_h", "L/h") == of_flow
+    fitter, slow = estimator(segment, seen, believed), EFFECTS["slow-actuator"]
+    slower = fitter.problem.at([(slow, {"factor": 2.0})], fitter.base.departures, fitter.base.convention)
+    assert slower
+    search = _Search(fitter, [slow], np.random.default_rng(1), lambda name: None)
+    (candidate,) = search.judged(fitter.base, [(slow, slower)])
+    evidence = replace(candidate.evidence, channel="displacement")
+    assert limit(Question.CLAIM, "over", evidence) == least
+    of_flow = max(1.5, 1.75 if without else 0.0) if interval_s == 300.0 else least
+    assert limit(Question.CLAIM, "over", replace(evidence, channel="flow_L_h")) == of_flow
 
 
 @pytest.mark.slow
@@ -191,8 +200,8 @@ def test_a_room_departs_only_so_far_and_what_needs_more_is_claimed() -> None:
     half = of_sun(0.5)
     assert ["solar-factor" in found.group for found in half.found] == [True]
     less = of_sun(0.8)
-    names = [unknown.name for unknown in less.fitter.problem.nuisances]
-    departure = (less.after.departures / less.fitter.problem.sd)[names.index("solar gain")]
+    names = [unknown.name for unknown in less.problem.nuisances]
+    departure = (less.after.departures / less.problem.sd)[names.index("solar gain")]
     assert (less.found, departure < -1.0) == ((), True)
 
 
@@ -239,8 +248,8 @@ def test_an_effect_that_later_days_do_not_confirm_is_withdrawn() -> None:
     selection = searched(segment, replace(seen, values={**seen.values, "flow_L_h": flow}), believed)
     assert selection.found == ()
     (withdrawn,) = selection.withdrawn
-    assert "let-by" in withdrawn.group
-    assert why_not(selection, withdrawn.candidate) == "the last days do not confirm it"
+    assert "let-by" in withdrawn.found.group
+    assert why_not(selection, withdrawn.found.candidate) == "the last days do not confirm it"
 
 
 def test_what_explains_less_than_half_of_a_room_over_the_whole_record_is_not_claimed() -> None:
@@ -254,7 +263,7 @@ def test_what_explains_less_than_half_of_a_room_over_the_whole_record_is_not_cla
     for values, is_claimed in ((warm.values, True), ({**warm.values, **odd}, False)):
         tried = [EFFECTS["supply-offset"]]
         selection = select(estimator(segment, replace(warm, values=values), believed), tried, 1, lambda name: None)
-        named = selection.found if is_claimed else selection.distrusted
+        named = selection.found if is_claimed else distrusted(selection)
         assert [each.effect.name for each in named] == ["supply-offset"]
         assert bool(selection.found) is is_claimed
         why = "another explains more" if is_claimed else "too much stays"
@@ -272,7 +281,7 @@ def test_a_form_of_several_parameters_is_claimed_only_where_little_else_is_left(
     for values, is_claimed in ((flow, True), (flow * (1.0 + wave), not is_form)):
         record = replace(seen, values={**seen.values, "flow_L_h": values})
         selection = select(estimator(segment, record, believed), [EFFECTS[name]], 1, lambda name: None)
-        assert [each.effect.name for each in (selection.found if is_claimed else selection.distrusted)] == [name]
+        assert [each.effect.name for each in (selection.found if is_claimed else distrusted(selection))] == [name]
         assert bool(selection.found) is is_claimed
 
 
@@ -280,8 +289,9 @@ def test_an_actuator_within_what_real_ones_stray_is_not_called_another() -> None
     """It is seen, and yet no finding: what is published of the believed one covers it."""
     selection = of_planted(effects(slow_actuator={"factor": 1.04}), "actuator")
     slow = next(each for each in selection.tried if each.effect.name == "slow-actuator")
-    assert slow.is_seen
-    assert slow.is_covered
+    assert slow.evidence.p <= limit(Question.CLAIM, "p", slow.evidence)
+    assert slow.evidence.gain_per_form >= limit(Question.CLAIM, "gain_per_form", slow.evidence)
+    assert slow.evidence.travel <= limit(Question.CLAIM, "travel", slow.evidence)
     assert slow.why_not == "real motors stray as much"
     assert selection.found == ()
 
@@ -362,9 +372,7 @@ def test_the_same_seed_gives_the_same_selection() -> None:
     segment = segment_at("valve", cut)
     leaking = planted(segment, seen, believed, effects(let_by={"fraction": 0.02}))
     one, other = (searched(segment, leaking, believed, seed=5) for _ in range(2))
-    assert [(c.effect.name, c.gain, c.p, c.share) for c in one.tried] == [
-        (c.effect.name, c.gain, c.p, c.share) for c in other.tried
-    ]
+    assert [(c.effect.name, c.evidence) for c in one.tried] == [(c.effect.name, c.evidence) for c in other.tried]
     assert [(f.group, f.inclusion) for f in one.found] == [(f.group, f.inclusion) for f in other.found]
 
 
@@ -376,17 +384,18 @@ def test_an_effect_that_may_not_be_claimed_says_which_condition_it_fails() -> No
         ({"p": 0.5}, "may be chance"),
         ({"gain": 1.0}, "hardly better than without"),
         ({"over": 1.0}, "the gap is within noise"),
-        ({"is_worth_naming": False}, "too slight to be named"),
+        ({"departure": 1.0}, "too slight to be named"),
         ({"share": 0.1}, "explains too little"),
     ):
-        assert replace(claimed, **fails).why_not == why  # type: ignore[arg-type]
+        assert with_evidence(claimed, **fails).why_not == why
 
 
 def test_of_two_that_leave_only_noise_the_one_with_fewer_parameters_is_named() -> None:
     tried = of_planted(effects(slow_actuator={"factor": 2.0}), "actuator").tried
     by_name = {each.effect.name: each for each in tried}
     simple, rich = by_name["slow-actuator"], by_name["constant-times"]
-    ahead = replace(rich, gain=simple.gain + 500.0, left=1.0)
-    assert best_of([replace(simple, left=1.02), ahead]).effect.name == "slow-actuator"
-    assert best_of([replace(simple, left=1.1), ahead]).effect.name == "constant-times"
-    assert best_of([simple, replace(rich, gain=simple.gain - 500.0)]).effect.name == "slow-actuator"
+    gain = simple.evidence.gain
+    ahead = with_evidence(rich, gain=gain + 500.0, left=1.0)
+    assert best_of([with_evidence(simple, left=1.02), ahead]).effect.name == "slow-actuator"
+    assert best_of([with_evidence(simple, left=1.1), ahead]).effect.name == "constant-times"
+    assert best_of([simple, with_evidence(rich, gain=gain - 500.0)]).effect.name == "slow-actuator"

@@ -14,6 +14,7 @@ from waxstudy.diagnosis.result import (
     Diagnosis,
     FoundEffect,
     Interval,
+    Lack,
     Measurement,
     Regime,
     StageGap,
@@ -161,10 +162,10 @@ EFFECT = Diagnosis(
     effects=(LET_BY,),
     unexplained=(Unexplained("actuator", 0.0312, 0.0118, 0.0025, is_covered=True, channel="displacement"),),
     untestable=(
-        Untestable("pipe-delay", NO_PUMP),
-        Untestable("supply-offset", "return_temperature_C was not recorded"),
-        Untestable("floor-cover", "return_temperature_C was not recorded"),
-        Untestable("neighbour-heat", "neighbour_temperature_C was not recorded"),
+        Untestable("pipe-delay", NO_PUMP, Lack.NOT_EXCITED),
+        Untestable("supply-offset", "return_temperature_C was not recorded", Lack.NOT_RECORDED),
+        Untestable("floor-cover", "return_temperature_C was not recorded", Lack.NOT_RECORDED),
+        Untestable("neighbour-heat", "neighbour_temperature_C was not recorded", Lack.NOT_RECORDED),
     ),
     tried=tuple(Tried(*each, CHANNELS.get(each[1], ""), WHY.get(each[0], "")) for each in REST),
     closed_loop={
@@ -270,7 +271,10 @@ UNTESTABLE = replace(
     effects=(),
     unexplained=(),
     tried=(),
-    untestable=tuple(Untestable(name, f"{stage}: the channel before it was not recorded") for name, stage, *_ in REST),
+    untestable=tuple(
+        Untestable(name, f"{stage}: the channel before it was not recorded", Lack.NOT_RECORDED)
+        for name, stage, *_ in REST
+    ),
     waterfall=(),
     closed_loop={},
     departures={},

@@ -30,7 +30,7 @@ from tests.report.diagnoses import (
     VALVE,
 )
 from tests.report.test_page import Page, browse, needs_browser
-from waxstudy.diagnosis.result import Diagnosis, Measurement, Tried, Untestable
+from waxstudy.diagnosis.result import Diagnosis, Lack, Measurement, Tried, Untestable
 from waxstudy.diagnosis.sentences import group_sentence
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.figures.ranking import figure_ranking
@@ -370,7 +370,7 @@ def test_merged_stages_name_the_channel_that_would_tell_them_apart() -> None:
 
 
 def test_foreign_words_are_shown_and_never_become_markup() -> None:
-    odd = replace(EFFECT, dataset="<b>a&b</b>", untestable=(Untestable("<i>x</i>", "1 < 2"),))
+    odd = replace(EFFECT, dataset="<b>a&b</b>", untestable=(Untestable("<i>x</i>", "1 < 2", Lack.NOT_EXCITED),))
     text = as_html(odd)
     assert "<b>a&" not in text
     assert "<i>x" not in text
