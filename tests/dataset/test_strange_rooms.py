@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import tomli_w
 
-from tests.dataset.conftest import SETPOINT_C
+from tests.synthetic.conftest import SETPOINT_C
 from tests.simulation.strange import InParts, Strange, without
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin import Choice, FloatArray, ModelError, Role, Room

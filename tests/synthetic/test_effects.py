@@ -31,7 +31,7 @@ STRONG: dict[str, dict[str, float]] = {
     "gain-shift": {"shift_h": 6.0, "factor": 2.0},
     "window-opening": {"flow_L_s": 15.0},
     "neighbour-heat": {"conductance_W_K": 12.0},
-    "extra-heat": {"heat_W": 150.0, "radiant_share": 0.5},
+    "extra-heat": {"heat_W": 40.0, "radiant_share": 0.5},
 }
 OF_INPUTS = (
     "supply-offset",
