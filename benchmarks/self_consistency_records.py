@@ -91,6 +91,7 @@ TABLE: Mapping[str, tuple[str, Sequence[Values]]] = {
     ),
     "thermal-mass": ("O_WM", [{"factor": v} for v in (1.3, 2.0, 4.0)]),
     "neighbour-heat": ("O_WM", [{"conductance_W_K": v} for v in (2.0, 8.0, 25.0)]),
+    "extra-heat": ("O_WM", [{"heat_W": v, "radiant_share": 0.5} for v in (25.0, 60.0, 150.0)]),
 }
 
 

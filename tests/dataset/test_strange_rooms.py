@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 import tomli_w
 
-from tests.synthetic.conftest import SETPOINT_C
 from tests.simulation.strange import InParts, Strange, without
+from tests.synthetic.conftest import SETPOINT_C
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin import Choice, FloatArray, ModelError, Role, Room
 from waxstudy.plugin.model_error import DOUBLED

@@ -128,9 +128,10 @@ def test_a_table_of_figures_alone_is_as_wide_as_it_must_be_however_narrow_the_te
 
 
 def test_wide_letters_are_given_the_room_that_they_take() -> None:
-    wide = replace(TABLE, rows=[replace(MOTORS[0], name="電動弁", remark="")])
+    wide = replace(TABLE, rows=[replace(MOTORS[0], name="電動弁 電動弁 電動弁", remark="")])
     _, _, head, _, row, _ = lines(wide)
     assert cell_len(row[: row.index("7.2")]) == cell_len(head[: head.index("time s")]) + len("time s") - len("7.2")
+    assert "電動弁 電動弁 電動弁" in "".join(lines(replace(wide, columns=COLUMNS[:2]), 20))
 
 
 def test_of_a_list_the_terminal_shows_the_first_three_and_says_where_the_others_are() -> None:

@@ -32,8 +32,13 @@ class Estimate:
         return bool(self.low > 0.0 or self.high < 0.0)
 
     @property
+    def resolved(self) -> bool | None:
+        """Whether that interval excludes zero; None without a spread."""
+        return None if np.isnan(self.low) else self.excludes_zero
+
+    @property
     def half_width(self) -> float:
-        """Half that interval."""
+        """Half of it."""
         return (self.high - self.low) / 2.0
 
     def __format__(self, form: str) -> str:

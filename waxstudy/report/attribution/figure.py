@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from waxstudy.report.attribution.render import WORDS, is_resolved, name
+from waxstudy.report.attribution.render import WORDS
 from waxstudy.report.attribution.shares import HEAT, Attribution, OrderFree, Share
 from waxstudy.report.figures.plot import drawing, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, GREY, legend_of, name_rows
@@ -42,7 +42,7 @@ def figure_shares(found: OrderFree) -> Figure:
             _bars(panel, of, figure)
             panel.set_xlabel(f"{WORDS[figure][0]}, {WORDS[figure][1]}")
             panel.locator_params(axis="x", nbins=TICKS)
-        row[0].set_title(name(of))
+        row[0].set_title(f"ladder {of.name}")
     _legend(drawn)
     return drawn
 
@@ -57,11 +57,11 @@ def _bars(panel: Axes, of: Attribution, figure: str) -> None:
 def _step(panel: Axes, place: int, share: Share) -> None:
     above, below = place - SHIFT, place + SHIFT
     panel.barh(above, share.in_ladder.mean, BAR, facecolor="white", edgecolor=BLACK, hatch=HATCH, linewidth=0.8)
-    fill = NOT_RESOLVED if is_resolved(share.order_free) is False else FREE
+    fill = NOT_RESOLVED if share.order_free.resolved is False else FREE
     panel.barh(below, share.order_free.mean, BAR, facecolor=fill, edgecolor=FREE, linewidth=1.2)
     if not math.isnan(share.least):
         panel.plot([share.least, share.most], [below, below], color=GREY, marker="|", markersize=7, zorder=2.4)
-    if is_resolved(share.order_free) is not None:
+    if share.order_free.resolved is not None:
         interval = [share.order_free.low, share.order_free.high]
         panel.plot(interval, [below, below], color="white", linewidth=4.8, zorder=2.5)  # an edge on the dark bar
         panel.plot(interval, [below, below], color=BLACK, linewidth=2.6, zorder=2.6)

@@ -51,17 +51,15 @@ def _off_comfort(of: Attribution, limit_h: float) -> Iterator[str]:
     off = {chosen: hours for chosen, hours in of.hours_below.items() if abs(hours - limit_h) > OFF_COMFORT_H}
     if off:
         cases = ", ".join(f"{named(of.subsets, chosen)} ({hours:.1f} h)" for chosen, hours in off.items())
-        yield f"{of.subsets.ladder.name}, {of.week}: not at {limit_h:g} h below the limit: {cases}"
+        yield f"{of.name}: not at {limit_h:g} h below the limit: {cases}"
 
 
 def _alike(of: Attribution) -> Iterator[str]:
     shares = of.differences[PERCENT].shares
     alike = [share.step for share in shares if share.order_free.sd < ALIKE and share.order_free.mean]
     if alike:
-        yield (
-            f"{of.subsets.ladder.name}, {of.week}: all members meet in one course, so that the interval of the heat "
-            f"says nothing: {', '.join(alike)}"
-        )
+        alone = "all members meet in one course, so that the interval of the heat says nothing"
+        yield f"{of.name}: {alone}: {', '.join(alike)}"
 
 
 def named(subsets: Subsets, chosen: Subset) -> str:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from waxstudy.report.attribution.figure import figure_shares
 from waxstudy.report.attribution.notes import notes
-from waxstudy.report.attribution.render import is_resolved, name, tables
+from waxstudy.report.attribution.render import tables
 from waxstudy.report.attribution.shares import PERCENT, Attribution, OrderFree
 from waxstudy.report.html import filled, provenance
-from waxstudy.report.words import capital, counted
+from waxstudy.report.words import counted
 
 
 def as_html(found: OrderFree) -> str:
@@ -39,10 +39,10 @@ def summary(found: OrderFree) -> str:
 def _of_heat(of: Attribution) -> str:
     """A ladder and week in one sentence."""
     heat = of.differences[PERCENT]
-    resolved = sum(bool(is_resolved(share.order_free)) for share in heat.shares)
-    moved = sum(bool(is_resolved(share.of_its_place)) for share in heat.shares)
+    resolved = sum(bool(share.order_free.resolved) for share in heat.shares)
+    moved = sum(bool(share.of_its_place.resolved) for share in heat.shares)
     return (
-        f"{capital(name(of))}: all steps together change the heat by {heat.total.mean:+.1f} %; "
+        f"Ladder {of.name}: all steps together change the heat by {heat.total.mean:+.1f} %; "
         f"resolved are {resolved} of {len(heat.shares)} shares and {moved} of {len(heat.shares)} differences from the "
         "ladder's order."
     )

@@ -32,16 +32,11 @@ def tables(found: OrderFree) -> list[Table[Shares]]:
     return [table for of in found.attributions for table in (_shares_table(of, found.members), _place_table(of))]
 
 
-def name(of: Attribution) -> str:
-    """The words for a ladder in a week."""
-    return f"ladder {of.subsets.ladder.name}, {of.week}"
-
-
 def _shares_table(of: Attribution, members: int) -> Table[Shares]:
     how = "order-free ± half its 95 % interval, in brackets where not resolved" if members > 1 else "order-free"
     cases = of.subsets.ladder.cases
     title = (
-        f"{name(of)}: what each step adds, {cases[0]} to {cases[-1]}, by the ladder's order and beside it {how} "
+        f"ladder {of.name}: what each step adds, {cases[0]} to {cases[-1]}, by the ladder's order and beside it {how} "
         f"({counted(of.orders, 'order')}, {counted(members, 'member')})"
     )
     return Table(title, [_step(), *(column for figure in WORDS for column in _share_columns(figure))], _rows(of))
@@ -67,8 +62,8 @@ def _share_columns(figure: str) -> list[Column[Shares]]:
 
 def _place_table(of: Attribution) -> Table[Shares]:
     title = (
-        f"{name(of)}: how much that depends on the order: least to most over all orders, and beside it what of the "
-        "ladder's figure is the step's place there (ladder's order minus order-free)"
+        f"ladder {of.name}: how much that depends on the order: least to most over all orders, and beside it what of "
+        "the ladder's figure is the step's place there (ladder's order minus order-free)"
     )
     columns = [column for figure in WORDS if figure != HEAT for column in _place_columns(figure)]
     return Table(title, [_step(), *columns], _rows(of)[:-1])
@@ -89,12 +84,7 @@ def _range(share: Share, form: str) -> str:
 def _with_interval(value: Estimate, form: str) -> str:
     """In brackets where the ensemble cannot tell it from zero."""
     text = with_spread(value.mean, value.half_width, form)
-    return f"({text})" if is_resolved(value) is False else text
-
-
-def is_resolved(value: Estimate) -> bool | None:
-    """Whether the 95 % interval excludes zero; None without a spread."""
-    return None if math.isnan(value.low) else value.excludes_zero
+    return f"({text})" if value.resolved is False else text
 
 
 # --- the formats -------------------------------------------------------------------------------------
@@ -125,7 +115,7 @@ def as_csv(found: OrderFree) -> str:
         for end, part in (("", "mean"), ("_low", "low"), ("_high", "high")):
             columns.append(Column(f"{key}{end}", attrgetter(f"share.{key}.{part}"), ".5f"))
     columns += [Column(key, attrgetter(f"share.{key}"), ".5f") for key in ("least", "most")]
-    columns.append(Column("resolved", lambda line: yes_or_no(is_resolved(line.share.order_free))))
+    columns.append(Column("resolved", lambda line: yes_or_no(line.share.order_free.resolved)))
     lines = [
         Line(of.subsets.ladder.name, of.week, figure, share)
         for of in found.attributions
@@ -171,5 +161,5 @@ def _described(of: Attribution) -> dict[str, Any]:
 
 
 def _described_difference(of: Difference) -> dict[str, Any]:
-    shares = [asdict(share) | {"resolved": is_resolved(share.order_free)} for share in of.shares]
+    shares = [asdict(share) | {"resolved": share.order_free.resolved} for share in of.shares]
     return {"total": asdict(of.total), "sum_of_shares": of.total.mean + of.remainder, "shares": shares}

@@ -66,6 +66,10 @@ class Attribution:
     hours_below: Mapping[Subset, float]  # per week, mean over the members, at each set's own setpoint shift
     residual_K: Mapping[Subset, float]  # what the search for that shift left, to first order
 
+    @property
+    def name(self) -> str:
+        return f"{self.subsets.ladder.name}, {self.week}"
+
 
 @dataclass(frozen=True)
 class OrderFree:

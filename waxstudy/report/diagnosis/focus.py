@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from waxstudy.diagnosis.result import Diagnosis, Measurement, StageGap, Unexplained, Untestable
+from waxstudy.diagnosis.result import Diagnosis, FoundEffect, Measurement, StageGap, Unexplained, Untestable
 
 MOST_STAGES = 3
 LEAST_OF_A_DAY = 0.5  # samples, against the fullest day
@@ -23,7 +23,7 @@ def main_stages(diagnosis: Diagnosis) -> list[StageGap]:
     ranked = sorted(diagnosis.stages, key=lambda stage: -stage.over_floor)
     shown = [stage for stage in ranked if stage.channel in found]
     for left in sorted(diagnosis.unexplained, key=lambda each: not each.is_finding):
-        stage = stage_left(diagnosis, left)
+        stage = stage_of(diagnosis, left)
         told = stage in shown or (not left.is_finding and left.stage in {each.stage for each in shown})
         shown += [stage] if stage and not told else []
     return (shown or ranked[:1])[:MOST_STAGES]
@@ -35,8 +35,8 @@ def other_stages(diagnosis: Diagnosis) -> list[StageGap]:
     return sorted((s for s in diagnosis.stages if s not in main), key=lambda stage: -stage.over_floor)
 
 
-def stage_left(diagnosis: Diagnosis, left: Unexplained) -> StageGap | None:
-    """The judged channel at which a gap stays unexplained."""
+def stage_of(diagnosis: Diagnosis, left: FoundEffect | Unexplained) -> StageGap | None:
+    """The judged channel at which a gap was found or stays unexplained."""
     for stage in diagnosis.stages:
         if left.channel == stage.channel or (not left.channel and left.stage == stage.stage):
             return stage
@@ -45,11 +45,11 @@ def stage_left(diagnosis: Diagnosis, left: Unexplained) -> StageGap | None:
 
 def left_at(diagnosis: Diagnosis, stage: StageGap) -> Unexplained | None:
     """What stays unexplained at a judged channel."""
-    return next((left for left in diagnosis.unexplained if stage_left(diagnosis, left) is stage), None)
+    return next((left for left in diagnosis.unexplained if stage_of(diagnosis, left) is stage), None)
 
 
-def unit_left(diagnosis: Diagnosis, left: Unexplained) -> str:
-    stage = stage_left(diagnosis, left)
+def unit_of(diagnosis: Diagnosis, gap: FoundEffect | Unexplained) -> str:
+    stage = stage_of(diagnosis, gap)
     return stage.unit if stage else ""
 
 

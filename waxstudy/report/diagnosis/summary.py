@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from rich.table import Table as Grid
 
 from waxstudy.diagnosis.result import BeforeAfter, Diagnosis, FoundEffect, Interval, Measurement, StageGap, Unexplained
-from waxstudy.report.diagnosis.focus import by_reason, left_at, main_stages, measurements, other_stages, unit_left
+from waxstudy.report.diagnosis.focus import by_reason, left_at, main_stages, measurements, other_stages, unit_of
 from waxstudy.report.diagnosis.words import (
     OF_LOOP,
     channel_words,
@@ -122,11 +122,10 @@ def how_sure(effect: FoundEffect) -> str:
 
 
 def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
-    unit = next((s.unit for s in diagnosis.stages if s.channel == effect.channel), "")
     before, after, floor = (number(v) for v in (effect.gap_before, effect.gap_after, effect.noise_floor))
     return (
         f"{effect.name} takes away {percent_interval(effect.shrink)} of the gap of {channel_words(effect.channel)} "
-        f"{held_out([effect])}; in all {before} → {with_unit(after, unit)}, floor {floor}"
+        f"{held_out([effect])}; in all {before} → {with_unit(after, unit_of(diagnosis, effect))}, floor {floor}"
     )
 
 
@@ -170,7 +169,7 @@ def _left(diagnosis: Diagnosis) -> list[str]:
 
 
 def _gap_left(diagnosis: Diagnosis, left: Unexplained) -> str:
-    gap = with_unit(number(left.gap), unit_left(diagnosis, left))
+    gap = with_unit(number(left.gap), unit_of(diagnosis, left))
     channel = f" {channel_words(left.channel)}" if left.channel else ""
     return f"{stage_words(left.stage)}:{channel} {gap}, floor {number(left.noise_floor)}, p = {probability(left.p)}"
 

@@ -8,7 +8,7 @@ from typing import Any
 from waxstudy.diagnosis.result import BeforeAfter, Diagnosis, FoundEffect, Measurement, StageGap, Tried, Unexplained
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.figures.ranking import ranked, role
-from waxstudy.report.diagnosis.focus import by_reason, measurements, unit_left
+from waxstudy.report.diagnosis.focus import by_reason, measurements, unit_of
 from waxstudy.report.diagnosis.summary import held_out, in_order, remarks
 from waxstudy.report.diagnosis.words import quantity, with_unit
 from waxstudy.report.table import Column, Table, text
@@ -67,13 +67,12 @@ def parameters(effect: FoundEffect) -> Table[Any]:
 
 def found(diagnosis: Diagnosis) -> Table[FoundEffect]:
     """How sure each found effect is, and how far its gap shrinks."""
-    units = {stage.channel: stage.unit for stage in diagnosis.stages}
     columns: list[Column[FoundEffect]] = [
         EFFECT,
         JUDGED_BY,
-        Column("gap before", lambda effect: quantity(effect.gap_before, units.get(effect.channel, ""))),
-        Column("gap after", lambda effect: quantity(effect.gap_after, units.get(effect.channel, ""))),
-        Column("noise floor", lambda effect: quantity(effect.noise_floor, units.get(effect.channel, ""))),
+        Column("gap before", lambda effect: quantity(effect.gap_before, unit_of(diagnosis, effect))),
+        Column("gap after", lambda effect: quantity(effect.gap_after, unit_of(diagnosis, effect))),
+        Column("noise floor", lambda effect: quantity(effect.noise_floor, unit_of(diagnosis, effect))),
         Column("shrinks by", lambda effect: words.percent_interval(effect.shrink)),
         Column("found again", lambda effect: words.percent(effect.inclusion)),
         P,
@@ -120,8 +119,8 @@ def unexplained(diagnosis: Diagnosis) -> Table[Unexplained]:
     columns: list[Column[Unexplained]] = [
         STAGE,
         CHANNEL,
-        Column("gap", lambda left: quantity(left.gap, unit_left(diagnosis, left))),
-        Column("noise floor", lambda left: quantity(left.noise_floor, unit_left(diagnosis, left))),
+        Column("gap", lambda left: quantity(left.gap, unit_of(diagnosis, left))),
+        Column("noise floor", lambda left: quantity(left.noise_floor, unit_of(diagnosis, left))),
         P,
         text("remark", lambda left: "; ".join(remarks(left))),
     ]
