@@ -22,6 +22,7 @@ from waxstudy.diagnosis.residuals.continuous import stands
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.switching import softened
+from waxstudy.diagnosis.select.null import by_block
 from waxstudy.diagnosis.select.search import runs_on_at
 from waxstudy.plugin import Belief
 
@@ -163,8 +164,9 @@ def test_losses_of_parts_and_of_blocks_add_up_to_the_whole(missing: float) -> No
         for part in (FIT, SELECT, SHRINK):
             for each in residual:
                 chosen = each.part == part
-                by_block = np.bincount(each.block[chosen], weights=each.whitened[chosen] ** 2)
-                assert by_block.sum() == pytest.approx(each.loss(part))
+                numbers, member = np.unique(each.block[chosen], return_inverse=True)
+                losses = by_block(np.array([each.whitened[chosen] ** 2]), member, len(numbers))
+                assert losses.sum() == pytest.approx(each.loss(part))
 
 
 @pytest.mark.parametrize("missing", [0.0, 0.2])

@@ -60,7 +60,7 @@ def distrusted(selection: Selection) -> list[Found]:
     return [each.found for each in selection.withdrawn if each.criterion.name == "too much stays"]
 
 
-def with_evidence(candidate: Candidate, **changes: float) -> Candidate:
+def with_evidence(candidate: Candidate, **changes: Any) -> Candidate:
     return replace(candidate, evidence=replace(candidate.evidence, **changes))
 
 
@@ -72,7 +72,7 @@ def with_evidence(candidate: Candidate, **changes: float) -> Candidate:
 def test_where_everything_is_as_believed_nothing_is_claimed(case: str, stage: str) -> None:
     seen, believed, cut = ready(case)
     selection = searched(segment_at(stage, cut), seen, believed)
-    assert selection.found == selection.withdrawn == ()
+    assert (selection.found, selection.withdrawn) == ((), ())
     assert selection.before is selection.after
 
 

@@ -42,7 +42,7 @@ class Evidence:
 
     @property
     def gain_per_form(self) -> float:
-        return self.gain / self.form if self.form else np.inf * np.sign(self.gain)
+        return self.gain / self.form if self.form else (np.inf if self.gain >= 0.0 else -np.inf)
 
     @property
     def least_share(self) -> float:
