@@ -332,7 +332,7 @@ def candidate(evidence: Evidence, name: str = "slow-actuator") -> Candidate:
 @given(st.integers(-100, 100), st.sampled_from([0.0, 0.125, 0.25, 0.5, 1.0]))
 def test_a_gain_counts_for_more_in_a_room_whose_form_leaves_less(gain: int, form: float) -> None:
     """In one that leaves nothing at all whatever is no loss is enough."""
-    assert meets(Q.CLAIM, replace(SOUND, gain=float(gain), form=form)) is (gain >= 10.0 * form)
+    assert meets(Q.CLAIM, replace(SOUND, gain=float(gain), form_share=form)) is (gain >= 10.0 * form)
 
 
 @pytest.mark.parametrize(("more", "is_alike"), [(0.0, True), (36.0, True), (36.0 + 1e-6, False), (-5.0, True)])

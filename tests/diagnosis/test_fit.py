@@ -158,10 +158,10 @@ def test_a_room_that_was_colder_than_its_first_day_is_no_other_room() -> None:
 
 def test_a_room_that_leaves_little_shows_that_its_form_is_good_and_one_that_has_to_depart_does_not() -> None:
     fitter, fitted = of_room(6, floor_cover={"resistance_m2K_W": 0.05})
-    assert 0.0 < fitter.spread(fitted) < 0.5
-    assert fitter.spread(fitter.base) == 1.0
+    assert 0.0 < fitter.form_share(fitted) < 0.5
+    assert fitter.form_share(fitter.base) == 1.0
     strained = replace(fitted, departures=2.0 * fitter.problem.sd)
-    assert fitter.spread(strained) == 1.0
+    assert fitter.form_share(strained) == 1.0
 
 
 @pytest.mark.parametrize("true", [{}, {"infiltration": {"factor": 3.0}}, {"thermal_mass": {"factor": 1.5}}])
@@ -194,7 +194,7 @@ def test_a_room_that_is_as_believed_is_missed_by_thousandths_whatever_the_sample
 
 def test_a_chain_s_noise_is_its_instruments_and_never_narrowed() -> None:
     fitter, fitted = found("max-flow")
-    assert fitter.spread(fitted) == 1.0
+    assert fitter.form_share(fitted) == 1.0
 
 
 # sensors and controllers are judged by switches that noise moves: their neutral is checked by what they gain

@@ -76,7 +76,7 @@ class Estimator(Generic[P]):
         others = [each for each in self.conventions if each != fitted.convention]
         again = [self.refined(fitted.effects, fitted.departures, convention) for convention in others]
         best = self._best([fitted, *again])
-        needed = self.other * self.spread(fitted)
+        needed = self.other * self.form_share(fitted)
         return best if self.fair_score(best, BOTH) < self.fair_score(fitted, BOTH) - needed else fitted
 
     @cached_property
@@ -115,21 +115,16 @@ class Estimator(Generic[P]):
         """Return the squares of the room's departures, in standard deviations."""
         return float(np.sum((fitted.departures / self.problem.sd) ** 2)) if len(self.problem.sd) else 0.0
 
-    def spread(self, fitted: Hypothesis) -> float:
-        """Return the square of what a room leaves by its form, in units of what it may leave; 1 where none takes part.
+    def form_share(self, fitted: Hypothesis) -> float:
+        """Return the square of what a room leaves, over that of what its form may leave, at most 1; 1 without a room.
 
         A room as believed that leaves far less, and did not have to depart for it, shows that its form is better than
-        that.
+        stated. Each channel counts once a day, as what a form leaves comes again every day.
         """
-        return min(1.0, self.form(fitted)) if self.has_nuisances else 1.0
-
-    def form(self, fitted: Hypothesis) -> float:
-        """Return the same without the limit at what a form may leave.
-
-        Each channel counts once a day, as what a form leaves comes again every day.
-        """
+        if not self.has_nuisances:
+            return 1.0
         days = [len(np.unique(each.block[each.judged & (each.part != SHRINK)])) for each in fitted.residuals]
-        return (fitted.loss(FIT) + fitted.loss(SELECT) + self.strain(fitted)) / max(1, sum(days))
+        return min(1.0, (fitted.loss(FIT) + fitted.loss(SELECT) + self.strain(fitted)) / max(1, sum(days)))
 
     def fit(self, effect: EffectType, given: Hypothesis, parts: Sequence[int] = (FIT,)) -> Hypothesis | None:
         """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""
@@ -148,7 +143,7 @@ class Estimator(Generic[P]):
         best = min(
             done, key=lambda each: self.fair_score(each, parts) + self.of_other(each.convention, given), default=None
         )
-        promising = PROMISING * self.spread(given) / self.thorough
+        promising = PROMISING * self.form_share(given) / self.thorough
         if best and self.has_nuisances and self.score(best, parts) < self.score(given, parts) - promising:
             return self.refined(best.effects, best.departures, best.convention, parts, is_rough=self.is_quick)
         return best

@@ -59,7 +59,7 @@ def best_of(candidates: Sequence[Candidate]) -> Candidate:
 def alike(best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
     """Return the effects that cannot be told from the best one on what it was chosen by, the best first."""
     own = best.evidence
-    left = max(1.0, own.missed) ** 2 * own.form
+    left = max(1.0, own.missed) ** 2 * own.form_share
 
     def apart(other: Evidence) -> float:
         worse = other.loss + other.strain - own.loss - own.strain

@@ -28,21 +28,21 @@ class Evidence:
     runs_on: bool  # the channel is a control output that does not switch
     is_behind_smoothed: bool  # the segment's drive is a smoothed temperature
     gain: float  # loss that it takes away, but for what the drive's noise adds to it
-    form: float  # of the room's model by what is left of it here, in units of what it may leave; 1 in a chain
+    form_share: float  # squared, of what the room's form may leave: what it does leave here; 1 in a chain
     p: float  # family-wise
     loss: float  # on both parts
     strain: float  # squares of how far the room had to depart from what is believed, in standard deviations
-    over: float  # gap of the channel before it, over the floor of the models with and without it
+    over: float  # gap of the channel before it, over the larger floor of that model and of the best that was tried
     share: float  # of the channel's whitened loss above the floor that it explains
     plain_share: float  # the same of the squared gap in the channel's unit
     left: float  # whitened gap that is left of the channel, over its floor
-    missed: float  # the same, in standard deviations
+    missed: float  # whitened gap that is left of the channel
     departure: float  # from what is believed, in noticeable steps, of the parameter that is farthest
     travel: float  # how far it moves the opening over what real motors stray; infinite of no motor
 
     @property
     def gain_per_form(self) -> float:
-        return self.gain / self.form if self.form else (np.inf if self.gain >= 0.0 else -np.inf)
+        return self.gain / self.form_share if self.form_share else (np.inf if self.gain >= 0.0 else -np.inf)
 
     @property
     def least_share(self) -> float:

@@ -48,7 +48,7 @@ def parameter_intervals(estimator: Estimator[SegmentProblem], fitted: Hypothesis
 
 def _as_good(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Iterator[Hypothesis]:
     """Yield the fits under other conventions that cannot be told from this one."""
-    most = estimator.score(fitted, BOTH) + estimator.other * estimator.spread(fitted)
+    most = estimator.score(fitted, BOTH) + estimator.other * estimator.form_share(fitted)
     for convention in estimator.conventions:
         if convention != fitted.convention:
             other = estimator.refined(fitted.effects, fitted.departures, convention, BOTH)

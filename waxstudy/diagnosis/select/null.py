@@ -57,7 +57,7 @@ def inclusion(
     gains = (by_block(base[None, seen] ** 2, member, len(numbers)) - loss) @ weights
     names, least = [c.effect.name for c in candidates], limit(Question.CLAIM, "gain_per_form", candidates[0].evidence)
     chosen = [names[best] in group for best in np.argmax(gains, axis=0)]
-    return float(np.mean(np.array(chosen) & (gains.max(axis=0) > least * candidates[0].evidence.form)))
+    return float(np.mean(np.array(chosen) & (gains.max(axis=0) > least * candidates[0].evidence.form_share)))
 
 
 def whole(fitted: Hypothesis) -> tuple[FloatArray, np.ndarray, np.ndarray]:

@@ -281,9 +281,9 @@ class _Search:
         highest = null(current, best, [one for _, one in fitted], floor, self.random)
         under_convention = {one.convention: self.under_convention(current, one.convention) for _, one in fitted}
         most = self.loss(current, SELECT)
-        form = self.estimator.spread(best)
+        form_share = self.estimator.form_share(best)
         return [
-            self.candidate(effect, one, under_convention[one.convention], most, floor, own, highest, form)
+            self.candidate(effect, one, under_convention[one.convention], most, floor, own, highest, form_share)
             for effect, one in fitted
         ]
 
@@ -302,7 +302,7 @@ class _Search:
         floor: NoiseFloor,
         own: NoiseFloor,
         highest: FloatArray,
-        form: float,
+        form_share: float,
     ) -> Candidate:
         """Return a candidate beside a model under its own convention; its gain is over the better of both."""
         gain = min(most, self.loss(current, SELECT)) - self.loss(fitted, SELECT)
@@ -318,7 +318,7 @@ class _Search:
             runs_on=runs_on,
             is_behind_smoothed=self.problem.segment.driven_by in CONTINUOUS,
             gain=gain,
-            form=form,
+            form_share=form_share,
             p=float((1 + np.sum(highest >= gain)) / (1 + len(highest))),
             loss=self.loss(fitted, FIT) + self.loss(fitted, SELECT),
             strain=self.estimator.strain(fitted),
