@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from benchmarks.self_consistency_records import Made, study
-from waxstudy.blind_test.truth import THOROUGH, Stand, gap_and_floor, gaps, is_alike, over
+from waxstudy.blind_test.sizes.record import Record
+from waxstudy.blind_test.sizes.refit import Refit
+from waxstudy.blind_test.truth import Stand, cut_of_effect, library
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import Dataset, read_dataset
-from waxstudy.diagnosis.diagnose import diagnose, installed_effects
-from waxstudy.diagnosis.estimate.estimator import Estimator
-from waxstudy.diagnosis.model.segments import Segment
-from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.diagnose import diagnose
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.plugin import Choice, Effect
 from waxstudy.plugin.trial import Cause
@@ -91,34 +90,26 @@ class Size:
     channel: str
     gap: float
     floor: float
-    floors: Mapping[str, float]
-    segment: Segment
-    stand: Stand
+    refit: Refit
 
     @classmethod
     def of(cls, effects: Sequence[Choice], seen: Dataset, free: Dataset) -> Size:
-        stand = Stand.of(seen, free)
+        noisy = Record.of(seen.values, seen, is_noisy=True)
+        stand = Stand(free, Record.of(free.values, free), [noisy])
         effect = effects[0].component
         assert issubclass(effect, Effect)
-        segment = stand.segment_of(Cause(effect.name, (effect.stage,)))
-        assert segment
-        floors, true_gaps = gap_and_floor(stand, segment, effects, effects[0])
-        channel = max(true_gaps, key=lambda name: true_gaps[name] / floors[name])
-        return cls(channel, true_gaps[channel], floors[channel], floors, segment, stand)
+        stretch = stand.stretch_of(Cause(effect.name, (effect.stage,)))
+        assert stretch
+        cut = cut_of_effect(stand, stretch, effects, effects[1:])
+        channel = max(cut.gaps, key=lambda name: cut.gaps[name] / cut.floors[name])
+        return cls(channel, cut.gaps[channel], cut.floors[channel], stand.refit(stretch, stand.free, (), cut.floors))
 
     @property
     def beyond(self) -> float:
         """Largest gap over its floor once what nobody knows of the room is fitted; at other segments nothing is."""
-        return over(
-            gaps(Estimator(SegmentProblem(self.segment, self.stand.free, self.stand.belief)).base.residuals),
-            self.floors,
-        )
+        return self.refit.beyond
 
     def tells_apart(self, name: str) -> bool:
         """Whether an effect, fitted to the record without noise, leaves more of some channel than noise would."""
-        effect = next((each for each in installed_effects() if each.name == name), None)
-        if effect is None or effect.stage not in self.segment.stages:
-            return True
-        fitter = Estimator(SegmentProblem(self.segment, self.stand.free, self.stand.belief), THOROUGH)
-        fitted = fitter.fit(effect, fitter.base)
-        return fitted is None or not is_alike(fitted, self.floors, {})
+        effect = next((each for each in library() if each.name == name), None)
+        return effect is None or effect.stage not in self.refit.stretch.stages or not self.refit.is_alike(effect)

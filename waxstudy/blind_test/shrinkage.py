@@ -6,15 +6,17 @@ import json
 import multiprocessing
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from waxstudy.blind_test.draw import Case, Measured
 from waxstudy.blind_test.make import Place, Tick
 from waxstudy.blind_test.marks import Mark
-from waxstudy.plugin import Belief, Effect, Parameters
 from waxstudy.plugin.trial import engine_of
 from waxstudy.results.atomic import whole_file
+
+SHORT_DAYS, LEAST_DAYS, LEAST_SHARE = 6, 3, 0.3  # a record from which days are held out; how many, or which share
 
 Job = tuple[str, Mapping[str, Any], str, Mapping[str, float]]  # record, box, effect, values
 
@@ -64,42 +66,40 @@ def _job(mark: Mark, boxes: Mapping[str, Mapping[str, Any]]) -> Job | None:
 
 
 def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: Mapping[str, float]) -> float | None:
-    """Return 1 - after^2 / before^2 of the channel where the true gap stands out, on the last days; or None."""
+    """Return 1 - after^2 / before^2 of the channel where the true gap stands out, on the last days; or None.
+
+    What nobody knows of the room follows the days before; a short record has no days to hold out.
+    """
     from waxstudy.blind_test.record import without_noise
-    from waxstudy.blind_test.truth import Stand
-    from waxstudy.diagnosis.diagnose import installed_effects
-    from waxstudy.diagnosis.observations.partition import BOTH, SELECT, SHRINK
+    from waxstudy.blind_test.sizes.missed import gaps
+    from waxstudy.blind_test.sizes.record import Record
+    from waxstudy.blind_test.truth import Stand, library
 
     case = _case(box)
-    free = without_noise(engine_of(case.engine).make(case.scene), case.measured)
-    stand = Stand.of(free, free)
-    segment = stand.segment_of(case.causes[0])
-    effect = next((each for each in installed_effects() if each.name == effect_name), None)
-    if segment is None or effect is None:
+    about = without_noise(engine_of(case.engine).make(case.scene), case.measured)
+    free = Record.of(about.values, about)
+    stand = Stand(about, free, ())
+    stretch = stand.stretch_of(case.causes[0])
+    effect = next((each for each in library() if each.name == effect_name), None)
+    if stretch is None or effect is None:
         return None
-    fitter = stand.fitter(segment, stand.free, stand.belief)
-    base = fitter.base
-    after = fitter.refined([(fixed(effect, values), {})], base.departures, base.convention, BOTH)
-    channel = box["causes"][0]["size"]["channel"]
+    chosen = effect
+    held_out = _held_out(case.measured.days)
+    refit = replace(stand.refit(stretch, free, (), gaps(stand.missed(stretch, free, ()))), held_out=held_out)
+    after = refit.fitted(lambda belief: chosen.apply(belief, chosen.Parameters(**values)))
     if after is None:
         return None
-    old, new = (next(e for e in each.residuals if e.channel == channel) for each in (base, after))
-    part = SHRINK if (old.part == SHRINK).any() else SELECT
-    before = old.gap(part)
-    return 1.0 - new.gap(part) ** 2 / before**2 if before > 0.0 else None
+    channel = box["causes"][0]["size"]["channel"]
+    errors = (fit.missed[channel] for fit in (refit.base, after))
+    old, new = (gaps({channel: each[-round((held_out or 1.0) * len(each)) :]})[channel] for each in errors)
+    return 1.0 - new**2 / old**2
+
+
+def _held_out(days: int) -> float:
+    """Return the share of a record at its end that is held out."""
+    return max(LEAST_DAYS / days, LEAST_SHARE) if days >= SHORT_DAYS else 0.0
 
 
 def _case(box: Mapping[str, Any]) -> Case:
     scene, measured = box["scene"], Measured(**box["measured"])
     return Case(box["name"], box["stratum"], box["kind"], box["engine"], box["attempt"], measured, scene)
-
-
-def fixed(effect: type[Effect], values: Mapping[str, float]) -> type[Effect]:
-    """Return an effect with these values and nothing to fit."""
-    chosen = effect.Parameters(**values)
-
-    def apply(cls: type[Effect], belief: Belief, p: Any) -> Belief:
-        return effect.apply(belief, chosen)
-
-    members = {"Parameters": Parameters, "priors": {}, "apply": classmethod(apply), "__module__": __name__}
-    return type(f"Fixed{effect.__name__}", (effect,), members)

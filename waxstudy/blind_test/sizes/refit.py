@@ -1,0 +1,218 @@
+"""Refits to a record without noise: what stays when the room's unknowns follow it, and an effect with them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from scipy.optimize import lsq_linear, minimize
+from scipy.stats import qmc
+
+from waxstudy.blind_test.sizes.missed import Gaps, Missed, gaps, missed
+from waxstudy.blind_test.sizes.record import Record
+from waxstudy.blind_test.sizes.room import Unknown, unknowns
+from waxstudy.blind_test.sizes.stretch import Shown, Stretch
+from waxstudy.plugin import Belief, Effect, FloatArray, Prior, SimulationError
+
+LOOKS, MANY_LOOKS = {1: 32, 2: 128}, 256  # points of a first look, by the number of parameters
+OF_ROOM = 0.25  # share of them where a room takes part: it is slow, and answers smoothly
+CLOSER, RUNS = 3, 40  # points that are looked at more closely, with so many runs for each parameter
+SIZE = 0.06  # of the first simplex, in a cube of 1
+MOST_SD = 2.5  # of a departure: what needs more is a finding
+HOLD = 0.3  # chosen: what a usual departure costs; three of them cost as much as a channel at its limit
+STEP = 0.1  # usual departures over which a slope is taken
+SETTLED, SHORTER = 0.99, 0.3  # share of a loss that is as good as all of it; of a step that went too far
+ROUNDS, STEPS = 12, 4  # of slopes, and steps with the same ones: no room answers quite straight
+NEARLY = 4.0  # times the loss of all channels at their limits, from which on an effect is out of question
+TINY, IMPOSSIBLE = 1e-9, 1e12  # losses
+
+Edit = Callable[[Belief], Belief]
+
+
+def as_believed(belief: Belief) -> Belief:
+    return belief
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What an edited belief misses at given departures (unknowns,), in units of the usual ones."""
+
+    departures: FloatArray
+    missed: Missed
+    weighed: FloatArray  # all fitted errors in one, whose squares add up to 1 for each channel at its limit
+
+    @property
+    def loss(self) -> float:
+        return float(self.weighed @ self.weighed + HOLD**2 * self.departures @ self.departures)
+
+
+@dataclass(frozen=True)
+class Refit:
+    """A stretch of a record without noise, and how much of each of its channels may be left (`limits`).
+
+    What lies in the last part of the record, the share `held_out`, is not fitted.
+    """
+
+    stretch: Stretch
+    record: Record
+    belief: Belief
+    limits: Gaps
+    room_tolerance: float = 1.0
+    held_out: float = 0.0
+
+    @property
+    def beyond(self) -> float:
+        """The largest gap over its limit that is left when nothing but the unknowns follows the record."""
+        return max(gap / self.limits[channel] for channel, gap in gaps(self.base.missed).items())
+
+    def fitted(self, edit: Edit) -> Fit | None:
+        """Return an edited belief whose unknowns follow the record, None where it cannot be simulated."""
+        found = self.fit(edit, self.base.departures)
+        return found and self._settled(edit, found, self._slopes)
+
+    def is_alike(self, effect: type[Effect]) -> bool:
+        """Return whether an effect, and the unknowns with it, can leave less than the limit of every channel."""
+        if effect.hindrance(self.belief):
+            return False
+        looked = sorted((self._look(effect, point), *point) for point in self._points(effect))
+        starts = [np.array(point) for _, *point in looked[:CLOSER]]
+        return any(self._passes(effect, point) for start in starts for point in self._closer(effect, start))
+
+    def _passes(self, effect: type[Effect], point: FloatArray) -> bool:
+        if self._look(effect, point) > NEARLY * len(self.limits):
+            return False
+        found = self.fitted(_with(effect, point))
+        return found is not None and all(gap <= self.limits[c] for c, gap in gaps(found.missed).items())
+
+    def _points(self, effect: type[Effect]) -> Iterator[FloatArray]:
+        """Yield points all over the cube of an effect's parameters (Sobol), and where it says to start from."""
+        count = len(effect.priors)
+        looks = LOOKS.get(count, MANY_LOOKS) * (OF_ROOM if self.stretch.has_room else 1.0)
+        yield from qmc.Sobol(count, scramble=False).random(round(looks)) if count else np.zeros((1, 0))
+        for start in effect.starts(self.belief):
+            yield np.array([_place(prior, start[name]) for name, prior in effect.priors.items()])
+
+    def _closer(self, effect: type[Effect], start: FloatArray) -> Iterator[FloatArray]:
+        """Yield a point, and then the best one found downhill from it (Nelder and Mead: switches make it jagged)."""
+        yield start
+        if count := len(start):
+            corners = np.vstack((start, start + SIZE * np.diag(np.where(start < 0.5, 1.0, -1.0))))
+            options: Any = {"maxfev": RUNS * count, "initial_simplex": corners, "xatol": 1e-3, "fatol": 0.01}
+            bounds = [(0.0, 1.0)] * count
+
+            def loss(point: FloatArray) -> float:
+                return float(np.log(max(self._look(effect, point), TINY)))
+
+            yield np.asarray(minimize(loss, start, method="Nelder-Mead", bounds=bounds, options=options).x)
+
+    def _look(self, effect: type[Effect], point: FloatArray) -> float:
+        """Return the loss of an effect with the departures where they would go, were everything straight."""
+        found = self.fit(_with(effect, point), self.base.departures)
+        if found is None:
+            return IMPOSSIBLE
+        departures = self._followed(found, self._slopes)
+        return Fit(departures, {}, found.weighed + self._slopes @ (departures - found.departures)).loss
+
+    # --- what nobody knows of the room ---
+
+    @cached_property
+    def _unknowns(self) -> list[Unknown]:
+        return list(unknowns(self.belief, self.record, self.room_tolerance)) if self.stretch.has_room else []
+
+    @cached_property
+    def base(self) -> Fit:
+        """The belief without any effect, its unknowns fitted; raise `ValueError` where it cannot be simulated."""
+        found = self.fit(as_believed, np.zeros(len(self._unknowns)))
+        if found is None:
+            raise ValueError(f"what is believed of {self.stretch.name} cannot be simulated")
+        for _ in range(ROUNDS if self._unknowns else 0):
+            before, found = found.loss, self._settled(as_believed, found, self._slopes_at(found))
+            if found.loss > SETTLED * before:
+                break
+        return found
+
+    @cached_property
+    def _slopes(self) -> FloatArray:
+        return self._slopes_at(self.base)
+
+    def _slopes_at(self, fit: Fit) -> FloatArray:
+        """Return the change of the weighed errors with each departure (m, unknowns)."""
+        columns = [np.zeros((len(fit.weighed), 0))]
+        for move in np.diag(np.where(fit.departures > 0.0, -STEP, STEP)):
+            moved = self.fit(as_believed, fit.departures + move)
+            columns.append(((moved.weighed if moved else fit.weighed) - fit.weighed)[:, None] / move.sum())
+        return np.hstack(columns)
+
+    def _settled(self, edit: Edit, best: Fit, slopes: FloatArray) -> Fit:
+        """Return the best fit of some steps from a given one, shorter ones after a step that went too far."""
+        wanted = self._followed(best, slopes)
+        for _ in range(STEPS if self._unknowns else 0):
+            tried = self.fit(edit, wanted)
+            if tried and tried.loss < best.loss:
+                best, wanted = tried, self._followed(tried, slopes)
+            else:
+                wanted = best.departures + SHORTER * (wanted - best.departures)
+        return best
+
+    def _followed(self, fit: Fit, slopes: FloatArray) -> FloatArray:
+        """Return the departures that would take most of what is missed away, were everything straight."""
+        if not self._unknowns:
+            return fit.departures
+        # the triangle of a QR decomposition is as good as all slopes, and small
+        turned, triangle = np.linalg.qr(np.vstack((slopes, HOLD * np.eye(len(fit.departures)))))
+        wanted = -turned.T @ np.concatenate((fit.weighed, HOLD * fit.departures))
+        reach = -MOST_SD - TINY - fit.departures, MOST_SD + TINY - fit.departures
+        return np.asarray(fit.departures + lsq_linear(triangle, wanted, reach, method="bvls").x)
+
+    def fit(self, edit: Edit, departures: FloatArray) -> Fit | None:
+        """Return what an edited belief misses at given departures, None where it cannot be simulated."""
+        try:
+            shown = self._shown(edit(self._departed(tuple(departures))))
+        except (SimulationError, ValueError, ArithmeticError):
+            return None
+        errors = missed(self.stretch, self.record, shown)
+        return Fit(departures, errors, np.concatenate([self._weighed(c, each) for c, each in errors.items()]))
+
+    def _weighed(self, channel: str, errors: FloatArray) -> FloatArray:
+        fitted = errors[: round((1.0 - self.held_out) * len(errors))]
+        return np.asarray(np.nan_to_num(fitted) / (self.limits[channel] * max(1, np.isfinite(fitted).sum()) ** 0.5))
+
+    def _shown(self, belief: Belief) -> Shown:
+        """Return what a belief shows, of a room in long steps: what short ones change hardly hangs on the belief."""
+        found = self.stretch.shown(self.record, belief, is_rough=True)
+        return {channel: values + self._finer[channel] for channel, values in found.items()}
+
+    @cached_property
+    def _finer(self) -> Shown:
+        fine, rough = (self.stretch.shown(self.record, self.belief, is_rough=way) for way in (False, True))
+        return {channel: fine[channel] - rough[channel] for channel in fine}
+
+    @cached_property
+    def _departed(self) -> Callable[[tuple[float, ...]], Belief]:
+        """departures -> the belief with them; the last ones are kept, as most is looked at from the same."""
+
+        def departed(departures: tuple[float, ...]) -> Belief:
+            belief = self.belief
+            for (usual, apply), departure in zip(self._unknowns, departures, strict=True):
+                belief = apply(belief, usual * departure)
+            return belief
+
+        return lru_cache(maxsize=2)(departed)
+
+
+def _with(effect: type[Effect], point: FloatArray) -> Edit:
+    values = {name: _value(prior, float(at)) for (name, prior), at in zip(effect.priors.items(), point, strict=True)}
+    return lambda belief: effect.apply(belief, effect.Parameters(**values))
+
+
+def _value(prior: Prior, at: float) -> float:
+    return prior.low * (prior.high / prior.low) ** at if prior.is_log else prior.low + (prior.high - prior.low) * at
+
+
+def _place(prior: Prior, value: float) -> float:
+    if prior.is_log:
+        return float(np.log(max(value, prior.low) / prior.low) / np.log(prior.high / prior.low))
+    return (value - prior.low) / (prior.high - prior.low)
