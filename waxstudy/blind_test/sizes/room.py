@@ -98,7 +98,7 @@ def weighted(values: FloatArray, weight: FloatArray, parts: int) -> FloatArray:
 def unknowns(belief: Belief, record: Record, tolerance: float) -> Iterator[Unknown]:
     """Yield what nobody knows of a room, of its gains and of how warm it was at first.
 
-    `tolerance` multiplies the spreads of the first two; at 0 the room is as believed, to the letter.
+    `tolerance` multiplies the spreads of the first two; at 0 the room is exactly as believed.
     """
     room = belief.room
     assert room
