@@ -267,7 +267,7 @@ class Room(Component):
 
     @classmethod
     def description(cls, p: Any) -> Any:
-        """Return the room in the words of room `surfaces`, a `waxstudy_paper.room.RoomDescription`, or None.
+        """Return the room in the words of room `surfaces`, as that one's parameters, or None.
 
         It is what effects on leaks, masses, the floor and its circuit edit; without one they cannot apply.
         """
