@@ -18,7 +18,7 @@ NEAR = 0.05  # of an end: what an instrument may add to it, or a channel of volt
 MOST_BETWEEN = 0.35  # share of a signal's samples that may fall upon its switches
 FEW, FEWEST = 0.1, 3  # share of those, and count, that may be faults; more are pulses shorter than a sample
 SWEEP_K, SWEEP_S = np.geomspace(1e-4, 3.0, 100), 60.0  # control errors of both signs, and how long each lasts
-TOLD = 1e-3  # beyond an end, from which it is worth a word
+BEYOND = 1e-3  # an end, from which it is worth a word
 
 
 def as_levels(values: pd.DataFrame, nominal: Mapping[str, Choice], notes: Notes) -> pd.DataFrame:
@@ -57,7 +57,7 @@ def only_switches(controller: Choice) -> bool:
 
 
 def _within(name: str, x: FloatArray, notes: Notes) -> FloatArray:
-    if ((x < -TOLD) | (x > 1.0 + TOLD)).any():
+    if ((x < -BEYOND) | (x > 1.0 + BEYOND)).any():
         least, most = float(np.nanmin(x)), float(np.nanmax(x))
         notes.assume(f"{name} reaches from {least:.3g} to {most:.3g}; it is cut off at 0 and 1.")
     return np.clip(x, 0.0, 1.0)
@@ -86,5 +86,5 @@ def _tell(name: str, level: FloatArray, between: np.ndarray, ends: FloatArray, n
         lie = "1 sample lies" if count == 1 else f"{count} samples lie"
         first = f"the first is {level[np.argmax(between)]:.3g}"
         notes.warn(f"{name}: {lie} between off and on ({first}): taken as what follows, as of means over a switch")
-    if np.nanmax(np.abs(level - ends), initial=0.0) > TOLD:
+    if np.nanmax(np.abs(level - ends), initial=0.0) > BEYOND:
         notes.assume(f"{name} within {NEAR:g} of 0 and 1 is taken as off and on.")

@@ -21,7 +21,7 @@ from waxstudy.dataset.tables import Site
 from waxstudy.dataset.text import read_table
 from waxstudy.plugin import Belief, Inputs
 from waxstudy.plugin.registry import Registry, installed
-from waxstudy.study.check import Check
+from waxstudy.study.check import Check, is_file
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import StudyError
 from waxstudy.study.source import read_source
@@ -99,21 +99,14 @@ def _data_path(check: Check, folder: Path) -> Path | None:
     name = table.get("file") if isinstance(table, dict) else None
     if isinstance(name, str):
         path = folder / name
-        if _is_file(path):
+        if is_file(path):
             return path
         check.problem(spot, "no such file", value=name, allowed=f"looked for {path}")
         return None
-    found = [folder / name for name in FILES if _is_file(folder / name)]
+    found = [folder / name for name in FILES if is_file(folder / name)]
     if not found:
         check.problem(Spot.table(), f"there is no {' or '.join(FILES)} beside it, and [dataset] names no file")
     return found[0] if found else None
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # too long, or with characters that no file name has
-        return False
 
 
 def _record(
