@@ -25,7 +25,7 @@ def severity(effect: type[Effect], belief: Belief, random: np.random.Generator) 
     if neutral is None:
         near = starts[int(random.integers(len(starts)))]
         values = {name: _scattered(prior, near[name], random) for name, prior in effect.priors.items()}
-    elif len(effect.priors) > 2 and starts:
+    elif starts and (len(effect.priors) > 2 or effect.priors.keys() - neutral.keys()):
         values = _on_the_way(effect.priors, neutral, starts[int(random.integers(len(starts)))], random)
     else:
         level = random.random()

@@ -553,7 +553,7 @@ def test_the_pages_name_the_exchange_that_the_room_of_table_3_has() -> None:
     pages = Path(__file__).parents[2] / "docs"
     said = " ".join((pages / "room.md").read_text(encoding="utf-8").split())
     compared = " ".join((pages / "energyplus.md").read_text(encoding="utf-8").split())
-    room = NzebRoom.describe(NZEB)
+    room = NzebRoom.description(NZEB)
     full_L_s = full_flow_L_h(room.circuit, 10.4) / 3600.0
 
     def k(exchange: str, flow_L_s: float) -> float:

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from waxstudy.plugin import Belief, FloatArray, Inputs
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from waxstudy.dataset.read import Dataset
 
 SMOOTH_S = 1500.0  # of the parabola through noisy temperatures: whoever reads them takes their noise out
+SMALL, AROUND = 0.08, 31  # an opening that may be noise; samples around one that tell whether it rests
 LEVELS = ("control_output", "heating_signal")
 AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that tells it best, first
 
@@ -55,6 +57,8 @@ class Record:
     def drive(self, channel: str) -> FloatArray:
         """Return what drives the stage behind a channel (n,)."""
         values = self.values[channel]
+        if channel == "displacement" and self.is_noisy:
+            return _rested(values)
         return self.smooth(values) if channel.endswith("temperature_C") else values
 
     @property
@@ -87,6 +91,21 @@ class Record:
             signal=values.get("heating_signal"),
             neighbour_C=values.get("neighbour_temperature_C"),
         )
+
+
+def _rested(opening: FloatArray) -> FloatArray:
+    """Return an opening at its ends where noise alone keeps it from them: cut off there, it often lies on them."""
+    found = opening.copy()
+    for end in (0.0, 1.0):
+        away = np.abs(opening - end)
+        resting = away[(away > 0.0) & (away < SMALL)]
+        noise = np.sqrt(np.median(resting**2)) / 0.6745 if len(resting) else 0.0
+        near = away < 5.0 * noise
+        rests = uniform_filter1d((away == 0.0).astype(float), AROUND) >= 0.2 * uniform_filter1d(
+            near.astype(float), AROUND
+        )
+        found[near & rests] = end
+    return found
 
 
 def _whole(values: FloatArray) -> FloatArray:
