@@ -70,13 +70,16 @@ class Refit:
 
     def fitted(self, edit: Edit) -> Fit | None:
         """Return an edited belief whose unknowns follow the record, None where it cannot be simulated."""
-        found = self.fit(edit, self.base.departures)
-        return found and self._settled(edit, found, self._slopes)
+        starts = (self.fit(edit, each.departures) for each in (self._believed, self.base))
+        ends = [self._settled(edit, start, self._slopes) for start in starts if start]
+        return min(ends, key=lambda end: end.loss, default=None)
 
     def is_alike(self, effect: type[Effect]) -> bool:
         """Return whether an effect, and the unknowns with it, can leave less than the limit of every channel."""
         if effect.hindrance(self.belief):
             return False
+        if self.beyond <= 1.0 and effect.neutral(self.belief) is not None:
+            return True  # the unknowns do alone, with an effect that does nothing
         looked = sorted((self._look(effect, point), *point) for point in self._points(effect))
         starts = [np.array(point) for _, *point in looked[:CLOSER]]
         return any(self._passes(effect, point) for start in starts for point in self._closer(effect, start))
@@ -110,7 +113,7 @@ class Refit:
 
     def _look(self, effect: type[Effect], point: FloatArray) -> float:
         """Return the loss of an effect with the departures where they would go, were everything straight."""
-        found = self.fit(_with(effect, point), self.base.departures)
+        found = self.fit(_with(effect, point), self._believed.departures)
         if found is None:
             return IMPOSSIBLE
         departures = self._followed(found, self._slopes)
@@ -123,11 +126,17 @@ class Refit:
         return list(unknowns(self.belief, self.record, self.room_tolerance)) if self.stretch.has_room else []
 
     @cached_property
-    def base(self) -> Fit:
-        """The belief without any effect, its unknowns fitted; raise `ValueError` where it cannot be simulated."""
+    def _believed(self) -> Fit:
+        """The belief itself; raise `ValueError` where it cannot be simulated."""
         found = self.fit(as_believed, np.zeros(len(self._unknowns)))
         if found is None:
             raise ValueError(f"what is believed of {self.stretch.name} cannot be simulated")
+        return found
+
+    @cached_property
+    def base(self) -> Fit:
+        """The belief without any effect, its unknowns fitted; raise `ValueError` where it cannot be simulated."""
+        found = self._believed
         for _ in range(ROUNDS if self._unknowns else 0):
             before, found = found.loss, self._settled(as_believed, found, self._slopes_at(found))
             if found.loss > SETTLED * before:
@@ -136,7 +145,7 @@ class Refit:
 
     @cached_property
     def _slopes(self) -> FloatArray:
-        return self._slopes_at(self.base)
+        return self._slopes_at(self._believed)
 
     def _slopes_at(self, fit: Fit) -> FloatArray:
         """Return the change of the weighed errors with each departure (m, unknowns)."""
