@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from waxstudy.dataset.building import read_room
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.columns import TIME
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import Column, DatasetTable, Nominal, Site
-from waxstudy.plugin import CHAIN
+from waxstudy.plugin import CHAIN, Parameters
 from waxstudy.plugin.registry import nearest
 from waxstudy.study.check import Check
 from waxstudy.study.ladder import merge_block
@@ -20,8 +20,10 @@ from waxstudy.study.model import Choice
 from waxstudy.study.sentences import value_at
 from waxstudy.study.spots import RawTable, Spot
 
-TABLES = ("dataset", "site", "nominal", "building", "room", "noise", "columns")
+TABLES = ("dataset", "site", "nominal", "building", "room", "noise", "columns", "baseline")
 FILES = ("data.csv", "data.parquet")
+
+P = TypeVar("P", bound=Parameters)
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,7 @@ class Description:
     setpoint_C: float | None
     room: Choice | None
     noise: Mapping[str, float]
+    baseline: str | None  # path from the folder of the file
 
 
 def read_description(check: Check, notes: Notes) -> Description:
@@ -45,13 +48,14 @@ def read_description(check: Check, notes: Notes) -> Description:
     nominal, setpoint_C = _nominal(check, notes)
     return Description(
         about=_about(check, notes),
-        site=_site(check),
+        site=_whole(check, "site", Site),
         time=time,
         columns=columns,
         nominal=nominal,
         setpoint_C=setpoint_C,
         room=read_room(check, notes),
         noise=_noise(check),
+        baseline=_baseline(check),
     )
 
 
@@ -64,10 +68,23 @@ def _about(check: Check, notes: Notes) -> DatasetTable:
     return check.parameters(DatasetTable, RawTable.of(known, spot)) or DatasetTable()
 
 
-def _site(check: Check) -> Site | None:
-    spot = Spot.table("site")
+def _baseline(check: Check) -> str | None:
+    spot = Spot.table("baseline")
     table = check.table(spot)
-    return check.parameters(Site, RawTable.of(table, spot)) if table else None
+    check.unknown_keys(spot, table or {}, ["path"])
+    if not table:
+        return None
+    if isinstance(table.get("path"), str):
+        return str(table["path"])
+    check.problem(spot.at("path"), "must be the folder of a dataset in quotes", value=table.get("path"))
+    return None
+
+
+def _whole(check: Check, name: str, kind: type[P]) -> P | None:
+    """Return a table that may be left out, None where it is or has a problem, which is noted."""
+    spot = Spot.table(name)
+    table = check.table(spot)
+    return check.parameters(kind, RawTable.of(table, spot)) if table else None
 
 
 def _tell_unknown(check: Check, path: KeyPath, allowed: Iterable[str], notes: Notes) -> None:

@@ -47,6 +47,7 @@ class Dataset:
     warnings: tuple[str, ...]  # what the user must know
     assumptions: tuple[str, ...]  # what was assumed, one sentence each
     room_error_factor: float = 1.0  # on the error that the room states of its model
+    baseline: Path | None = None  # folder of a record of the same loop when it was healthy
 
     def believed(self, inputs: Inputs | None) -> Belief:
         """Return what the modeller believes, with what drove the room."""
@@ -59,10 +60,12 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     The components that [nominal], [room] and [building] may name are those of `registry`, by default all installed.
     """
     check = Check(read_source(folder / "dataset.toml"), registry or installed())
-    path = _data_path(check, folder)
+    path, baseline = _data_path(check, folder), None
     notes = Notes(str(path))
     described = read_description(check, notes)
     room = built(check, described.room)
+    if described.baseline:
+        baseline = _baseline_path(check, folder, described.baseline)
     if described.room:
         look_at_model_errors(check, described.room, described.about.room_error_factor, notes)
     is_clear = not any(problem.where in ("[dataset]", "[columns]") for problem in check.problems)
@@ -90,6 +93,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         warnings=tuple(dict.fromkeys(notes.warnings)),
         assumptions=tuple(dict.fromkeys(notes.assumptions)),
         room_error_factor=described.about.room_error_factor,
+        baseline=baseline,
     )
 
 
@@ -107,6 +111,15 @@ def _data_path(check: Check, folder: Path) -> Path | None:
     if not found:
         check.problem(Spot.table(), f"there is no {' or '.join(FILES)} beside it, and [dataset] names no file")
     return found[0] if found else None
+
+
+def _baseline_path(check: Check, folder: Path, path: str) -> Path:
+    found = folder / path
+    if not is_file(found / "dataset.toml"):
+        check.problem(Spot.table("baseline").at("path"), "no such dataset", value=path, allowed=f"looked for {found}")
+    elif found.resolve() == folder.resolve():
+        check.problem(Spot.table("baseline").at("path"), "a record cannot be its own baseline", value=path)
+    return found
 
 
 def _record(

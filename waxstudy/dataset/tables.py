@@ -1,4 +1,4 @@
-"""The tables of dataset.toml that are not of a study: [dataset], [site], [columns], [noise], setpoint of [nominal]."""
+"""The tables of dataset.toml that are not of a study: [dataset], [site], [columns] and the like."""
 
 from __future__ import annotations
 
