@@ -106,7 +106,7 @@ class Segment:
             return drive.thrown() if jump is not None and not perturbation.random else drive.straight(jump)
 
         key = (first, self.driven_by, convention.is_raw, convention.is_late, start_s, *blocks.items())
-        ends, averages, shifted = made() if perturbation.random else record.remembered("chain", key, made)
+        ends, averages, shifted = made() if perturbation.random else record.remembered("chain", key, made, arrays=20)
         shown.update({SHOWN[kind]: ends[kind] for kind in chain if kind in ends and kind != "sensor"})
         if "valve" in chain:
             full_L_h = full_flow_L_h(record, belief)
@@ -139,8 +139,8 @@ class Segment:
 
         def made() -> FloatArray:
             chain = chain_of({"sensor": sensor}, record.interval_s)
-            ends, _ = replay(chain, "sensor", air, air, interval_s=record.interval_s, start_s=record.start_s)
-            return ends["sensor"]
+            timing = {"interval_s": record.interval_s, "start_s": record.start_s}
+            return replay(chain, "sensor", air, air, **timing, last="sensor")[0]["sensor"]
 
         return made() if perturbation.random else record.remembered("sensor", sensor, made)
 

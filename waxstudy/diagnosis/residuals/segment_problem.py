@@ -72,11 +72,16 @@ class SegmentProblem:
     def at(
         self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray, convention: Convention
     ) -> Hypothesis | None:
-        try:
-            predicted = self.predicted(self.edited(effects, departures), convention)
-        except (SimulationError, ValueError, ArithmeticError):
-            return None
-        return Hypothesis(tuple(effects), convention, departures, self.judge.residuals(predicted))
+        def made() -> Hypothesis | None:
+            try:
+                predicted = self.predicted(self.edited(effects, departures), convention)
+            except (SimulationError, ValueError, ArithmeticError):
+                return None
+            return Hypothesis(tuple(effects), convention, departures, self.judge.residuals(predicted))
+
+        # fits begin and end at places that they have been to
+        values = tuple((effect, *values.items()) for effect, values in effects)
+        return self.record.remembered(self, (values, departures.tobytes(), convention), made, arrays=4)
 
     def drive_noise(self, fitted: Hypothesis) -> Mapping[int, float]:
         """Return what noise of the drive adds to a model's loss, by part: a low-pass lets less of it through."""
