@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, study
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.residual import Residual
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor

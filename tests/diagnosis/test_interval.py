@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, belief, effects, estimator, planted, record
+from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.estimate.parameter_space import Space
-from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.result import Interval

@@ -17,7 +17,7 @@ from waxstudy.diagnosis.consequence.closed_loop import closed_loop, distance, fr
 from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.regimes import LONG_PAUSE_S, PHASES, of_chain, of_room, regimes
 from waxstudy.diagnosis.criteria import Question, limit, meets
-from waxstudy.diagnosis.estimate.residual import Residual
+from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.model.travel import opening, published_error_s, travel
 from waxstudy.diagnosis.observations.record import Record

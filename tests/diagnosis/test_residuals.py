@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from tests.diagnosis.evidences import SOUND
 from tests.diagnosis.realities import PERFECT, belief, estimator, plain, record
 from waxstudy.diagnosis.criteria import Question, limit
-from waxstudy.diagnosis.estimate.residual import Residual
-from waxstudy.diagnosis.model.predicted import Predicted
+from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
 from waxstudy.diagnosis.observations.record import Record

@@ -77,11 +77,7 @@ def assembled(
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
         next_measurements=list(next_measurements(cut, found, untestable, stages, work.record)),
-        warnings=[
-            *work.dataset.warnings,
-            *doubtful_noise(work.record, cut),
-            *warned(selections),
-        ],
+        warnings=[*work.dataset.warnings, *doubtful_noise(work.record, cut), *warned(selections)],
         assumptions=[
             *work.dataset.assumptions,
             *filled_in(work.dataset, work.record, built(work.dataset.room) if work.dataset.room else None),

@@ -31,12 +31,7 @@ Tell = Callable[[str, float], None]
 
 
 def diagnose(
-    dataset: Dataset,
-    *,
-    seed: int = 1,
-    quick: bool = False,
-    study: Study | None = None,
-    tick: Tell | None = None,
+    dataset: Dataset, *, seed: int = 1, quick: bool = False, study: Study | None = None, tick: Tell | None = None
 ) -> Diagnosis:
     """Return where a dataset's gap lies, which effects cause it and how far it shrinks once they are added.
 

@@ -43,7 +43,13 @@ def plain_parameters(parameters: Parameters) -> Any:
             values[name] = float(value) if None.__class__ in get_args(field.annotation) else value
         elif value is None and {float, int}.intersection(get_args(field.annotation)):
             values[name] = float("nan")
-    return namedtuple("p", values)(**values) if values else ()
+    return _numbers(*values)(**values) if values else ()
+
+
+@cache
+def _numbers(*names: str) -> Any:
+    """Return the one type that holds these numbers: making it takes longer than a block's start."""
+    return namedtuple("p", names)
 
 
 def parameter_record(plain: Any) -> np.ndarray:

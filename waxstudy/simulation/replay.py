@@ -51,13 +51,14 @@ def replay(
     interval_s: float,
     start_s: float,
     jump: FloatArray | None = None,
+    last: str = CHAIN[-1],
 ) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
     """Drive a chain from the block of kind `first` on; return each kind's output (n,) at the ends, and its means.
 
     `signal` (n,) is what that block would get (the sensor's temperature, for the controller the reading), at the end
     of each interval, the first of which starts `start_s` after midnight. A kind without a block passes on what it
     gets. With `jump` (n,) the signal is a switch that jumps after that part of each interval; without, it runs straight
-    from sample to sample. Raises `SimulationError`.
+    from sample to sample. Nothing behind the block of kind `last` is run. Raises `SimulationError`.
     """
     ready = CompiledChain(chain)
     states = ready.start()
@@ -65,17 +66,17 @@ def replay(
     u = _in_steps(signal, jump, parts)
     ends: dict[str, FloatArray] = {}
     means: dict[str, FloatArray] = {}
-    end, mean = _shown(u)
-    for place in range(CHAIN.index(first), len(CHAIN)):
+    end = mean = np.zeros(0)
+    for place in range(CHAIN.index(first), CHAIN.index(last) + 1):
         if place == CONTROLLER:
-            u = np.asarray(setpoint_C, dtype=float)[:, None] - u
+            np.subtract(np.asarray(setpoint_C, dtype=float)[:, None], u, out=u)
         if chain.blocks[place]:
             block = ready.addresses[place], ready.parameters[place], pointers[place]
             failed = compiled()(*block, chain.low[place], chain.high[place], u.reshape(-1), start_s, chain.step_s)
             if failed != DONE or ready.failed(states) is not None:
                 at = clock(start_s + max(0, failed) * chain.step_s)
                 raise SimulationError(f"{CHAIN[place]} failed at {at} of the record")
-        if chain.blocks[place] or place == CONTROLLER:
+        if chain.blocks[place] or place == CONTROLLER or not ends:
             end, mean = _shown(u)
         ends[CHAIN[place]], means[CHAIN[place]] = end, mean
     return ends, means
@@ -90,7 +91,7 @@ def _in_steps(signal: FloatArray, jump: FloatArray | None, parts: int) -> FloatA
     """Return a signal in the middle of each step (n, parts)."""
     now = np.asarray(signal, dtype=float)
     before = np.concatenate((now[:1], now[:-1]))
-    change, found = now - before, np.empty((len(now), parts))
-    for place, middle in enumerate((np.arange(parts) + 0.5) / parts):
-        found[:, place] = before + middle * change if jump is None else np.where(middle > jump, now, before)
-    return found
+    middle = (np.arange(parts) + 0.5) / parts
+    if jump is None:
+        return np.asarray(np.outer(now - before, middle) + before[:, None])
+    return np.ascontiguousarray(np.where(middle > jump[:, None], now[:, None], before[:, None]))

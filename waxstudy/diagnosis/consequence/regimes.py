@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.residual import Residual
+from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.travel import SIGNALS, opening, signal_of
 from waxstudy.diagnosis.observations.noise import ON
 from waxstudy.diagnosis.observations.record import Record

@@ -10,17 +10,17 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from waxstudy.diagnosis.criteria import Question, limit
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
 from waxstudy.diagnosis.estimate.parameter_space import (
     NARROW,
     QUICK_NARROW,
+    Edits,
     EffectType,
     Space,
     Values,
     descend,
     valued,
 )
-from waxstudy.diagnosis.estimate.problem import Problem
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
 from waxstudy.diagnosis.estimate.start_points import StartPoints
 from waxstudy.diagnosis.model.conventions import PLAIN, Convention
@@ -184,7 +184,7 @@ class Estimator(Generic[P]):
 
     def refined(
         self,
-        effects: Sequence[tuple[EffectType, Values]],
+        effects: Edits,
         departures: FloatArray,
         convention: Convention,
         parts: Sequence[int] = (FIT,),
@@ -210,12 +210,8 @@ class Estimator(Generic[P]):
         return self.problem.at(valued(effects, spaces, found), departures, convention)
 
     def _smooth_fit(
-        self,
-        effects: Sequence[tuple[EffectType, Values]],
-        departures: FloatArray,
-        convention: Convention,
-        parts: Sequence[int],
-    ) -> Sequence[tuple[EffectType, Values]]:
+        self, effects: Edits, departures: FloatArray, convention: Convention, parts: Sequence[int]
+    ) -> Edits:
         """Return parameters after Gauss-Newton steps, which go far along a valley; what switches is left as it is."""
         if not self.problem.is_smooth:
             return effects
@@ -225,7 +221,7 @@ class Estimator(Generic[P]):
 
     def _room_fit(
         self,
-        effects: Sequence[tuple[EffectType, Values]],
+        effects: Edits,
         departures: FloatArray,
         convention: Convention,
         parts: Sequence[int],

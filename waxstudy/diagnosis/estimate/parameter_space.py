@@ -15,6 +15,7 @@ NARROW, QUICK_NARROW = 1e-5, 1e-3  # share of a range that is not looked into
 
 Values = Mapping[str, float]
 EffectType = type[Effect]
+Edits = Sequence[tuple[EffectType, Values]]  # effects with their parameters
 
 
 class Space:
@@ -59,9 +60,7 @@ def _place(prior: Prior, value: float) -> float:
     return (value - prior.low) / (prior.high - prior.low)
 
 
-def valued(
-    effects: Sequence[tuple[EffectType, Values]], spaces: Sequence[Space], x: FloatArray
-) -> list[tuple[EffectType, Values]]:
+def valued(effects: Edits, spaces: Sequence[Space], x: FloatArray) -> list[tuple[EffectType, Values]]:
     """Return effects with the values that a point in all their cubes, one after the other, stands for."""
     found, at = [], 0
     for (effect, _), space in zip(effects, spaces, strict=True):

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from waxstudy.diagnosis.criteria import Question, limit
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, valued
-from waxstudy.diagnosis.estimate.problem import Problem
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
+from waxstudy.diagnosis.estimate.parameter_space import Edits, Space, valued
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.plugin import FloatArray
 
@@ -25,7 +24,7 @@ class LeastSquares:
     def __init__(
         self,
         problem: Problem,
-        effects: Sequence[tuple[EffectType, Values]],
+        effects: Edits,
         convention: Convention,
         parts: Sequence[int],
         reach: float = 0.01,  # share of a parameter's range over which its slope is taken

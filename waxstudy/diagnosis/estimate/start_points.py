@@ -8,9 +8,8 @@ from operator import itemgetter
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
-from waxstudy.diagnosis.estimate.problem import Problem
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.plugin import FloatArray
@@ -90,7 +89,7 @@ class StartPoints:
     def _with(self, values: Values, convention: Convention) -> Hypothesis | None:
         return self._at((*self.given.effects, (self.effect, values)), convention)
 
-    def _at(self, effects: Sequence[tuple[EffectType, Values]], convention: Convention) -> Hypothesis | None:
+    def _at(self, effects: Edits, convention: Convention) -> Hypothesis | None:
         """Return a hypothesis with the room's departures where they would go, were everything straight from here."""
         fitted = self.problem.at(effects, self.given.departures, convention)
         if fitted is None or self.straight is None:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from waxstudy.diagnosis.model.conventions import PLAIN, Convention
-from waxstudy.diagnosis.model.predicted import Predicted
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, ModelError, Room
 from waxstudy.plugin.model_error import model_errors
@@ -27,6 +28,19 @@ ROOM_STEP_S = 300.0  # the room is judged on means of quarters of an hour; its w
 JUDGED_S = 900.0
 FINE_STEP_S = 5.0
 VALVE_S = 120.0  # chosen: a stroke takes up to 180 s (Table 2), and most of the flow comes in its middle
+
+
+class Predicted(dict[str, FloatArray]):
+    """What is predicted of channels, each (n,), of a room's (quarters,).
+
+    `shifted` (shifts, n) has those that a switch drives, for each part of an interval in which it may have been thrown.
+    """
+
+    def __init__(
+        self, values: Mapping[str, FloatArray] = MappingProxyType({}), shifted: Mapping[str, FloatArray] | None = None
+    ) -> None:
+        super().__init__(values)
+        self.shifted = shifted or {}
 
 
 def full_flow_L_h(record: Record, belief: Belief) -> float:

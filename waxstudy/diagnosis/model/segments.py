@@ -11,8 +11,14 @@ from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, LONG_S, ME
 from waxstudy.diagnosis.model.modulator_clock import late_s
 from waxstudy.diagnosis.model.opening_path import cells, path
 from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
-from waxstudy.diagnosis.model.predicted import Predicted
-from waxstudy.diagnosis.model.room_response import built, full_flow_L_h, means, room_response
+from waxstudy.diagnosis.model.room_response import (
+    OF_AIR_AND_FLOOR,
+    Predicted,
+    built,
+    full_flow_L_h,
+    means,
+    room_response,
+)
 from waxstudy.diagnosis.observations.record import ROOM_CHANNELS, Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, Room
 from waxstudy.simulation.chain import Chain
@@ -106,7 +112,7 @@ class Segment:
             return drive.thrown() if jump is not None and not perturbation.random else drive.straight(jump)
 
         key = (first, self.driven_by, convention.is_raw, convention.is_late, start_s, *blocks.items())
-        ends, averages, shifted = made() if perturbation.random else record.remembered("chain", key, made)
+        ends, averages, shifted = made() if perturbation.random else record.remembered("chain", key, made, arrays=20)
         shown.update({SHOWN[kind]: ends[kind] for kind in chain if kind in ends and kind != "sensor"})
         if "valve" in chain:
             full_L_h = full_flow_L_h(record, belief)
@@ -139,8 +145,8 @@ class Segment:
 
         def made() -> FloatArray:
             chain = chain_of({"sensor": sensor}, record.interval_s)
-            ends, _ = replay(chain, "sensor", air, air, interval_s=record.interval_s, start_s=record.start_s)
-            return ends["sensor"]
+            timing = {"interval_s": record.interval_s, "start_s": record.start_s}
+            return replay(chain, "sensor", air, air, **timing, last="sensor")[0]["sensor"]
 
         return made() if perturbation.random else record.remembered("sensor", sensor, made)
 
@@ -265,3 +271,41 @@ def _with_means(conventions: Iterable[Convention], record: Record) -> Iterator[C
 def chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
     """Return the blocks at a step that divides the interval, five seconds or somewhat less."""
     return Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / STEP_S))))
+
+
+class Prediction:
+    """Predicts one segment; what shorter steps change of the room as believed is added to every belief.
+
+    With the same flow they change as much of any other. Not of the return, whose first minutes of each pulse are a
+    matter of form, unless that is as believed (`is_exact_room`).
+    """
+
+    def __init__(self, segment: Segment, record: Record, belief: Belief, is_exact_room: bool) -> None:
+        self.segment, self.record, self.belief, self.is_exact_room = segment, record, belief, is_exact_room
+        self._refinements: dict[Convention, Mapping[str, FloatArray]] = {}
+
+    def __call__(self, belief: Belief, convention: Convention, perturbation: Perturbation = STILL) -> Predicted:
+        found = self.segment.predict(self.record, belief, convention, perturbation)
+        for channel, change in self._refinement(convention).items():
+            found[channel] = found[channel] + change
+        return found
+
+    def fine(self, belief: Belief, convention: Convention) -> Predicted:
+        """Return the same with what short steps change of this very belief, not of the one that is believed."""
+        found = self(belief, convention)
+        if refined := self._refinement(convention):
+            fine = self.segment.predict(self.record, belief, convention, is_fine=True)
+            found.update({channel: fine[channel] for channel in refined})
+        return found
+
+    def _refinement(self, convention: Convention) -> Mapping[str, FloatArray]:
+        if not self.segment.with_room or self.segment.driven_by != "flow_L_h":
+            return {}
+        if convention not in self._refinements:
+            coarse, fine = (
+                self.segment.predict(self.record, self.belief, convention, is_fine=way) for way in (False, True)
+            )
+            refined = [channel for channel in fine if channel in OF_AIR_AND_FLOOR or self.is_exact_room]
+            changes = {channel: fine[channel] - coarse[channel] for channel in refined}
+            self._refinements[convention] = {channel: np.nan_to_num(change) for channel, change in changes.items()}
+        return self._refinements[convention]

@@ -19,14 +19,10 @@ SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blo
 AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
 LONG_GAP_S, FEW_LOST = 600.0, 3  # up to which a channel that runs on is known between its samples
 DAY_S = 86_400.0
+REMEMBERED = 2_000_000  # samples that a slot holds of what was made before
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
-ROOM_CHANNELS = (
-    "air_temperature_C",
-    "operative_temperature_C",
-    "floor_surface_temperature_C",
-    "return_temperature_C",
-)
+ROOM_CHANNELS = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C", "return_temperature_C")
 
 
 @dataclass(frozen=True)
@@ -74,31 +70,23 @@ class Record:
         return 0.25 * float(np.sqrt(max(0.0, float(np.mean(bend**2)) - 1.5 * self.noise[channel] ** 2)))
 
     @cached_property
-    def _ready(self) -> dict[tuple[str, str], FloatArray]:
-        """Filled channels and drives that were asked for before: every hypothesis asks again."""
+    def _memories(self) -> dict[Hashable, dict[Hashable, Any]]:
         return {}
 
-    def _once(self, what: str, channel: str, make: Callable[[str], FloatArray]) -> FloatArray:
-        key = what, channel
-        if key not in self._ready:
-            self._ready[key] = make(channel)
-            self._ready[key].flags.writeable = False
-        return self._ready[key]
+    def remembered(self, slot: Hashable, key: Hashable, make: Callable[[], T], arrays: int = 1) -> T:
+        """Return what a slot holds for a key, made where it holds nothing: most hypotheses change one block alone.
 
-    @cached_property
-    def _last(self) -> dict[str, tuple[Hashable, Any]]:
-        return {}
-
-    def remembered(self, slot: str, key: Hashable, make: Callable[[], T]) -> T:
-        """Return what a slot holds, made anew where it was for another key: most hypotheses change one block alone."""
-        if slot not in self._last or self._last[slot][0] != key:
-            self._last[slot] = key, make()
-        found: T = self._last[slot][1]
+        What was not asked for lately is forgotten, the sooner the more `arrays` as long as the record there are in it.
+        """
+        memory = self._memories.setdefault(slot, {})
+        memory[key] = found = memory.pop(key) if key in memory else make()
+        if len(memory) > max(1, REMEMBERED // (arrays * len(self))):
+            del memory[next(iter(memory))]
         return found
 
     def filled(self, channel: str) -> FloatArray:
         """Return a channel with its gaps filled: straight for what runs on, held for what switches; read-only."""
-        return self._once("filled", channel, self._filled)
+        return self.remembered(("filled", channel), "", lambda: _read_only(self._filled(channel)))
 
     def filled_or_zero(self, channel: str) -> FloatArray:
         """Return a filled channel, zeros where there is none: for what then has no part in the result."""
@@ -106,7 +94,7 @@ class Record:
 
     def drive(self, channel: str) -> FloatArray:
         """Return what drives the next segment: smoothed where noisy, snapped where it rests at an end; read-only."""
-        return self._once("drive", channel, self._drive)
+        return self.remembered(("drive", channel), "", lambda: _read_only(self._drive(channel)))
 
     def _filled(self, channel: str) -> FloatArray:
         values = self.values[channel]
@@ -204,7 +192,7 @@ class Record:
         """Whether what drives a room is recorded."""
         return bool(self.sensed_channel) and self.has("outdoor_temperature_C") and self.has("supply_temperature_C")
 
-    @property
+    @cached_property
     def inputs(self) -> Inputs:
         """What drove the room, or stands in for it; raise `KeyError` naming a channel that is missing."""
         air = self.drive(self.air_channel)
@@ -237,6 +225,11 @@ class Record:
             if self.has(name):
                 return name
         raise KeyError("air_temperature_C")
+
+
+def _read_only(values: FloatArray) -> FloatArray:
+    values.flags.writeable = False
+    return values
 
 
 def _before(on: np.ndarray, starts: np.ndarray) -> np.ndarray:

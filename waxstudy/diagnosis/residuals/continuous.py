@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from waxstudy.diagnosis.criteria import FAR_APART_S
-from waxstudy.diagnosis.estimate.residual import Residual
-from waxstudy.diagnosis.model.predicted import Predicted
+from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import FloatArray

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.residual import Residual
+from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
-from waxstudy.diagnosis.model.predicted import Predicted
-from waxstudy.diagnosis.model.room_response import OF_ROOM, error_of
+from waxstudy.diagnosis.model.room_response import OF_ROOM, Predicted, error_of
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.partition import parts_of
 from waxstudy.diagnosis.observations.record import Record

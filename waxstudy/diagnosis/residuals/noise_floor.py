@@ -9,7 +9,7 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.model.perturbation import Perturbation
-from waxstudy.diagnosis.model.predicted import Predicted
+from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.plugin import SimulationError

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.residual import Residual
-from waxstudy.diagnosis.model.predicted import Predicted
-from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR, merging, weighted
+from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR, Predicted, merging, weighted
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import FloatArray, ModelError
 

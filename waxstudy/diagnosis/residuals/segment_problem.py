@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
+from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.nuisance import nuisances
 from waxstudy.diagnosis.model.perturbation import Perturbation
-from waxstudy.diagnosis.model.prediction import Prediction
-from waxstudy.diagnosis.model.segments import Segment
+from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
 from waxstudy.diagnosis.residuals.judge import Judge
@@ -51,7 +50,7 @@ class SegmentProblem:
         """Return the same with the room exactly as believed."""
         return SegmentProblem(self.segment, self.record, self.belief, self.room_tolerance, self.holds_out, True)
 
-    def edited(self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray) -> Belief:
+    def edited(self, effects: Edits, departures: FloatArray) -> Belief:
         belief = self._departed(departures, frozenset(name for effect, _ in effects for name in effect.absorbs))
         for effect, values in effects:
             belief = effect.apply(belief, effect.Parameters(**values))
@@ -69,14 +68,17 @@ class SegmentProblem:
             self._edits.append((value, nuisance.apply(before, value)))
         return self._edits[-1][1] if self._edits else self.belief
 
-    def at(
-        self, effects: Sequence[tuple[EffectType, Values]], departures: FloatArray, convention: Convention
-    ) -> Hypothesis | None:
-        try:
-            predicted = self.predicted(self.edited(effects, departures), convention)
-        except (SimulationError, ValueError, ArithmeticError):
-            return None
-        return Hypothesis(tuple(effects), convention, departures, self.judge.residuals(predicted))
+    def at(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
+        def made() -> Hypothesis | None:
+            try:
+                predicted = self.predicted(self.edited(effects, departures), convention)
+            except (SimulationError, ValueError, ArithmeticError):
+                return None
+            return Hypothesis(tuple(effects), convention, departures, self.judge.residuals(predicted))
+
+        # fits begin and end at places that they have been to
+        values = tuple((effect, *values.items()) for effect, values in effects)
+        return self.record.remembered(self, (values, departures.tobytes(), convention), made, arrays=4)
 
     def drive_noise(self, fitted: Hypothesis) -> Mapping[int, float]:
         """Return what noise of the drive adds to a model's loss, by part: a low-pass lets less of it through."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.residual import Residual
-from waxstudy.diagnosis.model.predicted import Predicted
+from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import FloatArray
@@ -25,6 +25,7 @@ class Switching:
         self.measured = record.filled(channel)
         self.windows = _windows(record, channel)  # (n,) number of the measured switch that is nearest
         self.scale_s = self._scale_s(perturbed)  # of each of them
+        self.known = ~record.is_gap(channel) & ~record.is_gap(segment.driven_by) & record.settled
 
     @property
     def typical_s(self) -> float:
@@ -34,10 +35,9 @@ class Switching:
     def residual(self, predicted: Predicted) -> Residual:
         """Return how long, around each measured switch, the prediction differs from the record [s]."""
         record, windows = self.record, self.windows
-        known = ~record.is_gap(self.channel) & ~record.is_gap(self.segment.driven_by) & record.settled
-        off_s = self._off_s(np.abs(predicted[self.channel] - self.measured) * known)
+        off_s = self._off_s(np.abs(predicted[self.channel] - self.measured) * self.known)
         count = windows.max() + 1
-        judged = np.bincount(windows, weights=known, minlength=count) > 0.5 * np.bincount(windows, minlength=count)
+        judged = np.bincount(windows, weights=self.known, minlength=count) > 0.5 * np.bincount(windows, minlength=count)
         ends = np.searchsorted(windows, np.arange(count + 1))
         middle = (ends[:-1] + ends[1:] - 1) // 2
         off_s = np.where(judged, off_s, 0.0)

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.diagnosis.criteria import CLEAR_GAIN
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
-from waxstudy.diagnosis.estimate.residual import Residual
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.result import Interval, in_floors

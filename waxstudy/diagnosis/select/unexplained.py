@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from waxstudy.diagnosis.criteria import Criterion, Question, criteria, limit, meets
-from waxstudy.diagnosis.estimate.residual import Residual
+from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.result import Unexplained, in_floors
 from waxstudy.diagnosis.select.evidence import Left
