@@ -8,7 +8,7 @@ import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, SUPPLY_AIR
-from waxstudy.diagnosis.model.segments import ROOM_STAGES
+from waxstudy.diagnosis.criteria import ROOM_STAGES
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Unexplained, Untestable, Verdict
 from waxstudy.diagnosis.select.candidate import Candidate

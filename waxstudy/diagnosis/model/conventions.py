@@ -30,9 +30,9 @@ class Convention:
         return self.is_raw or self.is_late
 
     @property
-    def needed(self) -> float:
-        """Loss by which it must be better than another."""
-        return limit(Question.CONVENTION, "gain", self)
+    def handicap(self) -> float:
+        """Loss by which it must be better than one with less freedom."""
+        return limit(Question.CONVENTION, "gain", self) if self.is_handicapped else 0.0
 
     @property
     def _choices(self) -> tuple[Any, ...]:

@@ -22,7 +22,6 @@ DAY_S = 86_400.0
 REMEMBERED = 2_000_000  # samples that a slot holds of what was made before
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
-ROOM_CHANNELS = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C", "return_temperature_C")
 
 
 @dataclass(frozen=True)

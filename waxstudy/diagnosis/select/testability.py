@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.diagnosis.criteria import Question, limit
+from waxstudy.diagnosis.criteria import ROOM_STAGES, Question, limit
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.model.segments import ROOM_STAGES, SHOWN, Segment
+from waxstudy.diagnosis.model.segments import SHOWN, Segment
 from waxstudy.diagnosis.observations.record import AIR, Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
 from waxstudy.diagnosis.select.search import OF_AIR, Selection
