@@ -21,8 +21,7 @@ class Convention:
 
     def differs(self, other: Convention) -> int:
         """Return in how many of its choices it differs: the sensor's log, the sun's heat, the room's temperatures."""
-        pairs = zip(self._choices, other._choices, strict=True)
-        return sum(one != another for one, another in pairs)
+        return sum(one != another for one, another in zip(self._choices, other._choices, strict=True))
 
     @property
     def is_handicapped(self) -> bool:

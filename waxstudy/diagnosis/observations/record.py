@@ -220,10 +220,9 @@ class Record:
     @property
     def air_channel(self) -> str:
         """The channel that tells the room's air best."""
-        for name in AIR:
-            if self.has(name):
-                return name
-        raise KeyError("air_temperature_C")
+        if found := next(filter(self.has, AIR), ""):
+            return found
+        raise KeyError(AIR[0])
 
 
 def _read_only(values: FloatArray) -> FloatArray:

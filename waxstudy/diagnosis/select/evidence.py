@@ -156,17 +156,15 @@ def departure(effect: EffectType, values: Mapping[str, float], believed: Belief)
     neutral = effect.neutral(believed)
     if neutral is None or not effect.priors:
         return np.inf
-    both = effect.priors.keys() & neutral.keys()
+    both = effect.priors.keys() & neutral.keys() & values.keys()
     return max((steps(effect.priors[name], values[name], neutral[name]) for name in both), default=0.0)
 
 
 def distinct(effect: EffectType, intervals: Mapping[str, Interval], believed: Belief) -> float:
     """Return the same of the parameters whose interval leaves out what is believed."""
-    neutral = effect.neutral(believed)
-    if neutral is None or not effect.priors:
-        return np.inf
-    known = [(effect.priors[name], intervals[name], neutral[name]) for name in effect.priors.keys() & neutral.keys()]
-    return max((steps(prior, i.value, still) for prior, i, still in known if not i.low <= still <= i.high), default=0.0)
+    neutral = effect.neutral(believed) or {}
+    without = [name for name, each in intervals.items() if not each.low <= neutral.get(name, np.nan) <= each.high]
+    return departure(effect, {name: intervals[name].value for name in without}, believed)
 
 
 def steps(prior: Prior, value: float, still: float) -> float:

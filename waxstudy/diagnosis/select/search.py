@@ -85,10 +85,10 @@ class Selection:
     estimator: Estimator[SegmentProblem]
     models: Models
     without: Models  # the last model without each effect found
-    found: Sequence[Found]
-    tried: Sequence[Candidate]  # of the first round
+    found: tuple[Found, ...]
+    tried: tuple[Candidate, ...]  # of the first round
     floor: NoiseFloor
-    withdrawn: Sequence[Withdrawn] = ()
+    withdrawn: tuple[Withdrawn, ...] = ()
     intervals: Mapping[EffectType, Mapping[str, Interval]] = field(default_factory=dict)  # of what was found
 
     @property
@@ -148,8 +148,7 @@ class _Search:
         self.made: dict[str, tuple[Hypothesis, Any]] = {}
 
     def run(self) -> Selection:
-        found, first, convention = self.added()
-        return self.kept(found, first, convention)
+        return self.kept(*self.added())
 
     def added(self) -> tuple[list[Found], list[Candidate], Convention]:
         """Return the effects that are accepted one after the other, the first candidates, and how the log is read."""
@@ -186,7 +185,8 @@ class _Search:
                 found = [each for each in found if each not in [one.found for one in out]]
                 models, without = self.models(found, convention if found else self.estimator.base.convention)
         floor, intervals = self.floor(models[-1]), self.intervals(models[-1]) if found else {}
-        return Selection(self.estimator, models, without, found, first, floor, withdrawn, intervals)
+        rest = tuple(found), tuple(first), floor, tuple(withdrawn), intervals
+        return Selection(self.estimator, models, without, *rest)
 
     def floor(self, last: Hypothesis) -> NoiseFloor:
         return self.once("floor", last, lambda: NoiseFloor.of(self.problem, last))
@@ -251,12 +251,10 @@ class _Search:
     def tried(self, current: Hypothesis) -> list[Candidate]:
         """Return every effect that applies, fitted on top of a model and judged."""
         fitted = []
-        for effect in self.effects:
-            if effect.name not in current.names:
-                self.tick(effect.name)
-                one = self.estimator.fit(effect, current)
-                if one is not None:
-                    fitted.append((effect, one))
+        for effect in [each for each in self.effects if each.name not in current.names]:
+            self.tick(effect.name)
+            if one := self.estimator.fit(effect, current):
+                fitted.append((effect, one))
         return self.judged(current, fitted)
 
     def judged(self, current: Hypothesis, fitted: Sequence[tuple[EffectType, Hypothesis]]) -> list[Candidate]:
