@@ -192,7 +192,11 @@ class Estimator(Generic[P]):
             return self._room_fit(effects, departures, convention, parts, self._slopes if is_rough else None)
         if not any(effect.priors for effect, _ in effects):
             return self.problem.at(effects, departures, convention)
-        smooth = self._smooth_fit(effects, departures, convention, parts)
+        smooth = effects
+        if self.problem.is_smooth:  # Gauss-Newton steps go far along a valley; what only switches has no slopes
+            problem = LeastSquares(self.problem, effects, convention, parts)
+            found = problem.solved(problem.vector(departures), round(STEPS * self.thorough), None)
+            smooth = found.effects if found else effects
         spaces = [Space(effect) for effect, _ in effects]
         start = np.concatenate([space.inside(v) for space, (_, v) in zip(spaces, smooth, strict=True)])
 
@@ -200,18 +204,8 @@ class Estimator(Generic[P]):
             return self.score(self.problem.at(valued(effects, spaces, x), departures, convention), parts)
 
         most = REFINE.get(len(start), REFINE_MORE)
-        found = descend(loss, start, round(most * self.thorough), QUICK_NARROW if self.is_quick else NARROW)
-        return self.problem.at(valued(effects, spaces, found), departures, convention)
-
-    def _smooth_fit(
-        self, effects: Edits, departures: FloatArray, convention: Convention, parts: Sequence[int]
-    ) -> Edits:
-        """Return parameters after Gauss-Newton steps, which go far along a valley; what switches is left as it is."""
-        if not self.problem.is_smooth:
-            return effects
-        problem = LeastSquares(self.problem, effects, convention, parts)
-        found = problem.solved(problem.vector(departures), round(STEPS * self.thorough), None)
-        return found.effects if found else effects
+        end = descend(loss, start, round(most * self.thorough), QUICK_NARROW if self.is_quick else NARROW)
+        return self.problem.at(valued(effects, spaces, end), departures, convention)
 
     def _room_fit(
         self,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -204,8 +205,7 @@ def segments(record: Record, belief: Belief) -> list[Segment]:
     if room and belief.room and belief.inputs and (since != "sensor" or is_driven):
         rest = CHAIN[CHAIN.index(since) :] if since is not None else ()
         segment = _segment(record, (*rest, *ROOM_STAGES), driven_by, *room)
-        conventions = _with_means(_with_sun(segment.conventions, belief.room, record), record)
-        found.append(replace(segment, conventions=tuple(conventions)))
+        found.append(replace(segment, conventions=tuple(_of_room(segment.conventions, belief.room, record))))
         if SUPPLY not in record.assumed:
             found.append(Segment(("emitter",), "outdoor_temperature_C", (SUPPLY,)))
     return found
@@ -240,21 +240,14 @@ def _after(kind: str) -> str | None:
     return CHAIN[place] if place < len(CHAIN) else None
 
 
-def _with_sun(conventions: tuple[Convention, ...], room: Choice, record: Record) -> Iterator[Convention]:
-    """Yield each convention with each way to mean the sun's heat, where there is any."""
+def _of_room(conventions: Iterable[Convention], room: Choice, record: Record) -> Iterator[Convention]:
+    """Yield each convention with each way to mean the sun's heat, and with means where samples are far apart."""
     assert issubclass(room.component, Room)
-    factors = room.component.solar_readings(room.parameters) if record.has("solar_gain_W") else {"": 1.0}
-    for convention in conventions:
-        for words, factor in (factors or {"": 1.0}).items():
-            yield replace(convention, words=" ".join(filter(None, (convention.words, words))), solar_factor=factor)
-
-
-def _with_means(conventions: Iterable[Convention], record: Record) -> Iterator[Convention]:
-    """Yield each convention, and where samples are far apart it with temperatures as means."""
-    for convention in conventions:
-        yield convention
-        if record.interval_s >= LONG_S:
-            yield replace(convention, words=" ".join(filter(None, (convention.words, MEAN))), is_mean=True)
+    factors = room.component.solar_readings(room.parameters) if record.has("solar_gain_W") else {}
+    for convention, (words, factor) in product(conventions, (factors or {"": 1.0}).items()):
+        for is_mean in (False, True) if record.interval_s >= LONG_S else (False,):
+            told = " ".join(filter(None, (convention.words, words, MEAN if is_mean else "")))
+            yield replace(convention, words=told, solar_factor=factor, is_mean=is_mean)
 
 
 def replayed(
