@@ -96,4 +96,6 @@ def _in_steps(signal: FloatArray, jump: FloatArray | None, parts: int) -> FloatA
         found = np.outer(now - before, middle)
         found += before[:, None]
         return found
-    return np.ascontiguousarray(np.where(middle > jump[:, None], now[:, None], before[:, None]))
+    found, jumps = np.repeat(now, parts).reshape(-1, parts), now != before  # few of many
+    found[jumps] = np.where(middle > jump[jumps, None], now[jumps, None], before[jumps, None])
+    return found
