@@ -157,7 +157,7 @@ def test_the_first_criterion_that_fails_is_the_one_that_is_named() -> None:
         found = failed(Question.CLAIM, poor)
         assert found
         assert found.name == candidate(poor).why_not == name
-        assert not candidate(poor).is_accepted
+        assert not candidate(poor).meets(Question.CLAIM)
     assert failed(Question.CLAIM, SOUND) is None
     assert candidate(SOUND).why_not == ""
 
@@ -165,7 +165,7 @@ def test_the_first_criterion_that_fails_is_the_one_that_is_named() -> None:
 @given(st.sets(st.sampled_from(range(len(ORDER)))))
 def test_evidence_is_accepted_where_no_criterion_fails_and_nowhere_else(places: set[int]) -> None:
     poor = replace(SOUND, **{key: value for place in places for key, value in ORDER[place][0].items()})  # type: ignore[arg-type]
-    assert candidate(poor).is_accepted is (not places)
+    assert candidate(poor).meets(Question.CLAIM) is (not places)
     assert candidate(poor).why_not == (ORDER[min(places)][1] if places else "")
 
 
@@ -380,9 +380,9 @@ def test_a_part_of_a_pair_may_be_too_slight_to_be_named_and_a_slight_one_is_neve
     over: float, departure: float, left: float
 ) -> None:
     each = candidate(replace(SOUND, over=over, departure=departure, left=left))
-    assert not (each.is_slight and each.is_accepted)
-    assert each.is_part is (over >= 1.1)
-    assert not each.is_accepted or each.is_part
+    assert not (each.meets(Question.SLIGHT) and each.meets(Question.CLAIM))
+    assert each.meets(Question.PAIR) is (over >= 1.1)
+    assert not each.meets(Question.CLAIM) or each.meets(Question.PAIR)
 
 
 # --- words decide nothing --------------------------------------------------------------------------------

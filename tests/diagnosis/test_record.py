@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.diagnosis.realities import plain, record
 from waxstudy.diagnosis.observations.noise import snapped
-from waxstudy.diagnosis.observations.record import AFTER_GAP_S, Record
+from waxstudy.diagnosis.observations.record import AFTER_GAP_S, Memory, Record
 from waxstudy.plugin import FloatArray
 
 DAY = 1440  # minutes
@@ -208,3 +208,21 @@ def test_what_drives_a_room_is_named_where_it_is_missing(channel: str) -> None:
     assert not seen.has_inputs
     with pytest.raises(KeyError, match=channel):
         _ = seen.inputs
+
+
+# --- what is remembered ----------------------------------------------------------------------------------
+
+
+@given(st.integers(1, 5), st.lists(st.integers(0, 7), max_size=40))
+def test_what_is_remembered_is_what_would_be_made_and_the_last_are_not_made_again(most: int, keys: list[int]) -> None:
+    memory, made = Memory(most), list[int]()
+
+    def make(key: int) -> str:
+        made.append(key)
+        return str(key)
+
+    for place, key in enumerate(keys):
+        lately = list(dict.fromkeys(reversed(keys[:place])))[:most]
+        before = len(made)
+        assert memory.get(key, lambda key=key: make(key)) == str(key)  # type: ignore[misc]
+        assert len(made) - before == (key not in lately)

@@ -80,6 +80,19 @@ def test_compiled_blocks_give_what_each_gives_in_python(case: str) -> None:
         assert np.array_equal(ends[kind], signal)
 
 
+@EACH_CASE
+@pytest.mark.parametrize("last", CHAIN)
+def test_what_lies_behind_the_last_block_is_left_out_and_the_rest_stays(case: str, last: str) -> None:
+    chain = Chain(study().cases[case].blocks, STEP_S)
+    signal, setpoint_C = 21.0 + np.cumsum(np.random.default_rng(5).normal(0.0, 0.05, 400)), np.full(400, 21.0)
+    whole, part = (
+        replay(chain, "sensor", signal, setpoint_C, interval_s=60.0, start_s=0.0, last=end) for end in (CHAIN[-1], last)
+    )
+    for every, some in zip(whole, part, strict=True):
+        assert list(some) == list(CHAIN[: CHAIN.index(last) + 1])
+        assert all(np.array_equal(every[kind], some[kind]) for kind in some)
+
+
 def test_the_loop_in_python_gives_the_compiled_one_s_bits() -> None:
     chain = Chain(study().cases["REAL"].blocks, STEP_S)
     random = np.random.default_rng(4)

@@ -15,13 +15,14 @@ from hypothesis import strategies as st
 from tests.diagnosis.realities import belief, record
 from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, PLAIN, RAW
 from waxstudy.diagnosis.model.perturbation import Perturbation
+from waxstudy.diagnosis.model.room_response import OF_ROOM
 from waxstudy.diagnosis.model.segments import SHOWN, Segment, segments
-from waxstudy.diagnosis.observations.record import ROOM_CHANNELS, Record
+from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import CHAIN, STAGES, Belief
 
 OUTPUTS = [SHOWN[kind] for kind in CHAIN[1:]]
 INPUTS = ("outdoor_temperature_C", "supply_temperature_C")
-SUBSETS = st.sets(st.sampled_from([*OUTPUTS, *ROOM_CHANNELS, *INPUTS, "sensor_temperature_C"])).filter(
+SUBSETS = st.sets(st.sampled_from([*OUTPUTS, *OF_ROOM, *INPUTS, "sensor_temperature_C"])).filter(
     lambda chosen: chosen & {"sensor_temperature_C", "air_temperature_C", "operative_temperature_C"}
 )
 
@@ -49,7 +50,7 @@ def expected(chosen: set[str]) -> list[tuple[str, ...]]:
         if kind != "sensor" and SHOWN[kind] in chosen:
             stages.append(tuple(rest))
             rest = []
-    judged = chosen & set(ROOM_CHANNELS) - (set() if "flow_L_h" in chosen else {"return_temperature_C"})
+    judged = chosen & set(OF_ROOM) - (set() if "flow_L_h" in chosen else {"return_temperature_C"})
     has_room = chosen.issuperset(INPUTS) and bool(judged)
     return [*stages, (*rest, "emitter", "room")] if has_room else stages
 
@@ -93,7 +94,7 @@ def test_each_link_predicts_what_it_is_judged_by_for_the_whole_record(chosen: se
             predicted = segment.predict(seen, believed, convention)
             assert list(predicted) == list(segment.judged)
             for channel, values in predicted.items():
-                of_room = segment.with_room and channel in ROOM_CHANNELS
+                of_room = segment.with_room and channel in OF_ROOM
                 assert len(values) == (len(seen) // 15 if of_room else len(seen))
 
 

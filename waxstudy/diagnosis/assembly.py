@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 import pandas as pd
@@ -59,7 +60,7 @@ def of_segment(segment: Segment, effects: Sequence[EffectType]) -> list[EffectTy
 def assembled(
     work: Work, cut: Sequence[Segment], short: Mapping[Segment, str], selections: Sequence[Selection], quick: bool
 ) -> Diagnosis:
-    several = {e.name: e for selection in reversed(selections) for e in _found(selection, work.seed)}
+    several = {each.name: each for selection in reversed(selections) for each in _found(selection, work.seed)}
     found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
     remains = [each for selection in selections for each in unexplained(selection, work.seed)]
     untestable = list(_untestable(work, cut, short, selections))
@@ -154,9 +155,7 @@ def _impact(work: Work, selection: Selection, believed: Belief, channel: str) ->
 
 
 def _autocorrelation(error: np.ndarray) -> float:
-    if len(error) < 3 or not error.any():
-        return 0.0
-    centred = error - error.mean()
+    centred = error - error.mean() if len(error) > 2 else np.zeros(1)
     power = float(centred @ centred)
     return float(centred[1:] @ centred[:-1]) / power if power else 0.0
 
@@ -232,12 +231,9 @@ def _waterfall(selection: Selection) -> Iterator[Step]:
 
 
 def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:
-    found = {}
-    for selection in selections:
-        problem = selection.problem
-        for unknown, value in zip(problem.nuisances, selection.after.departures / problem.sd, strict=True):
-            found[unknown.name] = float(value)
-    return found
+    ends = [(selection.problem, selection.after.departures) for selection in selections]
+    pairs = chain.from_iterable(zip(problem.nuisances, there / problem.sd, strict=True) for problem, there in ends)
+    return {unknown.name: float(value) for unknown, value in pairs}
 
 
 def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence[str]]:

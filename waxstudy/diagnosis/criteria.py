@@ -62,7 +62,7 @@ WHERE = {
     "of-room": Where("effects of emitter and room", lambda e: e.stage in ROOM_STAGES),
     "several-parameters": Where(
         "effects of the chain with several parameters",
-        lambda e: e.stage not in ("emitter", "room") and e.parameters > 1,
+        lambda e: e.stage not in ROOM_STAGES and e.parameters > 1,
     ),
     "smoothed": Where(
         "a control output that runs on; opening and flow behind a smoothed temperature",

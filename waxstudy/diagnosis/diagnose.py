@@ -21,7 +21,7 @@ from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.diagnosis.select.exact_room import with_exact_room
 from waxstudy.diagnosis.select.search import Selection, Tick, select
 from waxstudy.diagnosis.select.testability import too_short
-from waxstudy.plugin import Effect, Inputs
+from waxstudy.plugin import Effect
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
@@ -39,7 +39,7 @@ def diagnose(
     `tick` is told what is being tried and the share done.
     """
     record = record_of(dataset)
-    belief = dataset.believed(_inputs(record))
+    belief = dataset.believed(record.inputs if record.has_inputs else None)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
     cut = segments(record, belief)
@@ -65,10 +65,6 @@ def record_of(dataset: Dataset) -> Record:
         return record
     room = built(dataset.room)
     return replace(record, stand_ins=stand_ins(lacking, room, dataset.time, dataset.interval_s, dataset.site))
-
-
-def _inputs(record: Record) -> Inputs | None:
-    return record.inputs if record.has_inputs else None
 
 
 def installed_effects() -> list[EffectType]:
@@ -106,10 +102,7 @@ def _selection(
     try:
         assert estimator.base
     except ValueError as error:
-        raise StudyError([_impossible(work.dataset, segment, str(error))]) from error
+        where = "[room]" if segment.stages[0] == "emitter" else "[nominal]"
+        path = str(work.dataset.folder / "dataset.toml")
+        raise StudyError([Problem(path, 0, where, "", "", str(error))]) from error
     return select(estimator, effects, seed, tick)
-
-
-def _impossible(dataset: Dataset, segment: Segment, reason: str) -> Problem:
-    where = "[room]" if segment.stages[0] == "emitter" else "[nominal]"
-    return Problem(str(dataset.folder / "dataset.toml"), 0, where, "", "", reason)

@@ -8,11 +8,11 @@ import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, SUPPLY_AIR
-from waxstudy.diagnosis.model.segments import ROOM_STAGES
+from waxstudy.diagnosis.criteria import ROOM_STAGES
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Unexplained, Untestable, Verdict
 from waxstudy.diagnosis.select.candidate import Candidate
-from waxstudy.diagnosis.select.search import Found, Selection
+from waxstudy.diagnosis.select.search import Selection, Withdrawn
 from waxstudy.plugin import LinearRoom, Role
 
 HELD = ("outdoor_temperature_C", "supply_temperature_C", SUN, GAINS)
@@ -52,22 +52,19 @@ def why_not(selection: Selection, candidate: Candidate) -> str:
 def warned(selections: Sequence[Selection]) -> Iterator[str]:
     """Yield what is to be said of effects that were found and not kept, or kept by days that chose them."""
     for selection in selections:
-        for each in selection.withdrawn:
-            yield _withdrawn(each.found.effect.name, each.criterion.statistic, _place(each.found))
+        yield from map(_withdrawn, selection.withdrawn)
         for found in () if selection.problem.holds_out else selection.found:
             name = found.effect.name
             yield f"{name} shows in the last days only: they took part in finding it, none are held out"
 
 
-def _place(found: Found) -> str:
-    return "the room" if found.effect.stage in ROOM_STAGES else found.channel
-
-
-def _withdrawn(name: str, statistic: str, missed: str) -> str:
+def _withdrawn(each: Withdrawn) -> str:
+    name, statistic = each.found.effect.name, each.criterion.statistic
     if statistic == "fresh_share":
         return f"{name} fitted the first days, but the last days do not confirm it: it is not claimed"
     if statistic == "distinct":
         return f"{name} explains a gap, but by its interval it may as well be what is believed: it is not claimed"
+    missed = "the room" if each.found.effect.stage in ROOM_STAGES else each.found.channel
     return f"{name} explains a part of what {missed} is missed by, but too much stays: not claimed"
 
 

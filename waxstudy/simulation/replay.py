@@ -93,5 +93,9 @@ def _in_steps(signal: FloatArray, jump: FloatArray | None, parts: int) -> FloatA
     before = np.concatenate((now[:1], now[:-1]))
     middle = (np.arange(parts) + 0.5) / parts
     if jump is None:
-        return np.asarray(np.outer(now - before, middle) + before[:, None])
-    return np.ascontiguousarray(np.where(middle > jump[:, None], now[:, None], before[:, None]))
+        found = np.outer(now - before, middle)
+        found += before[:, None]
+        return found
+    found, jumps = np.repeat(now, parts).reshape(-1, parts), now != before  # few of many
+    found[jumps] = np.where(middle > jump[jumps, None], now[jumps, None], before[jumps, None])
+    return found

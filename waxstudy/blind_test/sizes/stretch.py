@@ -85,8 +85,8 @@ def _replayed(
     cell_s = record.interval_s / parts
     chain = Chain(blocks, cell_s / np.ceil(cell_s / STEP_S))
     setpoint_C = np.repeat(record.values.get("setpoint_C", np.zeros(len(record))), parts)
-    timing = {"interval_s": cell_s, "start_s": -_late_s(record, blocks.get("modulator"))}
-    ends, mean = replay(chain, kinds[0], signal, setpoint_C, **timing, jump=jump)
+    start_s = -_late_s(record, blocks.get("modulator"))
+    ends, mean = replay(chain, kinds[0], signal, setpoint_C, interval_s=cell_s, start_s=start_s, jump=jump)
     found = {kind: ends[kind].reshape(-1, parts)[:, ::-1].T for kind in kinds}
     if "valve" in kinds:
         assert belief.room

@@ -7,11 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from waxstudy.diagnosis.model.room_response import built, coarsened, full_flow_L_h, merging
-from waxstudy.diagnosis.model.segments import SHOWN, Segment, chain_of
+from waxstudy.diagnosis.model.segments import SHOWN, Segment, replayed
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
 from waxstudy.simulation.recorded import driven_by, respond
-from waxstudy.simulation.replay import replay
 
 BEHIND = tuple(shown for kind, shown in SHOWN.items() if kind != "sensor")  # channels with stages behind them
 
@@ -46,18 +45,9 @@ def _response(record: Record, belief: Belief, channel: str, signal: FloatArray) 
 
 
 def _flow(record: Record, belief: Belief, channel: str, signal: FloatArray) -> FloatArray:
-    kind = next(kind for kind, shown in SHOWN.items() if shown == channel)
-    first = CHAIN[CHAIN.index(kind) + 1]
-    blocks = {k: choice for k, choice in belief.blocks.items() if CHAIN.index(k) >= CHAIN.index(first)}
+    behind = CHAIN[list(SHOWN.values()).index(channel) + 1 :]
+    blocks = {kind: choice for kind, choice in belief.blocks.items() if kind in behind}
     jump = np.full(len(record), 0.5) if channel in record.binary else None
     setpoint_C = record.filled_or_zero("setpoint_C")
-    _, shown = replay(
-        chain_of(blocks, record.interval_s),
-        first,
-        signal,
-        setpoint_C,
-        interval_s=record.interval_s,
-        start_s=record.start_s,
-        jump=jump,
-    )
-    return shown["valve"] * full_flow_L_h(record, belief)
+    _, means = replayed(blocks, behind[0], signal, setpoint_C, record.interval_s, record.start_s, jump)
+    return means["valve"] * full_flow_L_h(record, belief)

@@ -17,7 +17,6 @@ from waxstudy.diagnosis.estimate.parameter_space import (
     Edits,
     EffectType,
     Space,
-    Values,
     descend,
     valued,
 )
@@ -94,7 +93,7 @@ class Estimator(Generic[P]):
         """Return what a fit misses on some parts, with how far its departures went; much where it cannot be."""
         if fitted is None:
             return IMPOSSIBLE
-        return sum(fitted.loss(part) for part in parts) + self.strain(fitted) + self._handicap(fitted.convention)
+        return sum(fitted.loss(part) for part in parts) + self.strain(fitted) + fitted.convention.handicap
 
     def fair_score(self, fitted: Hypothesis, parts: Sequence[int]) -> float:
         """Return the score without what the drive's noise adds to a controller's output that runs on.
@@ -103,9 +102,6 @@ class Estimator(Generic[P]):
         """
         noise = self.problem.drive_noise(fitted) if self.problem.discounts_noise else {}
         return self.score(fitted, parts) - sum(noise.get(part, 0.0) for part in parts)
-
-    def _handicap(self, convention: Convention) -> float:
-        return convention.needed if convention.is_handicapped else 0.0
 
     def of_other(self, convention: Convention, given: Hypothesis) -> float:
         """Return by how much a convention must be better than a given one: an effect may do no more than undo it."""
@@ -138,7 +134,10 @@ class Estimator(Generic[P]):
             # looking closer at each for a room takes too long: the best, and the best where others count less
             even = min(possible, key=lambda each: each[0] + self.of_other(each[2], given), default=None)
             possible = [each for each in possible[:1] if each is not even] + ([even] if even else [])
-        ends = [self._from(effect, given, parts, values, convention) for _, values, convention in possible]
+        ends = [
+            self.refined((*given.effects, (effect, values)), given.departures, convention, parts, is_rough=True)
+            for _, values, convention in possible
+        ]
         done = [each for each in ends if each is not None]
         best = min(
             done, key=lambda each: self.fair_score(each, parts) + self.of_other(each.convention, given), default=None
@@ -147,11 +146,6 @@ class Estimator(Generic[P]):
         if best and self.has_nuisances and self.score(best, parts) < self.score(given, parts) - promising:
             return self.refined(best.effects, best.departures, best.convention, parts, is_rough=self.is_quick)
         return best
-
-    def _from(
-        self, effect: EffectType, given: Hypothesis, parts: Sequence[int], values: Values, convention: Convention
-    ) -> Hypothesis | None:
-        return self.refined((*given.effects, (effect, values)), given.departures, convention, parts, is_rough=True)
 
     def straight(self, parts: tuple[int, ...]) -> tuple[FloatArray, FloatArray, np.ndarray]:
         """Return how the room follows at the base: slopes, what solves for the departures, which residuals are fitted.
@@ -198,7 +192,11 @@ class Estimator(Generic[P]):
             return self._room_fit(effects, departures, convention, parts, self._slopes if is_rough else None)
         if not any(effect.priors for effect, _ in effects):
             return self.problem.at(effects, departures, convention)
-        smooth = self._smooth_fit(effects, departures, convention, parts)
+        smooth = effects
+        if self.problem.is_smooth:  # Gauss-Newton steps go far along a valley; what only switches has no slopes
+            problem = LeastSquares(self.problem, effects, convention, parts)
+            found = problem.solved(problem.vector(departures), round(STEPS * self.thorough), None)
+            smooth = found.effects if found else effects
         spaces = [Space(effect) for effect, _ in effects]
         start = np.concatenate([space.inside(v) for space, (_, v) in zip(spaces, smooth, strict=True)])
 
@@ -206,18 +204,8 @@ class Estimator(Generic[P]):
             return self.score(self.problem.at(valued(effects, spaces, x), departures, convention), parts)
 
         most = REFINE.get(len(start), REFINE_MORE)
-        found = descend(loss, start, round(most * self.thorough), QUICK_NARROW if self.is_quick else NARROW)
-        return self.problem.at(valued(effects, spaces, found), departures, convention)
-
-    def _smooth_fit(
-        self, effects: Edits, departures: FloatArray, convention: Convention, parts: Sequence[int]
-    ) -> Edits:
-        """Return parameters after Gauss-Newton steps, which go far along a valley; what switches is left as it is."""
-        if not self.problem.is_smooth:
-            return effects
-        problem = LeastSquares(self.problem, effects, convention, parts)
-        found = problem.solved(problem.vector(departures), round(STEPS * self.thorough), None)
-        return found.effects if found else effects
+        end = descend(loss, start, round(most * self.thorough), QUICK_NARROW if self.is_quick else NARROW)
+        return self.problem.at(valued(effects, spaces, end), departures, convention)
 
     def _room_fit(
         self,
@@ -254,14 +242,11 @@ class Estimator(Generic[P]):
 
     def _stepped(self, fitted: Hypothesis, share: float) -> Hypothesis | None:
         """Return a fit after a share of the step to where its events would be best, were everything straight."""
-        events = self.problem.events
-        sd, departures = self.problem.sd[events], fitted.departures.copy()
-        missed = np.concatenate((fitted.whitened, departures[events] / sd))
+        events, departures = self.problem.events, fitted.departures.copy()
+        sd, now = self.problem.sd[events], departures[events]
+        missed = np.concatenate((fitted.whitened, now / sd))
         steps = -sd * np.linalg.lstsq(np.vstack((self._event_slopes * sd, np.eye(len(sd)))), missed, rcond=None)[0]
-        departures = fitted.departures.copy()
-        departures[self.problem.events] = np.clip(
-            departures[self.problem.events] + share * steps, -MOST_SD * sd, MOST_SD * sd
-        )
+        departures[events] = np.clip(now + share * steps, -MOST_SD * sd, MOST_SD * sd)
         return self.problem.at(fitted.effects, departures, fitted.convention)
 
     @cached_property

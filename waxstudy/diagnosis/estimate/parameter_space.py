@@ -62,12 +62,8 @@ def _place(prior: Prior, value: float) -> float:
 
 def valued(effects: Edits, spaces: Sequence[Space], x: FloatArray) -> list[tuple[EffectType, Values]]:
     """Return effects with the values that a point in all their cubes, one after the other, stands for."""
-    found, at = [], 0
-    for (effect, _), space in zip(effects, spaces, strict=True):
-        count = len(space.names)
-        found.append((effect, space.values(np.asarray(x[at : at + count]))))
-        at += count
-    return found
+    places = np.split(x, np.cumsum([len(space.names) for space in spaces], dtype=int))[:-1]
+    return [(effect, space.values(at)) for (effect, _), space, at in zip(effects, spaces, places, strict=True)]
 
 
 def descend(loss: Callable[[FloatArray], float], start: FloatArray, most: int, narrow: float = NARROW) -> FloatArray:

@@ -21,8 +21,7 @@ class Convention:
 
     def differs(self, other: Convention) -> int:
         """Return in how many of its choices it differs: the sensor's log, the sun's heat, the room's temperatures."""
-        pairs = zip(self._choices, other._choices, strict=True)
-        return sum(one != another for one, another in pairs)
+        return sum(one != another for one, another in zip(self._choices, other._choices, strict=True))
 
     @property
     def is_handicapped(self) -> bool:
@@ -30,9 +29,9 @@ class Convention:
         return self.is_raw or self.is_late
 
     @property
-    def needed(self) -> float:
-        """Loss by which it must be better than another."""
-        return limit(Question.CONVENTION, "gain", self)
+    def handicap(self) -> float:
+        """Loss by which it must be better than one with less freedom."""
+        return limit(Question.CONVENTION, "gain", self) if self.is_handicapped else 0.0
 
     @property
     def _choices(self) -> tuple[Any, ...]:

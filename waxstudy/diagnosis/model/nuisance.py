@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from math import exp
+from typing import Any
 
 import numpy as np
 
-from waxstudy.dataset.stand_ins import FIELDS
+from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN
 from waxstudy.diagnosis.model.room_response import full_flow_L_h
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.plugin import Belief, FloatArray, Inputs, Room, Uncertainty
+from waxstudy.plugin import Belief, FloatArray, Room, Uncertainty
 
-# chosen: how well gains are known that nobody measured, as logarithms of a factor
-ASSUMED_GAINS, ASSUMED_SUN = 0.15, 0.12
-MEASURED_GAINS, MEASURED_SUN = 0.05, 0.07
-GAINS, SUN, START, FLOOR = "internal gains", "solar gain", "start", "start of the floor"
+START, FLOOR = "start", "start of the floor"
+# chosen: how well they are known where somebody measured them, and where not, as logarithms of a factor
+HEATS = (("internal gains", GAINS, 0.05, 0.15), ("solar gain", SUN, 0.07, 0.12))
 START_K = 2.0  # nobody knows the weather before the record
 LOST_S, MOST_LOST = 600.0, 6  # gaps that matter, and how many of them are fitted, the longest first
 
@@ -38,25 +38,18 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float |
     `tolerance` multiplies the spreads of the first two; with None the room is exactly as believed.
     """
     found = []
-    room = belief.room
-    if room is not None:
+    if room := belief.room:
         assert issubclass(room.component, Room)
         found = [_of_room(each) for each in room.component.uncertainties(room.parameters)]
-    if record.has("internal_gain_W"):
-        sd = ASSUMED_GAINS if "internal_gain_W" in record.assumed else MEASURED_GAINS
-        found.append(
-            Nuisance(GAINS, sd, _scaled(lambda inputs, factor: replace(inputs, gains_W=factor * inputs.gains_W)))
-        )
-    if record.has("solar_gain_W"):
-        sd = ASSUMED_SUN if "solar_gain_W" in record.assumed else MEASURED_SUN
-        found.append(
-            Nuisance(SUN, sd, _scaled(lambda inputs, factor: replace(inputs, solar_W=factor * inputs.solar_W)))
-        )
+    for name, channel, measured, assumed in HEATS:
+        if record.has(channel):
+            sd = assumed if channel in record.assumed else measured
+            found.append(Nuisance(name, sd, _of_input(FIELDS[channel], lambda old, factor: exp(factor) * old)))
     return [
         *(replace(nuisance, sd=tolerance * nuisance.sd) for nuisance in found if tolerance is not None),
         *_unrecorded(record),
-        Nuisance(START, START_K, _started),
-        Nuisance(FLOOR, START_K, _floor_started),
+        Nuisance(START, START_K, _of_input("start_K", lambda old, departure: departure)),
+        Nuisance(FLOOR, START_K, _of_input("start_floor_K", lambda old, departure: departure)),
         *_lost(belief, record, driven_by),
     ]
 
@@ -66,22 +59,18 @@ def _unrecorded(record: Record) -> Iterator[Nuisance]:
     for channel, found in record.stand_ins.items():
         field = FIELDS[channel]
         if found.factor_sd:
-            factor = partial(_times, field, found.values)
-            yield Nuisance(f"factor of {channel}", found.factor_sd, factor)
+            yield Nuisance(f"factor of {channel}", found.factor_sd, _of_input(field, partial(_times, found.values)))
         for shape in found.shapes:
-            course = partial(_more, field, shape.heat_W)
-            yield Nuisance(shape.name, shape.sd, course, is_event=shape.is_once)
+            yield Nuisance(shape.name, shape.sd, _of_input(field, partial(_more, shape.heat_W)), shape.is_once)
 
 
-def _times(field: str, values: FloatArray, belief: Belief, departure: float) -> Belief:
-    return _more(field, values, belief, exp(departure) - 1.0)
+def _times(heat_W: FloatArray, old: FloatArray, departure: float) -> FloatArray:
+    return _more(heat_W, old, exp(departure) - 1.0)
 
 
-def _more(field: str, heat_W: FloatArray, belief: Belief, strength: float) -> Belief:
-    """Return the belief with some times a course of heat on top of one of its inputs."""
-    assert belief.inputs
-    changed = {field: getattr(belief.inputs, field) + strength * heat_W}
-    return replace(belief, inputs=replace(belief.inputs, **changed))
+def _more(course: FloatArray, old: FloatArray | None, strength: float) -> FloatArray:
+    """Return an input with some times a course on top of it."""
+    return (0.0 if old is None else old) + strength * course
 
 
 def _lost(belief: Belief, record: Record, driven_by: str) -> Iterator[Nuisance]:
@@ -94,13 +83,8 @@ def _lost(belief: Belief, record: Record, driven_by: str) -> Iterator[Nuisance]:
         within = np.zeros(len(record))
         within[first[place] : end[place]] = 1.0
         name = f"flow lost after {first[place] * record.interval_s / 3600.0:.1f} h"
-        yield Nuisance(name, full_flow_L_h(record, belief), partial(_flowed, within), is_event=True)
-
-
-def _flowed(within: FloatArray, belief: Belief, departure: float) -> Belief:
-    assert belief.inputs
-    before = 0.0 if belief.inputs.added_flow_L_h is None else belief.inputs.added_flow_L_h
-    return replace(belief, inputs=replace(belief.inputs, added_flow_L_h=before + departure * within))
+        flowed = _of_input("added_flow_L_h", partial(_more, within))
+        yield Nuisance(name, full_flow_L_h(record, belief), flowed, is_event=True)
 
 
 def _of_room(uncertainty: Uncertainty) -> Nuisance:
@@ -111,19 +95,12 @@ def _of_room(uncertainty: Uncertainty) -> Nuisance:
     return Nuisance(uncertainty.name, uncertainty.sd, apply)
 
 
-def _started(belief: Belief, departure: float) -> Belief:
-    assert belief.inputs
-    return replace(belief, inputs=replace(belief.inputs, start_K=departure))
+def _of_input(field: str, changed: Callable[[Any, float], Any]) -> Callable[[Belief, float], Belief]:
+    """Return what puts another value in the place of a field of the inputs, by a departure."""
 
-
-def _floor_started(belief: Belief, departure: float) -> Belief:
-    assert belief.inputs
-    return replace(belief, inputs=replace(belief.inputs, start_floor_K=departure))
-
-
-def _scaled(edit: Callable[[Inputs, float], Inputs]) -> Callable[[Belief, float], Belief]:
     def apply(belief: Belief, departure: float) -> Belief:
         assert belief.inputs
-        return replace(belief, inputs=edit(belief.inputs, exp(departure)))
+        value = changed(getattr(belief.inputs, field), departure)
+        return replace(belief, inputs=replace(belief.inputs, **{field: value}))
 
     return apply

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
+from waxstudy.diagnosis.criteria import ROOM_STAGES
 from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, LONG_S, MEAN, PLAIN, RAW, Convention
 from waxstudy.diagnosis.model.modulator_clock import late_s
 from waxstudy.diagnosis.model.opening_path import cells, path
 from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
 from waxstudy.diagnosis.model.room_response import (
     OF_AIR_AND_FLOOR,
+    OF_ROOM,
     Predicted,
     built,
     full_flow_L_h,
     means,
     room_response,
 )
-from waxstudy.diagnosis.observations.record import ROOM_CHANNELS, Record
+from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, Room
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.recorded import believed_supply_C
@@ -34,7 +37,6 @@ SHOWN = {
     "actuator": "displacement",
     "valve": "flow_L_h",
 }
-ROOM_STAGES = ("emitter", "room")
 SUPPLY = "supply_temperature_C"
 STEP_S = 5.0
 # by kind: at the ends of the intervals (n,), their means (n,), and what depends on when a switch was thrown (shifts, n)
@@ -107,9 +109,9 @@ class Segment:
         def made() -> Replayed:
             if self.driven_by == "displacement":
                 return _along_its_path(blocks, signal, record)
-            setpoint_C = record.filled_or_zero("setpoint_C")
-            drive = _Drive(blocks, first, signal, setpoint_C, record.interval_s, start_s)
-            return drive.thrown() if jump is not None and not perturbation.random else drive.straight(jump)
+            drive = blocks, first, signal, record.filled_or_zero("setpoint_C"), record.interval_s, start_s
+            # a switch may have been thrown anywhere in its interval, else the signal runs from sample to sample
+            return _thrown(*drive) if jump is not None and not perturbation.random else (*replayed(*drive, jump), {})
 
         key = (first, self.driven_by, convention.is_raw, convention.is_late, start_s, *blocks.items())
         ends, averages, shifted = made() if perturbation.random else record.remembered("chain", key, made, arrays=20)
@@ -129,7 +131,7 @@ class Segment:
         if convention.is_late:
             values = perturbation.temperature(record, self.driven_by)
             return np.concatenate((values[:1], values[:-1]))
-        if self.driven_by in ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C"):
+        if self.driven_by in CONTINUOUS:
             return perturbation.temperature(record, self.driven_by)
         if self.driven_by == "control_output" and self.driven_by not in record.binary:
             return perturbation.output(record)
@@ -144,9 +146,8 @@ class Segment:
         sensor = belief.blocks["sensor"]
 
         def made() -> FloatArray:
-            chain = chain_of({"sensor": sensor}, record.interval_s)
-            timing = {"interval_s": record.interval_s, "start_s": record.start_s}
-            return replay(chain, "sensor", air, air, **timing, last="sensor")[0]["sensor"]
+            timing = record.interval_s, record.start_s
+            return replayed({"sensor": sensor}, "sensor", air, air, *timing, last="sensor")[0]["sensor"]
 
         return made() if perturbation.random else record.remembered("sensor", sensor, made)
 
@@ -154,44 +155,33 @@ class Segment:
 def _along_its_path(blocks: Mapping[str, Choice], opening: FloatArray, record: Record) -> Replayed:
     """Return what a valve makes of an opening that was sampled, at the ends of the intervals and their means."""
     fine, parts = path(opening, record.interval_s), cells(record.interval_s)
-    cell_s = record.interval_s / parts
-    ends, mean = replay(chain_of(blocks, cell_s), "valve", fine, fine, interval_s=cell_s, start_s=record.start_s)
+    ends, mean = replayed(blocks, "valve", fine, fine, record.interval_s / parts, record.start_s)
     return {"valve": ends["valve"][parts - 1 :: parts]}, {"valve": means(mean["valve"], parts)}, {}
 
 
-@dataclass(frozen=True)
-class _Drive:
-    """What drives a chain's blocks from the block of kind `first` on; signal and setpoint are (n,)."""
+def _thrown(
+    blocks: Mapping[str, Choice],
+    first: str,
+    signal: FloatArray,
+    setpoint_C: FloatArray,
+    interval_s: float,
+    start_s: float,
+) -> Replayed:
+    """Return what a switch drives, thrown in the middle of its interval, and in each of its cells."""
+    count, parts = len(signal), max(2, cells(interval_s))
+    signal, setpoint_C = np.repeat(signal, parts), np.repeat(setpoint_C, parts)
+    halfway = np.full(len(signal), 0.5)
+    ends, averages = replayed(blocks, first, signal, setpoint_C, interval_s / parts, start_s, halfway)
 
-    blocks: Mapping[str, Choice]
-    first: str
-    signal: FloatArray
-    setpoint_C: FloatArray
-    interval_s: float
-    start_s: float
+    def by_shift(each: FloatArray) -> FloatArray:
+        """Return what lies a number of cells before the end of each interval (shifts, n)."""
+        return each.reshape(count, parts)[:, ::-1].T
 
-    def straight(self, jump: FloatArray | None) -> Replayed:
-        """Return what a signal drives that runs from sample to sample, or jumps after a part of each interval."""
-        ready, timing = chain_of(self.blocks, self.interval_s), {"interval_s": self.interval_s, "start_s": self.start_s}
-        ends, averages = replay(ready, self.first, self.signal, self.setpoint_C, **timing, jump=jump)
-        return ends, averages, {}
-
-    def thrown(self) -> Replayed:
-        """Return what a switch drives, thrown in the middle of its interval, and in each of its cells."""
-        count, parts = len(self.signal), max(2, cells(self.interval_s))
-        fine, setpoint_C = (np.repeat(each, parts) for each in (self.signal, self.setpoint_C))
-        in_cells = replace(self, signal=fine, setpoint_C=setpoint_C, interval_s=self.interval_s / parts)
-        ends, averages, _ = in_cells.straight(np.full(len(fine), 0.5))
-
-        def by_shift(each: FloatArray) -> FloatArray:
-            """Return what lies a number of cells before the end of each interval (shifts, n)."""
-            return each.reshape(count, parts)[:, ::-1].T
-
-        shifted = {kind: by_shift(ends[kind]) for kind in self.blocks if kind == "actuator"}
-        shifted["valve"] = np.diff(by_shift(np.cumsum(averages["valve"])), prepend=0.0) / parts
-        middle = parts // 2
-        shown = {kind: by_shift(each)[middle] for kind, each in ends.items()}
-        return shown, {"valve": shifted["valve"][middle]}, shifted
+    shifted = {kind: by_shift(ends[kind]) for kind in blocks if kind == "actuator"}
+    shifted["valve"] = np.diff(by_shift(np.cumsum(averages["valve"])), prepend=0.0) / parts
+    middle = parts // 2
+    shown = {kind: by_shift(each)[middle] for kind, each in ends.items()}
+    return shown, {"valve": shifted["valve"][middle]}, shifted
 
 
 def segments(record: Record, belief: Belief) -> list[Segment]:
@@ -202,21 +192,20 @@ def segments(record: Record, belief: Belief) -> list[Segment]:
     """
     found: list[Segment] = []
     since: str | None = "sensor"
-    driven_by = record.sensed_channel
+    driven_by, is_driven = record.sensed_channel, _is_driven(record, belief)
     for kind in CHAIN[1:]:
         if since is not None and record.has(SHOWN[kind]):
             stages = CHAIN[CHAIN.index(since) : CHAIN.index(kind) + 1]
-            if belief.blocks and (since != "sensor" or _is_driven(record, belief)):
+            if belief.blocks and (since != "sensor" or is_driven):
                 found.append(_segment(record, stages, driven_by, SHOWN[kind]))
             since, driven_by = _after(kind), SHOWN[kind]
     # a return says nothing without knowing when water flowed
-    shown = [c for c in ROOM_CHANNELS if c != "return_temperature_C" or record.has("flow_L_h")]
+    shown = [c for c in OF_ROOM if c != "return_temperature_C" or record.has("flow_L_h")]
     room = tuple(channel for channel in shown if record.has(channel))
-    if room and belief.room and belief.inputs and (since != "sensor" or _is_driven(record, belief)):
+    if room and belief.room and belief.inputs and (since != "sensor" or is_driven):
         rest = CHAIN[CHAIN.index(since) :] if since is not None else ()
         segment = _segment(record, (*rest, *ROOM_STAGES), driven_by, *room)
-        conventions = _with_means(_with_sun(segment.conventions, belief.room, record), record)
-        found.append(replace(segment, conventions=tuple(conventions)))
+        found.append(replace(segment, conventions=tuple(_of_room(segment.conventions, belief.room, record))))
         if SUPPLY not in record.assumed:
             found.append(Segment(("emitter",), "outdoor_temperature_C", (SUPPLY,)))
     return found
@@ -251,26 +240,29 @@ def _after(kind: str) -> str | None:
     return CHAIN[place] if place < len(CHAIN) else None
 
 
-def _with_sun(conventions: tuple[Convention, ...], room: Choice, record: Record) -> Iterator[Convention]:
-    """Yield each convention with each way to mean the sun's heat, where there is any."""
+def _of_room(conventions: Iterable[Convention], room: Choice, record: Record) -> Iterator[Convention]:
+    """Yield each convention with each way to mean the sun's heat, and with means where samples are far apart."""
     assert issubclass(room.component, Room)
-    factors = room.component.solar_readings(room.parameters) if record.has("solar_gain_W") else {"": 1.0}
-    for convention in conventions:
-        for words, factor in (factors or {"": 1.0}).items():
-            yield replace(convention, words=" ".join(filter(None, (convention.words, words))), solar_factor=factor)
+    factors = room.component.solar_readings(room.parameters) if record.has("solar_gain_W") else {}
+    for convention, (words, factor) in product(conventions, (factors or {"": 1.0}).items()):
+        for is_mean in (False, True) if record.interval_s >= LONG_S else (False,):
+            told = " ".join(filter(None, (convention.words, words, MEAN if is_mean else "")))
+            yield replace(convention, words=told, solar_factor=factor, is_mean=is_mean)
 
 
-def _with_means(conventions: Iterable[Convention], record: Record) -> Iterator[Convention]:
-    """Yield each convention, and where samples are far apart it with temperatures as means."""
-    for convention in conventions:
-        yield convention
-        if record.interval_s >= LONG_S:
-            yield replace(convention, words=" ".join(filter(None, (convention.words, MEAN))), is_mean=True)
-
-
-def chain_of(blocks: Mapping[str, Choice], interval_s: float) -> Chain:
-    """Return the blocks at a step that divides the interval, five seconds or somewhat less."""
-    return Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / STEP_S))))
+def replayed(
+    blocks: Mapping[str, Choice],
+    first: str,
+    signal: FloatArray,
+    setpoint_C: FloatArray,
+    interval_s: float,
+    start_s: float,
+    jump: FloatArray | None = None,
+    last: str = CHAIN[-1],
+) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+    """Return what `replay` makes of blocks at a step that divides the interval, five seconds or somewhat less."""
+    chain = Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / STEP_S))))
+    return replay(chain, first, signal, setpoint_C, interval_s=interval_s, start_s=start_s, jump=jump, last=last)
 
 
 class Prediction:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from waxstudy.diagnosis.model.opening_path import CELL_S
-from waxstudy.diagnosis.model.segments import chain_of
+from waxstudy.diagnosis.model.segments import replayed
 from waxstudy.diagnosis.observations.noise import ON
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Actuator, Belief, FloatArray
-from waxstudy.simulation.replay import replay
 
 SIGNALS = ("heating_signal", "control_output")
 
@@ -34,15 +33,9 @@ def travel(record: Record, believed: Belief, other: Belief) -> float:
 
 def tolerated_s(record: Record, belief: Belief) -> float:
     """Return what an opening may be off by per switch: what real actuators stray, or when a sample was taken."""
-    return max(published_error_s(belief), min(record.interval_s, CELL_S))
-
-
-def published_error_s(belief: Belief) -> float:
-    """Return what real actuators stray from the believed one, 0 where nothing is published."""
     choice = belief.blocks.get("actuator")
-    if choice is None or not issubclass(choice.component, Actuator):
-        return 0.0
-    return float(choice.component.stray_s)
+    published_s = choice.component.stray_s if choice and issubclass(choice.component, Actuator) else 0.0
+    return float(max(published_s, min(record.interval_s, CELL_S)))
 
 
 def opening_difference_s(record: Record, difference: FloatArray) -> float:
@@ -64,7 +57,6 @@ def opening(record: Record, belief: Belief) -> FloatArray | None:
         return None
     if "actuator" not in belief.blocks:
         return record.filled(channel)
-    chain = chain_of({"actuator": belief.blocks["actuator"]}, record.interval_s)
-    signal, jump = record.filled(channel), np.full(len(record), 0.5) if channel in record.binary else None
-    ends, _ = replay(chain, "actuator", signal, signal, interval_s=record.interval_s, start_s=record.start_s, jump=jump)
-    return ends["actuator"]
+    motor, signal = {"actuator": belief.blocks["actuator"]}, record.filled(channel)
+    jump = np.full(len(record), 0.5) if channel in record.binary else None
+    return replayed(motor, "actuator", signal, signal, record.interval_s, record.start_s, jump)[0]["actuator"]

@@ -22,7 +22,20 @@ DAY_S = 86_400.0
 REMEMBERED = 2_000_000  # samples that a slot holds of what was made before
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
-ROOM_CHANNELS = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C", "return_temperature_C")
+
+
+class Memory:
+    """What was made before, by a key each; of more than `most` what was not asked for longest is forgotten."""
+
+    def __init__(self, most: int) -> None:
+        self.most, self.held = most, dict[Hashable, Any]()
+
+    def get(self, key: Hashable, make: Callable[[], T]) -> T:
+        found: T = self.held.pop(key) if key in self.held else make()
+        self.held[key] = found
+        if len(self.held) > self.most:
+            del self.held[next(iter(self.held))]
+        return found
 
 
 @dataclass(frozen=True)
@@ -70,19 +83,16 @@ class Record:
         return 0.25 * float(np.sqrt(max(0.0, float(np.mean(bend**2)) - 1.5 * self.noise[channel] ** 2)))
 
     @cached_property
-    def _memories(self) -> dict[Hashable, dict[Hashable, Any]]:
+    def _memories(self) -> dict[Hashable, Memory]:
         return {}
 
-    def remembered(self, slot: Hashable, key: Hashable, make: Callable[[], T], arrays: int = 1) -> T:
-        """Return what a slot holds for a key, made where it holds nothing: most hypotheses change one block alone.
+    def memory(self, arrays: int) -> Memory:
+        """Return an empty memory for what holds so many arrays as long as the record."""
+        return Memory(max(1, REMEMBERED // (arrays * len(self))))
 
-        What was not asked for lately is forgotten, the sooner the more `arrays` as long as the record there are in it.
-        """
-        memory = self._memories.setdefault(slot, {})
-        memory[key] = found = memory.pop(key) if key in memory else make()
-        if len(memory) > max(1, REMEMBERED // (arrays * len(self))):
-            del memory[next(iter(memory))]
-        return found
+    def remembered(self, slot: Hashable, key: Hashable, make: Callable[[], T], arrays: int = 1) -> T:
+        """Return what a slot has for a key, made where it has nothing: most hypotheses change one block alone."""
+        return self._memories.setdefault(slot, self.memory(arrays)).get(key, make)
 
     def filled(self, channel: str) -> FloatArray:
         """Return a channel with its gaps filled: straight for what runs on, held for what switches; read-only."""
@@ -221,10 +231,9 @@ class Record:
     @property
     def air_channel(self) -> str:
         """The channel that tells the room's air best."""
-        for name in AIR:
-            if self.has(name):
-                return name
-        raise KeyError("air_temperature_C")
+        if found := next(filter(self.has, AIR), ""):
+            return found
+        raise KeyError(AIR[0])
 
 
 def _read_only(values: FloatArray) -> FloatArray:

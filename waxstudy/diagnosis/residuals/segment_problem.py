@@ -44,6 +44,7 @@ class SegmentProblem:
         self.events: Sequence[int] = [place for place, nuisance in enumerate(self.nuisances) if nuisance.is_event]
         self.is_smooth = not all(channel in record.binary for channel in segment.judged)
         self.discounts_noise = "control_output" in segment.judged and "control_output" not in record.binary
+        self._seen = record.memory(arrays=4)
         self._edits: list[tuple[float, Belief]] = []  # by nuisance: what was departed to last, and the belief so far
 
     def exact(self) -> SegmentProblem:
@@ -78,7 +79,7 @@ class SegmentProblem:
 
         # fits begin and end at places that they have been to
         values = tuple((effect, *values.items()) for effect, values in effects)
-        return self.record.remembered(self, (values, departures.tobytes(), convention), made, arrays=4)
+        return self._seen.get((values, departures.tobytes(), convention), made)
 
     def drive_noise(self, fitted: Hypothesis) -> Mapping[int, float]:
         """Return what noise of the drive adds to a model's loss, by part: a low-pass lets less of it through."""

@@ -22,19 +22,8 @@ class Candidate:
     fitted: Hypothesis
     evidence: Evidence
 
-    @property
-    def is_part(self) -> bool:
-        """Whether it may be one of two effects that explain a gap together."""
-        return meets(Question.PAIR, self.evidence)
-
-    @property
-    def is_slight(self) -> bool:
-        """Whether it explains its channel, but is too small to be named."""
-        return meets(Question.SLIGHT, self.evidence)
-
-    @property
-    def is_accepted(self) -> bool:
-        return meets(Question.CLAIM, self.evidence)
+    def meets(self, question: Question) -> bool:
+        return meets(question, self.evidence)
 
     @property
     def why_not(self) -> str:

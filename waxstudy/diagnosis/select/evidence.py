@@ -27,8 +27,6 @@ class Evidence:
     runs_on: bool  # the channel is a control output that does not switch
     is_behind_smoothed: bool  # the segment's drive is a smoothed temperature
     gain: float  # loss that it takes away, but for what the drive's noise adds to it
-    form_share: float  # squared, of what the room's form may leave: what it does leave here; 1 in a chain
-    p: float  # family-wise
     loss: float  # on both parts
     strain: float  # squares of how far the room had to depart from what is believed, in standard deviations
     over: float  # gap of the channel before it, over the larger floor of that model and of the best that was tried
@@ -38,6 +36,8 @@ class Evidence:
     missed: float  # whitened gap that is left of the channel
     departure: float  # from what is believed, in noticeable steps, of the parameter that is farthest
     travel: float  # how far it moves the opening over what real motors stray; infinite of no motor
+    p: float = 1.0  # family-wise
+    form_share: float = 1.0  # squared, of what the room's form may leave: what it does leave here; 1 in a chain
 
     @property
     def gain_per_form(self) -> float:
@@ -156,17 +156,15 @@ def departure(effect: EffectType, values: Mapping[str, float], believed: Belief)
     neutral = effect.neutral(believed)
     if neutral is None or not effect.priors:
         return np.inf
-    both = effect.priors.keys() & neutral.keys()
+    both = effect.priors.keys() & neutral.keys() & values.keys()
     return max((steps(effect.priors[name], values[name], neutral[name]) for name in both), default=0.0)
 
 
 def distinct(effect: EffectType, intervals: Mapping[str, Interval], believed: Belief) -> float:
     """Return the same of the parameters whose interval leaves out what is believed."""
-    neutral = effect.neutral(believed)
-    if neutral is None or not effect.priors:
-        return np.inf
-    known = [(effect.priors[name], intervals[name], neutral[name]) for name in effect.priors.keys() & neutral.keys()]
-    return max((steps(prior, i.value, still) for prior, i, still in known if not i.low <= still <= i.high), default=0.0)
+    neutral = effect.neutral(believed) or {}
+    without = [name for name, each in intervals.items() if not each.low <= neutral.get(name, np.nan) <= each.high]
+    return departure(effect, {name: intervals[name].value for name in without}, believed)
 
 
 def steps(prior: Prior, value: float, still: float) -> float:

@@ -13,7 +13,7 @@ from waxstudy.diagnosis.model.travel import opening, opening_difference_s
 from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval
-from waxstudy.diagnosis.select.null import by_block, whole
+from waxstudy.diagnosis.select.null import by_block, redrawn, whole
 from waxstudy.plugin import FloatArray, Prior
 
 DRAWS = 1000
@@ -99,14 +99,14 @@ class _Local:
         missed = self._slopes()[seen]
         nuisances = len(self.problem.sd)
         prior = np.concatenate((np.ones(nuisances), np.full(len(self.rows), 1e-9)))
-        numbers, member = np.unique(block[seen], return_inverse=True)
-        scores = by_block((missed * residual[seen][:, None]).T, member, len(numbers))
+        scores = by_block((missed * residual[seen][:, None]).T, block[seen])
+        count = scores.shape[1]
         inverse = np.linalg.pinv(missed.T @ missed + np.diag(prior))
-        spread = inverse @ (scores @ scores.T) @ inverse * len(numbers) / max(1, len(numbers) - len(self.rows))
+        spread = inverse @ (scores @ scores.T) @ inverse * count / max(1, count - len(self.rows))
         spread += inverse if nuisances else 0.0
         off = inverse @ (missed.T @ self.problem.inexact(self.fitted)[seen])
         sd = np.sqrt(np.clip(np.diag(spread), 0.0, None) + off**2)
-        return sd, WIDER * float(t.ppf(0.975, max(1, len(numbers) - 1)))
+        return sd, WIDER * float(t.ppf(0.975, max(1, count - 1)))
 
     def _slopes(self) -> FloatArray:
         """Return the change of the whitened residuals with each departure and parameter (m, k)."""
@@ -196,10 +196,9 @@ def shrink(before: Residual, after: Residual, floor: float, random: np.random.Ge
     chosen = before.judged & after.judged & (before.part == part)
     if not chosen.any() or np.mean(before.error[chosen] ** 2) <= floor**2:
         return Interval(float("nan"), float("nan"), float("nan"))
-    numbers, member = np.unique(before.block[chosen], return_inverse=True)
-    squares = by_block(np.array([before.error[chosen] ** 2, after.error[chosen] ** 2]), member, len(numbers))
-    count = np.bincount(member, minlength=len(numbers))
-    weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
+    rows = np.array([before.error[chosen] ** 2, after.error[chosen] ** 2, np.ones(chosen.sum())])
+    *both, count = by_block(rows, before.block[chosen])
+    squares, weights = np.array(both), redrawn(len(count), DRAWS, random).T
     means = squares @ weights / (count @ weights)
     drawn = _shrunk(means[:, means[0] > floor**2], floor)
     value = float(_shrunk((squares.sum(axis=1) / count.sum())[:, None], floor)[0])

@@ -28,13 +28,12 @@ def null(
     rest, part, block = whole(best)
     now = current.whitened
     ways = np.array([now - each.whitened for each in fitted])
-    numbers, member = np.unique(block, return_inverse=True)
     first, second = part == FIT, part == SELECT
     power_1 = np.maximum(np.sum(ways[:, first] ** 2, axis=1), 1e-12)
     power_2 = np.sum(ways[:, second] ** 2, axis=1)
-    along_1 = by_block(ways * (rest * first), member, len(numbers))
-    along_2 = by_block(ways * (rest * second), member, len(numbers))
-    signs = random.choice((-1.0, 1.0), (len(numbers), DRAWS))
+    along_1 = by_block(ways * (rest * first), block)
+    along_2 = by_block(ways * (rest * second), block)
+    signs = random.choice((-1.0, 1.0), (along_1.shape[1], DRAWS))
     noise = max(floor.white.values(), default=0.0) * random.normal(size=(2, len(ways), DRAWS))
     first_part = along_1 @ signs + noise[0] * np.sqrt(power_1)[:, None]
     second_part = along_2 @ signs + noise[1] * np.sqrt(power_2)[:, None]
@@ -49,12 +48,11 @@ def inclusion(
     """Return how often one of the group would be chosen again, were other cycles or days recorded."""
     base, part, block = whole(current)
     seen = (part == FIT) | (part == SELECT)
-    numbers, member = np.unique(block[seen], return_inverse=True)
-    loss = by_block(np.array([c.fitted.whitened[seen] ** 2 for c in candidates]), member, len(numbers))
+    loss = by_block(np.array([c.fitted.whitened[seen] ** 2 for c in candidates]), block[seen])
+    count = loss.shape[1]
     # what the drive's noise adds is spread evenly
-    loss += np.array([[(c.evidence.loss - own.sum()) / len(numbers)] for c, own in zip(candidates, loss, strict=True)])
-    weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS).T
-    gains = (by_block(base[None, seen] ** 2, member, len(numbers)) - loss) @ weights
+    loss += np.array([[(c.evidence.loss - own.sum()) / count] for c, own in zip(candidates, loss, strict=True)])
+    gains = (by_block(base[None, seen] ** 2, block[seen]) - loss) @ redrawn(count, DRAWS, random).T
     names, least = [c.effect.name for c in candidates], limit(Question.CLAIM, "gain_per_form", candidates[0].evidence)
     chosen = [names[best] in group for best in np.argmax(gains, axis=0)]
     return float(np.mean(np.array(chosen) & (gains.max(axis=0) > least * candidates[0].evidence.form_share)))
@@ -70,6 +68,12 @@ def whole(fitted: Hypothesis) -> tuple[FloatArray, np.ndarray, np.ndarray]:
     )
 
 
-def by_block(values: FloatArray, member: np.ndarray, count: int) -> FloatArray:
+def by_block(values: FloatArray, block: np.ndarray) -> FloatArray:
     """Return the sums of each row (k, m) over its blocks (k, blocks)."""
-    return np.array([np.bincount(member, weights=row, minlength=count) for row in values])
+    numbers, member = np.unique(block, return_inverse=True)
+    return np.array([np.bincount(member, weights=row, minlength=len(numbers)) for row in values])
+
+
+def redrawn(count: int, draws: int, random: np.random.Generator) -> np.ndarray:
+    """Return how often each of some blocks is drawn (draws, count), as many each time as there are."""
+    return random.multinomial(count, np.full(count, 1.0 / count), draws)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 import numpy as np
 
-from waxstudy.diagnosis.criteria import Criterion, Question, criteria, failed, meets, meets_one
+from waxstudy.diagnosis.criteria import ROOM_STAGES, Criterion, Question, criteria, failed, meets, meets_one
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.model.segments import ROOM_STAGES, Segment
+from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.model.travel import travel
 from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT
 from waxstudy.diagnosis.observations.record import CONTINUOUS
@@ -34,7 +34,6 @@ from waxstudy.diagnosis.select.evidence import (
 )
 from waxstudy.diagnosis.select.intervals import parameter_intervals
 from waxstudy.diagnosis.select.null import inclusion, null
-from waxstudy.plugin import FloatArray
 
 MOST_EFFECTS = 3
 PAIRED = 2  # effects that others are tried beside, where none is enough alone
@@ -43,6 +42,7 @@ KEEP = Question.KEEP
 NOT_UNDERSTOOD = next(each for each in criteria() if Question.UNDERSTOOD in each.questions)
 
 T = TypeVar("T")
+Models = Sequence[Hypothesis]
 Tick = Callable[[str], None]
 
 
@@ -83,8 +83,8 @@ class Selection:
     """What was found at one segment; `models`: the believed one and each with one more effect, on both parts."""
 
     estimator: Estimator[SegmentProblem]
-    models: tuple[Hypothesis, ...]
-    without: tuple[Hypothesis, ...]  # the last model without each effect found
+    models: Models
+    without: Models  # the last model without each effect found
     found: tuple[Found, ...]
     tried: tuple[Candidate, ...]  # of the first round
     floor: NoiseFloor
@@ -113,7 +113,7 @@ class Selection:
         """Channels whose gap an effect explains that is too small, or too little known, to be named."""
         if any(each.is_blurred for each in self.withdrawn):
             return frozenset(self.segment.judged)
-        return frozenset(candidate.evidence.channel for candidate in self.tried if candidate.is_slight)
+        return frozenset(candidate.evidence.channel for candidate in self.tried if candidate.meets(Question.SLIGHT))
 
     @property
     def is_poor(self) -> bool:
@@ -148,8 +148,7 @@ class _Search:
         self.made: dict[str, tuple[Hypothesis, Any]] = {}
 
     def run(self) -> Selection:
-        found, first, convention = self.added()
-        return self.kept(found, first, convention)
+        return self.kept(*self.added())
 
     def added(self) -> tuple[list[Found], list[Candidate], Convention]:
         """Return the effects that are accepted one after the other, the first candidates, and how the log is read."""
@@ -161,7 +160,7 @@ class _Search:
             first = first or candidates
             # what cannot be told from an effect that is there would but add to its parameters
             known = {name for each in found for name in each.group}
-            chosen = [c for c in candidates if c.is_accepted and c.effect.name not in known]
+            chosen = [c for c in candidates if c.meets(Question.CLAIM) and c.effect.name not in known]
             if chosen:
                 best = best_of(chosen)
                 found.append(self.found(best, candidates, current))
@@ -202,17 +201,13 @@ class _Search:
         found: T = self.made[what][1]
         return found
 
-    def unconfirmed(
-        self, found: Sequence[Found], models: Sequence[Hypothesis], without: Sequence[Hypothesis]
-    ) -> list[Withdrawn]:
+    def unconfirmed(self, found: Sequence[Found], models: Models, without: Models) -> list[Withdrawn]:
         """Return the last effect that the last days do not confirm."""
         pairs = zip(reversed(found), reversed(without), strict=True)
         tested = ((each, failed(KEEP, Kept.of(each.effect, each.channel, one, models[-1]))) for each, one in pairs)
         return [Withdrawn(each, criterion) for each, criterion in tested if criterion][:1]
 
-    def distrusted(
-        self, found: Sequence[Found], models: Sequence[Hypothesis], without: Sequence[Hypothesis]
-    ) -> list[Withdrawn]:
+    def distrusted(self, found: Sequence[Found], models: Models, without: Models) -> list[Withdrawn]:
         """Return effects of a room that is not understood, else those that explain too little of the whole record."""
         if is_poor(self.problem.segment, models[0], models[-1]):
             of_room = [each for each in found if each.effect.stage in ROOM_STAGES]
@@ -223,40 +218,31 @@ class _Search:
         ]
         return [Withdrawn(each, criterion) for each, criterion in tested if criterion]
 
-    def blurred(
-        self, found: Sequence[Found], models: Sequence[Hypothesis], without: Sequence[Hypothesis]
-    ) -> list[Withdrawn]:
+    def blurred(self, found: Sequence[Found], models: Models, without: Models) -> list[Withdrawn]:
         """Return effects that, as fitted in the end, may as well be what is believed without them."""
         last = models[-1]
-        intervals, out = self.intervals(last), []
+        out = []
         for each, before in zip(found, without, strict=True):
             rest = [(effect, values) for effect, values in last.effects if effect is not each.effect]
-            steps = distinct(each.effect, intervals[each.effect], self.problem.edited(rest, last.departures))
-            evidence = Kept.of(each.effect, each.channel, before, last, distinct=steps)
-            if criterion := failed(KEEP, evidence):
+            believed = self.problem.edited(rest, last.departures)
+            steps = distinct(each.effect, self.intervals(last)[each.effect], believed)
+            if criterion := failed(KEEP, Kept.of(each.effect, each.channel, before, last, distinct=steps)):
                 out.append(Withdrawn(each, criterion))
         return out
 
-    def models(
-        self, found: Sequence[Found], convention: Convention
-    ) -> tuple[tuple[Hypothesis, ...], tuple[Hypothesis, ...]]:
+    def models(self, found: Sequence[Found], convention: Convention) -> tuple[Models, Models]:
         """Return the believed model and those with one more effect each, and the last without each one of them.
 
         All are fitted to both first parts, under one convention.
         """
         whole = [self.estimator.base_on_both(convention)]
         for each in found:
-            fitted = each.candidate.fitted
-            earlier = dict(whole[-1].effects)
-            values = dict(fitted.effects) | earlier
-            effects = [(effect, values[effect]) for effect in (*earlier, each.effect)]
-            again = self.estimator.refined(effects, fitted.departures, convention, BOTH)
-            whole.append(again or fitted)
-        if len(found) < 2:
-            return tuple(whole), tuple(whole[:-1])
-        return tuple(whole), tuple(self.without(each.effect, whole) for each in found)
+            fitted, earlier = each.candidate.fitted, whole[-1].effects
+            effects = [*earlier, (each.effect, (dict(fitted.effects) | dict(earlier))[each.effect])]
+            whole.append(self.estimator.refined(effects, fitted.departures, convention, BOTH) or fitted)
+        return whole, whole[:-1] if len(found) < 2 else [self.without(each.effect, whole) for each in found]
 
-    def without(self, effect: EffectType, models: Sequence[Hypothesis]) -> Hypothesis:
+    def without(self, effect: EffectType, models: Models) -> Hypothesis:
         """Return the last model without one of its effects, the rest fitted again."""
         last = models[-1]
         rest = [(other, values) for other, values in last.effects if other is not effect]
@@ -265,27 +251,28 @@ class _Search:
     def tried(self, current: Hypothesis) -> list[Candidate]:
         """Return every effect that applies, fitted on top of a model and judged."""
         fitted = []
-        for effect in self.effects:
-            if effect.name not in current.names:
-                self.tick(effect.name)
-                one = self.estimator.fit(effect, current)
-                if one is not None:
-                    fitted.append((effect, one))
+        for effect in [each for each in self.effects if each.name not in current.names]:
+            self.tick(effect.name)
+            if one := self.estimator.fit(effect, current):
+                fitted.append((effect, one))
         return self.judged(current, fitted)
 
     def judged(self, current: Hypothesis, fitted: Sequence[tuple[EffectType, Hypothesis]]) -> list[Candidate]:
+        """Return candidates beside a model under their own convention; their gain is over the better of both."""
         if not fitted:
             return []
         best = min((one for _, one in fitted), key=lambda one: one.loss(SELECT))
         floor, own = NoiseFloor.of(self.problem, best), NoiseFloor.of(self.problem, current)
         highest = null(current, best, [one for _, one in fitted], floor, self.random)
-        under_convention = {one.convention: self.under_convention(current, one.convention) for _, one in fitted}
-        most = self.loss(current, SELECT)
-        form_share = self.estimator.form_share(best)
-        return [
-            self.candidate(effect, one, under_convention[one.convention], most, floor, own, highest, form_share)
-            for effect, one in fitted
-        ]
+        beside = {one.convention: self.under_convention(current, one.convention) for _, one in fitted}
+        most, form_share = self.loss(current, SELECT), self.estimator.form_share(best)
+        found = []
+        for effect, one in fitted:
+            gain = min(most, self.loss(beside[one.convention], SELECT)) - self.loss(one, SELECT)
+            p = float((1 + np.sum(highest >= gain)) / (1 + len(highest)))
+            evidence = self.evidence(effect, one, beside[one.convention], gain, (floor, own))
+            found.append(Candidate(effect, one, replace(evidence, p=p, form_share=form_share)))
+        return found
 
     def under_convention(self, current: Hypothesis, convention: Convention) -> Hypothesis:
         """Return a model under another convention of the record: what that alone changes is no effect's doing."""
@@ -293,44 +280,32 @@ class _Search:
             return current
         return self.estimator.refined(current.effects, current.departures, convention) or current
 
-    def candidate(
-        self,
-        effect: EffectType,
-        fitted: Hypothesis,
-        current: Hypothesis,
-        most: float,
-        floor: NoiseFloor,
-        own: NoiseFloor,
-        highest: FloatArray,
-        form_share: float,
-    ) -> Candidate:
-        """Return a candidate beside a model under its own convention; its gain is over the better of both."""
-        gain = min(most, self.loss(current, SELECT)) - self.loss(fitted, SELECT)
+    def evidence(
+        self, effect: EffectType, fitted: Hypothesis, current: Hypothesis, gain: float, floors: Sequence[NoiseFloor]
+    ) -> Evidence:
+        """Return what speaks for an effect by itself, over the floors of the best that was tried and of a model."""
+        floor = floors[0]
         channel, share, left = strongest(current, fitted, floor)
         before, after = (each.residual_of(channel).gap(SELECT) for each in (current, fitted))
         believed = self.problem.edited(fitted.effects[:-1], fitted.departures)  # what it was added to
-        values, runs_on = dict(fitted.effects)[effect], runs_on_at(fitted, channel)
-        evidence = Evidence(
+        return Evidence(
             stage=effect.stage,
             channel=channel,
             parameters=len(effect.priors),
             interval_s=self.problem.record.interval_s,
-            runs_on=runs_on,
+            runs_on=runs_on_at(fitted, channel),
             is_behind_smoothed=self.problem.segment.driven_by in CONTINUOUS,
             gain=gain,
-            form_share=form_share,
-            p=float((1 + np.sum(highest >= gain)) / (1 + len(highest))),
             loss=self.loss(fitted, FIT) + self.loss(fitted, SELECT),
             strain=self.estimator.strain(fitted),
-            over=min(over_floor(current, channel, each, gain) for each in (floor, own)),
+            over=min(over_floor(current, channel, each, gain) for each in floors),
             share=share,
             plain_share=explained(before**2, after**2, floor.plain[channel] ** 2),
             left=left,
             missed=left * floor.white[channel],
-            departure=departure(effect, values, believed),
+            departure=departure(effect, dict(fitted.effects)[effect], believed),
             travel=self.travel(effect, current, fitted) if gain > 0.0 else np.inf,
         )
-        return Candidate(effect, fitted, evidence)
 
     def travel(self, effect: EffectType, current: Hypothesis, fitted: Hypothesis) -> float:
         if effect.stage != "actuator":
@@ -340,7 +315,7 @@ class _Search:
     def is_enough(self, best: Candidate) -> bool:
         """Whether what an effect leaves would be no finding: of a room its form, of a chain little over the floor."""
         if not self.problem.segment.with_room or self.problem.is_exact_room:
-            return meets(Question.ENOUGH, best.evidence)
+            return best.meets(Question.ENOUGH)
         return all(residual.gap() <= residual.form for residual in best.fitted.residuals)
 
     def loss(self, fitted: Hypothesis, part: int) -> float:
@@ -351,12 +326,12 @@ class _Search:
         """Return two effects that explain together what neither does alone, or None; a quick search does not look."""
         if self.estimator.is_quick:
             return None
-        seen = sorted((c for c in candidates if c.is_part), key=lambda c: -c.evidence.gain)
+        seen = sorted((c for c in candidates if c.meets(Question.PAIR)), key=lambda c: -c.evidence.gain)
         best: tuple[Candidate, Candidate] | None = None
         for first in seen[:PAIRED]:
             for second in self.tried(first.fitted):
                 whole = self.judged(current, [(second.effect, second.fitted)])[0]
-                enough = meets(Question.JOINT, whole.evidence) and second.is_accepted
+                enough = whole.meets(Question.JOINT) and second.meets(Question.CLAIM)
                 if enough and (best is None or whole.evidence.gain > best[1].evidence.gain):
                     best = first, whole
         return best

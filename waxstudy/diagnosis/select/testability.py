@@ -7,21 +7,19 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.diagnosis.criteria import Question, limit
+from waxstudy.diagnosis.criteria import ROOM_STAGES, Question, limit
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
-from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.model.segments import ROOM_STAGES, SHOWN, Segment
+from waxstudy.diagnosis.model.segments import SHOWN, Segment
 from waxstudy.diagnosis.observations.record import AIR, Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
 from waxstudy.diagnosis.select.search import OF_AIR, Selection
-from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
+from waxstudy.plugin import CHAIN, Belief, SimulationError
 
 FEW = 0.1  # of a first look's points
 CLEAR = 4  # noticeable steps from neutral that a record should show
 LEVELS = ("control_output", "displacement")
 SPARSE_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
-JUDGE = Question.JUDGE
 NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
 
 
@@ -29,7 +27,7 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     """Return why a segment cannot be judged at all, or an empty text."""
     channel = _best_known(segment, record)
     blocks = np.unique((record.day if segment.with_room else record.cycle)[record.settled & _known(record, channel)])
-    least_blocks, least_share = limit(JUDGE, "blocks"), limit(JUDGE, "known_share")
+    least_blocks, least_share = limit(Question.JUDGE, "blocks"), limit(Question.JUDGE, "known_share")
     if len(blocks) < least_blocks:
         one = "day" if segment.with_room else "cycle"
         found = f"1 {one} of {channel} is" if len(blocks) == 1 else f"{len(blocks)} {one}s of {channel} are"
@@ -44,13 +42,12 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     if share < least_share:
         return f"{100 * (1 - share):.0f} % of {channel} is missing"
     judged = float((_known(record, channel) & ~record.is_gap(segment.driven_by)).mean())
-    is_lost = judged < limit(JUDGE, "driven_share")
+    is_lost = judged < limit(Question.JUDGE, "driven_share")
     return f"{100 * (1 - judged):.0f} % is lost in gaps of {segment.driven_by}" if is_lost else ""
 
 
 def _is_constant(record: Record, channel: str) -> bool:
-    values = record.values[channel]
-    return bool(np.nanmax(values) - np.nanmin(values) <= 1e-9)
+    return bool(np.nanmax(record.values[channel]) - np.nanmin(record.values[channel]) <= 1e-9)
 
 
 def _should_move(segment: Segment, record: Record, belief: Belief, channel: str) -> bool:
@@ -70,9 +67,8 @@ def _should_move(segment: Segment, record: Record, belief: Belief, channel: str)
 
 def _best_known(segment: Segment, record: Record) -> str:
     """Return what shows the whole of a segment: the last channel, of a room's the one that misses least."""
-    return (
-        max(segment.judged, key=lambda each: _known(record, each).mean()) if segment.with_room else segment.judged[-1]
-    )
+    shown = segment.judged if segment.with_room else segment.judged[-1:]
+    return max(shown, key=lambda each: _known(record, each).mean())
 
 
 def _stands(record: Record, channel: str) -> bool:
@@ -108,40 +104,32 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
     """
     estimator, problem, base = selection.estimator, selection.problem, selection.before
     missed_K = max((each.gap() for each in selection.after.residuals if each.channel in OF_AIR), default=0.0)
-    believed, is_poor = problem.belief_of(base), selection.is_poor
+    believed = problem.belief_of(base)
     named = {name for found in selection.found for name in found.group}
     least = 2.0 * limit(Question.SLIGHT, "gain_per_form") * max(1.0, float(np.mean(base.whitened**2)))
     tried = [(convention, problem.at((), base.departures, convention)) for convention in estimator.conventions]
     stills = [(convention, still.whitened) for convention, still in tried if still]
+
+    def moves(effect: EffectType, values: Values) -> bool:
+        """Whether it changes the residuals by a loss, however the record is read; also where nobody can say."""
+        could_be = False
+        for convention, still in stills:
+            if other := problem.at([(effect, values)], base.departures, convention):
+                could_be = True
+                if float(np.sum((other.whitened - still) ** 2)) >= least:
+                    return True
+        return not could_be
+
     for effect in effects:
         if effect.name in named or effect.hindrance(believed):
             continue
-        if is_poor:
-            yield Untestable(
-                effect.name, f"the room stays missed by {missed_K:.1f} K whatever is added", Lack.NOT_UNDERSTOOD
-            )
-            continue
-        departures = list(clear(effect, believed))
-        if departures and not any(_moves_by(selection, effect, values, stills, least) for values in departures):
+        departures = [] if selection.is_poor else list(clear(effect, believed))
+        if selection.is_poor:
+            reason = f"the room stays missed by {missed_K:.1f} K whatever is added"
+            yield Untestable(effect.name, reason, Lack.NOT_UNDERSTOOD)
+        elif departures and not any(moves(effect, values) for values in departures):
             reason = "nothing in this record would look different with it, unless it were large"
             yield Untestable(effect.name, reason, Lack.NOT_EXCITED)
-
-
-def _moves_by(
-    selection: Selection,
-    effect: EffectType,
-    values: Values,
-    stills: Sequence[tuple[Convention, FloatArray]],  # whitened residuals without it, for each way to read the record
-    least: float,
-) -> bool:
-    """Whether an effect changes the residuals by a loss, however the record is read; also where nobody can say."""
-    departures, could_be = selection.before.departures, False
-    for convention, still in stills:
-        if other := selection.problem.at([(effect, values)], departures, convention):
-            could_be = True
-            if float(np.sum((other.whitened - still) ** 2)) >= least:
-                return True
-    return not could_be
 
 
 def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]:
@@ -154,16 +142,12 @@ def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]
         yield from Space(effect).points(FEW)
         return
     values = {**effect.Parameters(**neutral).model_dump(), **neutral}
-    for name in [each for each in effect.priors if each in neutral]:
-        prior = effect.priors[name]
-        for way in (-1, 1):
-            steps = way * CLEAR
-            value = (
-                neutral[name] * prior.noticeable**steps if prior.is_log else neutral[name] + steps * prior.noticeable
-            )
-            clipped = min(prior.high, max(prior.low, value))
-            if clipped != neutral[name]:
-                yield {**values, name: clipped}
+    for name, prior in effect.priors.items():
+        for steps in (-CLEAR, CLEAR) if name in neutral else ():
+            still, step = neutral[name], prior.noticeable
+            value = min(prior.high, max(prior.low, still * step**steps if prior.is_log else still + steps * step))
+            if value != still:
+                yield {**values, name: value}
     yield from effect.starts(believed)
 
 
@@ -199,7 +183,7 @@ def next_measurements(
             yield Measurement(_splitting(effect, segments, within, record.interval_s), list(effect.group))
     for segment in segments:
         for channel in separating(segment):
-            yield Measurement(f"record {channel}", [f"{segment.name}"])
+            yield Measurement(f"record {channel}", [segment.name])
     excited = [each.name for each in untestable if each.lack is Lack.NOT_EXCITED]
     if excited:
         yield Measurement("record more days, with long pauses, full heating, sun and cold nights", excited)

@@ -12,7 +12,7 @@ from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.result import Unexplained, in_floors
 from waxstudy.diagnosis.select.evidence import Left
-from waxstudy.diagnosis.select.null import by_block
+from waxstudy.diagnosis.select.null import by_block, redrawn
 from waxstudy.diagnosis.select.search import Selection, runs_on_at
 from waxstudy.plugin import FloatArray
 
@@ -82,12 +82,10 @@ def typical(whitened: FloatArray) -> float:
 def _p(residual: Residual, errors: FloatArray, threshold: float, random: np.random.Generator) -> float:
     """Return how often the mean square over redrawn blocks does not exceed the threshold's."""
     chosen = residual.judged
-    numbers, member = np.unique(residual.block[chosen], return_inverse=True)
-    if len(numbers) < limit(Question.JUDGE, "blocks"):
+    squares, count = by_block(np.array([errors[chosen] ** 2, np.ones(chosen.sum())]), residual.block[chosen])
+    if len(count) < limit(Question.JUDGE, "blocks"):
         return 1.0
-    squares = by_block(np.array([errors[chosen] ** 2]), member, len(numbers))[0]
-    count = np.bincount(member, minlength=len(numbers))
-    weights = random.multinomial(len(numbers), np.full(len(numbers), 1.0 / len(numbers)), DRAWS)
+    weights = redrawn(len(count), DRAWS, random)
     means = (weights @ squares) / np.maximum(weights @ count, 1)
     return float((1 + np.sum(means <= threshold**2)) / (1 + DRAWS))
 
