@@ -221,7 +221,7 @@ class SlowActuator(Effect):
     api_version = "1.0"
     stage = "actuator"
     Parameters = SlowActuatorParameters
-    priors = {"factor": Prior(0.3, 4.0, noticeable=1.15, is_log=True)}
+    priors = {"factor": Prior(0.3, 4.0, noticeable=1.15, is_log=True, as_built=0.1)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

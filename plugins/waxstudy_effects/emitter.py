@@ -37,7 +37,7 @@ class SupplyOffset(Effect):
     api_version = "1.0"
     stage = "emitter"
     Parameters = SupplyOffsetParameters
-    priors = {"offset_K": Prior(-8.0, 8.0, noticeable=0.3)}
+    priors = {"offset_K": Prior(-8.0, 8.0, noticeable=0.3, as_built=0.3)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -142,7 +142,7 @@ class FloorCover(Effect):
     api_version = "1.0"
     stage = "emitter"
     Parameters = FloorCoverParameters
-    priors = {"resistance_m2K_W": Prior(0.0, 0.4, noticeable=0.01)}
+    priors = {"resistance_m2K_W": Prior(0.0, 0.4, noticeable=0.01, as_built=0.01)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

@@ -42,7 +42,7 @@ class Infiltration(Effect):
     api_version = "1.0"
     stage = "room"
     Parameters = InfiltrationParameters
-    priors = {"factor": Prior(0.1, 40.0, noticeable=1.5, is_log=True)}
+    priors = {"factor": Prior(0.1, 40.0, noticeable=1.5, is_log=True, as_built=0.6)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -169,7 +169,7 @@ class SolarFactor(Effect):
     stage = "room"
     absorbs = ("solar gain",)
     Parameters = SolarFactorParameters
-    priors = {"factor": Prior(0.1, 5.0, noticeable=1.1, is_log=True)}
+    priors = {"factor": Prior(0.1, 5.0, noticeable=1.1, is_log=True, as_built=0.15)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -213,8 +213,8 @@ class GainShift(Effect):
     absorbs = ("internal gains",)
     Parameters = GainShiftParameters
     priors = {
-        "shift_h": Prior(-12.0, 12.0, noticeable=0.5),
-        "factor": Prior(0.1, 10.0, noticeable=1.15, is_log=True),
+        "shift_h": Prior(-12.0, 12.0, noticeable=0.5, as_built=1.0),
+        "factor": Prior(0.1, 10.0, noticeable=1.15, is_log=True, as_built=0.3),
     }
 
     @classmethod

@@ -136,7 +136,7 @@ class SensorBias(Effect):
     api_version = "1.0"
     stage = "sensor"
     Parameters = SensorBiasParameters
-    priors = {"bias_K": Prior(-3.0, 3.0, noticeable=0.05)}
+    priors = {"bias_K": Prior(-3.0, 3.0, noticeable=0.05, as_built=0.2)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

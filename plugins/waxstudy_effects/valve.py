@@ -241,7 +241,7 @@ class MaxFlow(Effect):
     api_version = "1.0"
     stage = "valve"
     Parameters = MaxFlowParameters
-    priors = {"factor": Prior(0.2, 3.0, noticeable=1.04, is_log=True)}
+    priors = {"factor": Prior(0.2, 3.0, noticeable=1.04, is_log=True, as_built=0.1)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

@@ -14,6 +14,7 @@ from waxstudy.diagnosis.consequence.closed_loop import closed_loop
 from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.regimes import regimes
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
@@ -51,6 +52,7 @@ class Work:
     effects: Sequence[EffectType]
     seed: int
     thorough: float
+    as_built: AsBuilt | None = None
 
 
 def of_segment(segment: Segment, effects: Sequence[EffectType]) -> list[EffectType]:

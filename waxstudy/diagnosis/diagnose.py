@@ -7,12 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from waxstudy.dataset.read import Dataset
+from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
+from waxstudy.diagnosis.calibration.calibrate import calibrate
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
+from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.record import Record
@@ -39,14 +41,22 @@ def diagnose(
     `tick` is told what is being tried and the share done.
     """
     record = record_of(dataset)
-    belief = dataset.believed(record.inputs if record.has_inputs else None)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
-    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0)
+    as_built = calibrated(read_dataset(dataset.baseline), effects) if dataset.baseline else None
+    belief = dataset.believed(_inputs(record))
+    belief = as_built.believed(belief) if as_built else belief
+    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, as_built)
     cut = segments(record, belief)
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
     judged = [segment for segment in cut if segment not in short]
     selections = list(_selections(work, judged, tick or (lambda what, share: None)))
     return assembled(work, cut, short, selections, quick)
+
+
+def calibrated(baseline: Dataset, effects: Sequence[EffectType]) -> AsBuilt:
+    """Return what a healthy record of the loop says of it."""
+    record = record_of(baseline)
+    return calibrate(record, baseline.believed(_inputs(record)), effects)
 
 
 def record_of(dataset: Dataset) -> Record:
@@ -90,14 +100,15 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
         if selection.is_late:
             again = _selection(work, segment, effects, work.seed + place, step, holds_out=False)
             selection = again if again.found else selection
-        yield with_exact_room(selection, effects, work.seed + place, step)
+        yield selection if work.as_built else with_exact_room(selection, effects, work.seed + place, step)
         done = first + len(effects) + 1
 
 
 def _selection(
     work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick, holds_out: bool = True
 ) -> Selection:
-    problem = SegmentProblem(segment, work.record, work.belief, work.dataset.room_tolerance, holds_out)
+    tolerance = work.dataset.room_tolerance
+    problem = SegmentProblem(segment, work.record, work.belief, tolerance, holds_out, as_built=work.as_built)
     estimator = Estimator(problem, work.thorough)
     try:
         assert estimator.base

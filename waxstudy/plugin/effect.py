@@ -80,12 +80,17 @@ class Belief:
 
 @dataclass(frozen=True)
 class Prior:
-    """Where a parameter of an effect is looked for. `noticeable` is the least departure from neutral worth naming."""
+    """Where a parameter of an effect is looked for. `noticeable` is the least departure from neutral worth naming.
+
+    `as_built` says how far healthy loops are from their documents, where that is no effect: the standard deviation of
+    a departure from neutral, of its logarithm where `is_log`; 0 where documents and loop do not differ so.
+    """
 
     low: float
     high: float
     noticeable: float  # a factor above 1 where `is_log`, else in the parameter's unit
     is_log: bool = False
+    as_built: float = 0.0
 
 
 class Effect(Component):

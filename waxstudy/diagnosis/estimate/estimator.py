@@ -50,10 +50,10 @@ class Estimator(Generic[P]):
     def base(self) -> Hypothesis:
         """The belief itself, its room fitted to the first part, read in the way that fits best."""
         start = np.zeros(len(self.problem.sd))
-        first = self._best([self._room_fit((), start, self.problem.conventions[0], (FIT,))])
-        known = self._slopes_at(first) if len(self.problem.conventions) > 1 else None
+        first = self._best([self.nuisance_fit((), start, self.problem.conventions[0], (FIT,))])
+        known = self.slopes_at(first) if len(self.problem.conventions) > 1 else None
         others = [
-            self._room_fit((), first.departures, convention, (FIT,), known)
+            self.nuisance_fit((), first.departures, convention, (FIT,), known)
             for convention in self.problem.conventions[1:]
         ]
         return self.settled(self._best([first, *others]))
@@ -67,7 +67,7 @@ class Estimator(Generic[P]):
     def settled(self, fitted: Hypothesis) -> Hypothesis:
         """Return a fit that others are compared with, gone on with to its end: else they gain what it had left."""
         for _ in range(AGAIN if self.has_nuisances else 0):
-            fitted = self._room_fit(fitted.effects, fitted.departures, fitted.convention, (FIT,), most=STEPS) or fitted
+            fitted = self.nuisance_fit(fitted.effects, fitted.departures, fitted.convention, (FIT,), most=STEPS) or fitted
         return fitted
 
     def with_best_convention(self, fitted: Hypothesis) -> Hypothesis:
@@ -109,7 +109,9 @@ class Estimator(Generic[P]):
 
     def strain(self, fitted: Hypothesis) -> float:
         """Return the squares of the room's departures, in standard deviations."""
-        return float(np.sum((fitted.departures / self.problem.sd) ** 2)) if len(self.problem.sd) else 0.0
+        if not self.has_nuisances:
+            return 0.0
+        return float(np.sum((self.problem.prior @ (fitted.departures / self.problem.sd)) ** 2))
 
     def form_share(self, fitted: Hypothesis) -> float:
         """Return the square of what a room leaves, over that of what its form may leave, at most 1; 1 without a room.
@@ -154,15 +156,15 @@ class Estimator(Generic[P]):
         """
         if parts not in self._straight:
             fit = np.concatenate([np.isin(each.part, parts) for each in self.base.residuals])
-            solution = np.linalg.pinv(np.vstack((self._slopes[fit], np.diag(1.0 / self.problem.sd))))
+            solution = np.linalg.pinv(np.vstack((self._slopes[fit], self.problem.prior / self.problem.sd)))
             self._straight[parts] = self._slopes, solution, fit
         return self._straight[parts]
 
     @cached_property
     def _slopes(self) -> FloatArray:
-        return self._slopes_at(self.base)
+        return self.slopes_at(self.base)
 
-    def _slopes_at(self, fitted: Hypothesis, places: Sequence[int] | None = None) -> FloatArray:
+    def slopes_at(self, fitted: Hypothesis, places: Sequence[int] | None = None) -> FloatArray:
         """Change of the whitened residuals with each departure of the room (m, nuisances), or with some of them."""
         whole = fitted.whitened
         columns = [np.zeros((len(whole), 0))]
@@ -189,7 +191,7 @@ class Estimator(Generic[P]):
         A rough fit takes the room's answer to its departures as it was at the base.
         """
         if self.has_nuisances:
-            return self._room_fit(effects, departures, convention, parts, self._slopes if is_rough else None)
+            return self.nuisance_fit(effects, departures, convention, parts, self._slopes if is_rough else None)
         if not any(effect.priors for effect, _ in effects):
             return self.problem.at(effects, departures, convention)
         smooth = effects
@@ -207,7 +209,7 @@ class Estimator(Generic[P]):
         end = descend(loss, start, round(most * self.thorough), QUICK_NARROW if self.is_quick else NARROW)
         return self.problem.at(valued(effects, spaces, end), departures, convention)
 
-    def _room_fit(
+    def nuisance_fit(
         self,
         effects: Edits,
         departures: FloatArray,
@@ -254,4 +256,4 @@ class Estimator(Generic[P]):
         """Change of the whitened residuals with each event (m, events), of the room as believed."""
         believed = self.problem.at((), np.zeros(len(self.problem.sd)), self.problem.conventions[0])
         assert believed
-        return self._slopes_at(believed, self.problem.events)
+        return self.slopes_at(believed, self.problem.events)

@@ -43,7 +43,7 @@ class LeastSquares:
 
     def missed(self, fitted: Hypothesis, x: FloatArray) -> FloatArray:
         chosen = [each.whitened * np.isin(each.part, self.parts) for each in fitted.residuals]
-        return np.concatenate((*chosen, x[: self.count]))
+        return np.concatenate((*chosen, self.problem.prior @ x[: self.count]))
 
     def solved(self, x: FloatArray, most: int, known: FloatArray | None) -> Hypothesis | None:
         """Return the best fit from a start; `known` are slopes of the departures to be kept throughout, or None."""
@@ -81,7 +81,7 @@ class LeastSquares:
     def kept(self, fitted: Hypothesis, known: FloatArray) -> FloatArray:
         """Return slopes of the departures (per unit) as those of `missed`, per standard deviation."""
         parts = np.concatenate([np.isin(each.part, self.parts) for each in fitted.residuals])
-        return np.vstack((known * parts[:, None] * self.problem.sd, np.eye(self.count)))
+        return np.vstack((known * parts[:, None] * self.problem.sd, self.problem.prior))
 
     def slopes(self, x: FloatArray, missed: FloatArray, places: Sequence[int]) -> FloatArray:
         columns = []

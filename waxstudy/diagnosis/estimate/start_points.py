@@ -96,7 +96,7 @@ class StartPoints:
             return fitted
         (slopes, solution, fit), sd = self.straight, self.problem.sd
         whole = fitted.whitened
-        step = -solution @ np.concatenate((whole[fit], fitted.departures / sd))
+        step = -solution @ np.concatenate((whole[fit], self.problem.prior @ (fitted.departures / sd)))
         step = np.clip(fitted.departures + step, -MOST_SD * sd, MOST_SD * sd) - fitted.departures
         moved = _parted(whole + slopes @ step, fitted)
         return replace(fitted, residuals=[replace(e, whitened=v) for e, v in zip(fitted.residuals, moved, strict=True)])

@@ -47,6 +47,13 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float |
             found.append(Nuisance(name, sd, _of_input(FIELDS[channel], lambda old, factor: exp(factor) * old)))
     return [
         *(replace(nuisance, sd=tolerance * nuisance.sd) for nuisance in found if tolerance is not None),
+        *of_record(belief, record, driven_by),
+    ]
+
+
+def of_record(belief: Belief, record: Record, driven_by: str) -> list[Nuisance]:
+    """Return what nobody knows of a record itself: drives that nobody recorded, how warm it was at first, lost flows."""
+    return [
         *_unrecorded(record),
         Nuisance(START, START_K, _of_input("start_K", lambda old, departure: departure)),
         Nuisance(FLOOR, START_K, _of_input("start_floor_K", lambda old, departure: departure)),

@@ -27,7 +27,7 @@ class Continuous:
     """Errors of each sample, weighed by noise, and by more while the segment's drive moves."""
 
     def __init__(
-        self, channel: str, segment: Segment, record: Record, parts: np.ndarray, perturbed: Sequence[Predicted]
+        self, channel: str, segment: Segment, record: Record, parts: np.ndarray, perturbed: Sequence[Predicted], more: float = 1.0
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
         filled = record.filled(channel)
@@ -35,7 +35,7 @@ class Continuous:
         self.known = self._known()
         self.driven = self._driven(perturbed)
         believed = float(np.max(perturbed[0][channel])) if perturbed else 1.0
-        self.scale = self._scale(float(np.nanmax(record.values[channel])) or believed)
+        self.scale = more * self._scale(float(np.nanmax(record.values[channel])) or believed)
 
     @property
     def noise(self) -> FloatArray:

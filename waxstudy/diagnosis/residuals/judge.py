@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
 from waxstudy.diagnosis.model.room_response import OF_ROOM, Predicted, error_of
 from waxstudy.diagnosis.model.segments import Segment
@@ -23,10 +24,18 @@ class Judge:
     """Compares predictions of one segment with the record, always in the same way, so that losses can be compared."""
 
     def __init__(
-        self, segment: Segment, record: Record, belief: Belief, holds_out: bool = True, is_exact_room: bool = False
+        self,
+        segment: Segment,
+        record: Record,
+        belief: Belief,
+        holds_out: bool = True,
+        is_exact_room: bool = False,
+        as_built: AsBuilt | None = None,
+        parts: np.ndarray | None = None,
     ) -> None:
         self.segment, self.record, self.is_exact_room = segment, record, is_exact_room
-        self.parts = parts_of(record, days_in_turn=segment.with_room, holds_out=holds_out)
+        self.parts = parts_of(record, days_in_turn=segment.with_room, holds_out=holds_out) if parts is None else parts
+        self._as_built = as_built
         self._belief, self._perturbed = belief, self._perturb(belief)
         self.ways = {channel: self._way(channel) for channel in segment.judged}
 
@@ -36,11 +45,15 @@ class Judge:
 
     def _way(self, channel: str) -> Switching | Continuous | RoomMeans:
         common = channel, self.segment, self.record, self.parts, self._perturbed
+        left = self._as_built.left.get(channel) if self._as_built else None
+        more = max(1.0, left.whitened) if left else 1.0
         if channel in self.record.binary:
-            return Switching(*common)
+            return Switching(*common, more)
         if channel in ONLY_OF_ROOM or (self.segment.with_room and channel in OF_ROOM):
-            return RoomMeans(channel, self.record, self.parts, error_of(self._belief, channel), self.is_exact_room)
-        return Continuous(*common)
+            error = error_of(self._belief, channel)
+            known = self._as_built.discrepancies.get(channel) if self._as_built else None
+            return RoomMeans(channel, self.record, self.parts, error, self.is_exact_room, known)
+        return Continuous(*common, more)
 
     def _perturb(self, belief: Belief) -> list[Predicted]:
         """Return what a belief predicts, then that with its drive perturbed; nothing where it cannot run."""

@@ -42,7 +42,7 @@ class NoiseFloor:
                 white[each.channel].append(float(np.sqrt(each.loss() / max(1, int(each.judged.sum())))))
         ways = problem.judge.ways.items()
         switched = {channel: way.typical_s for channel, way in ways if isinstance(way, Switching)}
-        return cls(_typical(plain) | switched, _typical(white) | dict.fromkeys(switched, 1.0))
+        return _at_least(cls(_typical(plain) | switched, _typical(white) | dict.fromkeys(switched, 1.0)), problem)
 
 
 def _seen(problem: SegmentProblem, still: Predicted, moved: Predicted, random: np.random.Generator) -> Predicted:
@@ -66,3 +66,19 @@ def _seen(problem: SegmentProblem, still: Predicted, moved: Predicted, random: n
 
 def _typical(values: Mapping[str, list[float]]) -> dict[str, float]:
     return {name: float(np.mean(many)) if many else 0.0 for name, many in values.items()}
+
+
+def _at_least(floor: NoiseFloor, problem: SegmentProblem) -> NoiseFloor:
+    """Return a floor that holds what a healthy record leaves as well."""
+    known = problem.as_built
+    if known is None:
+        return floor
+    plain, white = dict(floor.plain), dict(floor.white)
+    for channel in problem.segment.judged:
+        if channel in known.left:
+            plain[channel] = max(plain[channel], known.left[channel].gap)
+            white[channel] = 1.0 if known.left[channel].whitened > 1.0 else white[channel]
+        elif channel in known.discrepancies:
+            plain[channel] = float(np.hypot(plain[channel], known.discrepancies[channel].rms_K))
+            white[channel] = known.discrepancies[channel].shared ** -0.5
+    return NoiseFloor(plain, white)

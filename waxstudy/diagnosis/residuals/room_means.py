@@ -5,19 +5,31 @@ from __future__ import annotations
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR, Predicted, merging, weighted
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import FloatArray, ModelError
 
 STEPPED_K = 0.005  # chosen: what stays of a room that is exactly as believed, in samples of some minutes
+MOST_LEFT = 2.0  # times what a healthy record leaves
 PIECE = 8  # quarters of an hour over which such errors hang together
 
 
 class RoomMeans:
     """Errors of means over quarters of an hour, the return's only where water flows."""
 
-    def __init__(self, channel: str, record: Record, parts: np.ndarray, error: ModelError, is_exact_room: bool) -> None:
-        self.channel, self.record, self.parts, self.form_K = channel, record, parts, error.most_K
+    def __init__(
+        self,
+        channel: str,
+        record: Record,
+        parts: np.ndarray,
+        error: ModelError,
+        is_exact_room: bool,
+        discrepancy: Discrepancy | None = None,
+    ) -> None:
+        self.channel, self.record, self.parts = channel, record, parts
+        self.form_K = MOST_LEFT * discrepancy.rms_K if discrepancy else error.most_K
+        self.discrepancy = discrepancy
         steps, merged = merging(record.interval_s)
         self.samples = steps * merged  # of a mean
         self.measured = self._means()
@@ -36,7 +48,9 @@ class RoomMeans:
         known = np.isfinite(error) & self.record.settled[sample]
         error = np.where(known, error, 0.0)
         where = self.record.day[sample], self.parts[sample], sample
-        return Residual(self.channel, "K", error, error / self.scale_K, known, *where, self.form_K)
+        found = self.discrepancy
+        whitened = found.whitened(error, known) if found else error / self.scale_K
+        return Residual(self.channel, "K", error, whitened, known, *where, self.form_K)
 
     def _means(self) -> FloatArray:
         values = self.record.values[self.channel]

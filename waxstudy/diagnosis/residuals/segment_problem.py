@@ -11,8 +11,9 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import Edits
+from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.model.nuisance import nuisances
+from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
 from waxstudy.diagnosis.model.perturbation import Perturbation
 from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
@@ -32,20 +33,43 @@ class SegmentProblem:
         room_tolerance: float = 1.0,
         holds_out: bool = True,
         is_exact_room: bool = False,
+        as_built: AsBuilt | None = None,
+        unknowns: Sequence[Nuisance] | None = None,
+        parts: np.ndarray | None = None,
     ) -> None:
         self.segment, self.record, self.belief, self.name = segment, record, belief, segment.name
         self.room_tolerance, self.holds_out, self.is_exact_room = room_tolerance, holds_out, is_exact_room
-        self.conventions: Sequence[Convention] = segment.conventions
+        self.as_built, self.is_calibrating = as_built, unknowns is not None
+        known = as_built.conventions.get(segment.name) if as_built else None
+        self.conventions: Sequence[Convention] = [known] if known else segment.conventions
         self.predicted = Prediction(segment, record, belief, is_exact_room)
-        self.judge = Judge(segment, record, belief, holds_out, is_exact_room)
-        tolerance = None if is_exact_room else room_tolerance
-        self.nuisances = nuisances(belief, record, segment.driven_by, tolerance) if segment.with_room else []
+        self.judge = Judge(segment, record, belief, holds_out, is_exact_room, as_built, parts)
+        self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
+        self.prior = self._prior()
         self.events: Sequence[int] = [place for place, nuisance in enumerate(self.nuisances) if nuisance.is_event]
         self.is_smooth = not all(channel in record.binary for channel in segment.judged)
         self.discounts_noise = "control_output" in segment.judged and "control_output" not in record.binary
         self._seen = record.memory(arrays=4)
         self._edits: list[tuple[float, Belief]] = []  # by nuisance: what was departed to last, and the belief so far
+
+    def _nuisances(self) -> list[Nuisance]:
+        if self.as_built is None:
+            tolerance = None if self.is_exact_room else self.room_tolerance
+            return nuisances(self.belief, self.record, self.segment.driven_by, tolerance)
+        sd = np.sqrt(np.diag(self.as_built.covariance)).tolist()
+        known = [replace(knob, sd=each) for knob, each in zip(self.as_built.knobs, sd, strict=True)]
+        return [*known, *of_record(self.belief, self.record, self.segment.driven_by)]
+
+    def _prior(self) -> FloatArray:
+        """Return what turns departures over their standard deviations into independent ones (nuisances, nuisances)."""
+        found = np.eye(len(self.nuisances))
+        if self.as_built is not None and self.nuisances and not self.is_calibrating:
+            count = len(self.as_built.knobs)
+            sd = self.sd[:count]
+            correlation = self.as_built.covariance / np.outer(sd, sd)
+            found[:count, :count] = np.linalg.inv(np.linalg.cholesky(correlation + 1e-9 * np.eye(count)))
+        return found
 
     def exact(self) -> SegmentProblem:
         """Return the same with the room exactly as believed."""

@@ -19,12 +19,12 @@ class Switching:
     """Seconds off around each switch, over what noise of the drive and sampling move that switch."""
 
     def __init__(
-        self, channel: str, segment: Segment, record: Record, parts: np.ndarray, perturbed: Sequence[Predicted]
+        self, channel: str, segment: Segment, record: Record, parts: np.ndarray, perturbed: Sequence[Predicted], more: float = 1.0
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
         self.measured = record.filled(channel)
         self.windows = _windows(record, channel)  # (n,) number of the measured switch that is nearest
-        self.scale_s = self._scale_s(perturbed)  # of each of them
+        self.scale_s = more * self._scale_s(perturbed)  # of each of them
         self.known = ~record.is_gap(channel) & ~record.is_gap(segment.driven_by) & record.settled
 
     @property

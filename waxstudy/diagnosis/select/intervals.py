@@ -98,10 +98,11 @@ class _Local:
         seen = (part == FIT) | (part == SELECT)
         missed = self._slopes()[seen]
         nuisances = len(self.problem.sd)
-        prior = np.concatenate((np.ones(nuisances), np.full(len(self.rows), 1e-9)))
+        prior = 1e-9 * np.eye(nuisances + len(self.rows))
+        prior[:nuisances, :nuisances] = self.problem.prior.T @ self.problem.prior
         scores = by_block((missed * residual[seen][:, None]).T, block[seen])
         count = scores.shape[1]
-        inverse = np.linalg.pinv(missed.T @ missed + np.diag(prior))
+        inverse = np.linalg.pinv(missed.T @ missed + prior)
         spread = inverse @ (scores @ scores.T) @ inverse * count / max(1, count - len(self.rows))
         spread += inverse if nuisances else 0.0
         off = inverse @ (missed.T @ self.problem.inexact(self.fitted)[seen])

@@ -1,0 +1,206 @@
+"""Calibration on a healthy record: what differs from the documents, how well that is known, and what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
+from waxstudy.diagnosis.estimate.parameter_space import Edits
+from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
+from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.discrepancy import Discrepancy
+from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
+from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.partition import ALL, FIT, SELECT
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.plugin import Belief, Effect, FloatArray
+
+WIDER = 2.5  # than what nobody knows of a room that was built as drawn
+EARLY = 0.6  # of a record, that the rest is predicted from
+MOST_WIDER = 3.0  # times what a fit leaves, that it may leave of days that it has not seen
+ROUNDS = 2
+Effects = Sequence[type[Effect]]
+
+
+@dataclass(frozen=True)
+class Healthy:
+    """A link of the healthy record, with nothing but what was so from the start."""
+
+    problem: SegmentProblem
+    fitted: Hypothesis
+    scale: Mapping[str, float]  # by channel: what its errors are weighed by, over noise alone
+
+    @cached_property
+    def slopes(self) -> FloatArray:
+        return Estimator(self.problem).slopes_at(self.fitted)
+
+    def together(self, channel: str) -> float:
+        """Return how many samples of a channel count as one, as errors that hang together (Geyer 1992)."""
+        residual = self.fitted.residual_of(channel)
+        values = residual.whitened[residual.judged]
+        if len(values) < 3 or residual.unit == "s" or channel in self.discrepant:
+            return 1.0
+        power = np.abs(np.fft.rfft(values, 2 * len(values))) ** 2
+        correlation = np.fft.irfft(power)[: len(values)]
+        if correlation[0] <= 0.0:
+            return 1.0
+        correlation /= correlation[0]
+        ends = np.flatnonzero(correlation <= 0.0)
+        return float(1.0 + 2.0 * correlation[1 : ends[0] if len(ends) else None].sum())
+
+    @property
+    def discrepant(self) -> Mapping[str, Discrepancy]:
+        return self.problem.as_built.discrepancies if self.problem.as_built else {}
+
+    def left(self, channel: str) -> tuple[float, int] | None:
+        """Return what is left of a channel over what it is weighed by, and of how many samples."""
+        residual = next((each for each in self.fitted.residuals if each.channel == channel), None)
+        count = int(residual.judged.sum()) if residual else 0
+        if residual is None or not count:
+            return None
+        return float(np.sqrt(residual.loss() / count)) / self.scale.get(channel, 1.0), count
+
+    def gain(self, effects: Edits) -> float:
+        """Return by how much more likely the healthy record were with effects (logarithm), the rest fitted again."""
+        with_it = self.problem.at(effects, self.fitted.departures, self.fitted.convention)
+        if with_it is None:
+            return -np.inf
+        return self._likelihood(with_it) - self._likelihood(self.fitted)
+
+    def _likelihood(self, fitted: Hypothesis) -> float:
+        weight = np.concatenate(
+            [np.full(len(e.whitened), self.scale.get(e.channel, 1.0) ** -1 * self.together(e.channel) ** -0.5) for e in fitted.residuals]
+        )
+        missed, slopes, sd = fitted.whitened * weight, self.slopes * weight[:, None], self.problem.sd
+        root = self.problem.prior / sd if len(sd) else np.zeros((0, 0))
+        pulled = root @ fitted.departures if len(sd) else np.zeros(0)
+        both, ways = np.concatenate((missed, pulled)), np.vstack((slopes, root))
+        step = np.linalg.lstsq(ways, -both, rcond=None)[0] if len(sd) else np.zeros(0)
+        left = both + ways @ step if len(sd) else both
+        return -0.5 * float(left @ left)
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What a healthy record says of a loop."""
+
+    as_built: AsBuilt
+    healthy: Mapping[str, Healthy]  # by segment
+
+
+def calibrate(record: Record, belief: Belief, effects: Effects) -> Calibration:
+    """Return what a healthy record says of a loop."""
+    found = AsBuilt((), np.zeros(0), np.zeros((0, 0)))
+    healthy: dict[str, Healthy] = {}
+    for segment in segments(record, belief):
+        if segment.is_supply:
+            continue
+        of = _of_room if segment.with_room else _of_chain
+        found, problem, fitted = of(segment, record, belief, effects, found)
+        scale = {channel: max(1.0, left.whitened) for channel, left in found.left.items()}
+        healthy[segment.name] = Healthy(problem, fitted, scale)
+    return Calibration(found, healthy)
+
+
+def _of_chain(
+    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt
+) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
+    unknowns = list(knobs(effects, segment.stages, belief))
+    problem = SegmentProblem(segment, record, belief, holds_out=False, unknowns=unknowns)
+    fitted = _fitted(problem)
+    departures = fitted.departures.tolist()
+    found = replace(
+        known,
+        chain=(*known.chain, *zip(unknowns, departures, strict=True)),
+        conventions={**known.conventions, segment.name: fitted.convention},
+        left={**known.left, **{each.channel: _left(each) for each in fitted.residuals}},
+    )
+    return found, problem, fitted
+
+
+def _left(residual: Residual) -> Left:
+    return Left(residual.gap(), float(np.sqrt(residual.loss() / max(1, int(residual.judged.sum())))))
+
+
+def _of_room(
+    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt
+) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
+    lasting = _lasting(segment, record, belief, effects)
+    unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
+    early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, SELECT)
+    found, start, convention = known, np.zeros(len(unknowns)), None
+    for _ in range(ROUNDS):
+        problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early)
+        fitted = _fitted(problem, start, convention)
+        ahead = _room_fit(problem, fitted, (FIT,))
+        start, convention = fitted.departures, fitted.convention
+        found = replace(found, discrepancies=_discrepancies(problem, fitted, ahead))
+    problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early)
+    fitted = _fitted(problem, start, convention)
+    count = len(lasting)
+    found = replace(
+        found,
+        knobs=tuple(lasting),
+        departures=fitted.departures[:count],
+        covariance=_covariance(problem, fitted)[:count, :count],
+        conventions={**found.conventions, segment.name: fitted.convention},
+    )
+    return found, problem, fitted
+
+
+def _lasting(segment: Segment, record: Record, belief: Belief, effects: Effects) -> list[Nuisance]:
+    """Return what may differ of room and drives; what effects say of it goes before what the room says."""
+    own = list(knobs(effects, segment.stages, belief))
+    taken = {name for effect in effects for name in effect.absorbs if any(each.name.startswith(f"{effect.name} ") for each in own)}
+    once = {each.name for each in of_record(belief, record, segment.driven_by)}
+    rest = [each for each in nuisances(belief, record, segment.driven_by) if each.name not in taken | once]
+    return [*own, *(replace(each, sd=WIDER * each.sd) for each in rest)]
+
+
+def _fitted(problem: SegmentProblem, start: FloatArray | None = None, convention: Convention | None = None) -> Hypothesis:
+    """Return the best fit to the whole record."""
+    estimator = Estimator(problem)
+    start = np.zeros(len(problem.sd)) if start is None else start
+    ways = [convention] if convention else problem.conventions
+    tried = [estimator.nuisance_fit((), start, way, ALL) for way in ways]
+    done = [each for each in tried if each is not None]
+    if not done:
+        raise ValueError(f"what is believed of {problem.name} cannot be simulated")
+    return min(done, key=lambda each: estimator.score(each, ALL))
+
+
+def _room_fit(problem: SegmentProblem, fitted: Hypothesis, parts: Sequence[int]) -> Hypothesis:
+    return Estimator(problem).nuisance_fit((), fitted.departures, fitted.convention, parts) or fitted
+
+
+def _discrepancies(problem: SegmentProblem, fitted: Hypothesis, ahead: Hypothesis) -> dict[str, Discrepancy]:
+    """Return what is left of each channel, by the days that a fit has not seen where these are missed by more."""
+    found = {}
+    for within, beyond in zip(fitted.residuals, ahead.residuals, strict=True):
+        least_K = problem.judge.ways[within.channel].noise.mean()
+        discrepancy = Discrepancy.of(within.error, within.judged, float(least_K))
+        wider = beyond.gap(SELECT) / within.gap() if within.gap() else 1.0
+        found[within.channel] = replace(discrepancy, sd_K=discrepancy.sd_K * float(np.clip(wider, 1.0, MOST_WIDER)))
+    shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
+    return {channel: replace(each, shared=shared) for channel, each in found.items()}
+
+
+def _shared(whitened: Sequence[FloatArray]) -> float:
+    """Return how many channels tell the same: their number over the effective one, by how they are correlated."""
+    values = np.linalg.eigvalsh(np.corrcoef(np.array(whitened))) if len(whitened) > 1 else np.ones(1)
+    return float(len(whitened) * np.sum(values**2) / np.sum(values) ** 2)
+
+
+def _covariance(problem: SegmentProblem, fitted: Hypothesis) -> FloatArray:
+    """Return the posterior covariance of the departures (k, k), by slopes at the best fit (Laplace)."""
+    slopes = Estimator(problem).slopes_at(fitted)
+    root = problem.prior / problem.sd
+    return np.asarray(np.linalg.inv(slopes.T @ slopes + root.T @ root))
+
+

@@ -1,0 +1,66 @@
+"""What a healthy record says of a loop that was not built as its documents have it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from math import exp
+
+import numpy as np
+
+from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.discrepancy import Discrepancy
+from waxstudy.diagnosis.model.nuisance import Nuisance
+from waxstudy.plugin import Belief, Effect, FloatArray
+
+
+@dataclass(frozen=True)
+class AsBuilt:
+    """What differs from the documents, always, with how well it is known, and what the model leaves all the same."""
+
+    knobs: tuple[Nuisance, ...]  # departures from the documents; of room and drives
+    departures: FloatArray  # (knobs,) their posterior mean
+    covariance: FloatArray  # (knobs, knobs) of their posterior
+    chain: tuple[tuple[Nuisance, float], ...] = ()  # of the control chain, and their departures
+    conventions: Mapping[str, Convention] = field(default_factory=dict)  # by segment: how the log is read
+    discrepancies: Mapping[str, Discrepancy] = field(default_factory=dict)  # of a room, by channel
+    left: Mapping[str, Left] = field(default_factory=dict)  # of a chain, by channel
+
+    def believed(self, belief: Belief) -> Belief:
+        """Return what is believed of the loop as it was built."""
+        for knob, departure in (*zip(self.knobs, self.departures.tolist(), strict=True), *self.chain):
+            belief = knob.apply(belief, departure)
+        return belief
+
+
+@dataclass(frozen=True)
+class Left:
+    """What a chain's model leaves of a channel of a healthy record: in its unit, and over what noise makes."""
+
+    gap: float
+    whitened: float
+
+
+def knobs(effects: Sequence[type[Effect]], stages: Sequence[str], belief: Belief) -> Iterator[Nuisance]:
+    """Yield what effects of these stages say that may differ from the documents in a healthy loop."""
+    for effect in effects:
+        if effect.stage in stages and not effect.hindrance(belief) and (neutral := effect.neutral(belief)):
+            for name, prior in effect.priors.items():
+                if prior.as_built:
+                    yield Nuisance(f"{effect.name} {name}", prior.as_built, _departed(effect, name, neutral))
+
+
+def _departed(effect: type[Effect], name: str, neutral: Mapping[str, float]) -> Callable[[Belief, float], Belief]:
+    return partial(_applied, effect, name, dict(neutral))
+
+
+def _applied(effect: type[Effect], name: str, neutral: dict[str, float], belief: Belief, departure: float) -> Belief:
+    prior, still = effect.priors[name], neutral[name]
+    value = still * exp(departure) if prior.is_log else still + departure
+    value = float(np.clip(value, prior.low, prior.high))
+    if value == still:
+        return belief
+    return effect.apply(belief, effect.Parameters(**{**neutral, name: value}))
+
+

@@ -1,0 +1,92 @@
+"""Effects of a room beside each other: a room is linear in heat, so that what each of them does adds up, nearly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.observations.partition import ALL
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.plugin import FloatArray
+
+STRONGEST = 4.0  # times a point that was looked at
+PROMISING = 2.0  # of log likelihood that an effect must gain in a straight line, for a closer look
+TINY = 1e-12
+
+
+class Superposed:
+    """Looks at each effect once, all over its parameters, beside what is believed; beside others they add up."""
+
+    def __init__(self, estimator: Estimator[SegmentProblem], none: Hypothesis) -> None:
+        self.estimator, self.problem, self.none = estimator, estimator.problem, none
+        self.slopes = estimator.slopes_at(none)
+        sd = self.problem.sd
+        self.basis, _ = np.linalg.qr(np.vstack((self.slopes, self.problem.prior / sd)))
+        self.looked: dict[EffectType, tuple[list[Values], FloatArray]] = {}
+
+    def fits(
+        self, effects: Sequence[EffectType], given: Hypothesis, tick: Callable[[str], None]
+    ) -> Iterator[Hypothesis]:
+        """Yield a hypothesis with each effect beside a given one, fitted to the whole record where it may gain."""
+        for effect in effects:
+            tick(effect.name)
+            if fitted := self._fit(effect, given):
+                yield fitted
+
+    def _fit(self, effect: EffectType, given: Hypothesis) -> Hypothesis | None:
+        found = self._start(effect, given)
+        if found is None:
+            return None
+        values, gain = found
+        effects = (*given.effects, (effect, values))
+        if gain < PROMISING:
+            # with more than one there is nothing to tell; alone it is told what it comes to
+            return None if given.effects else self._at(effects, given)
+        rough = self.estimator.nuisance_fit(effects, given.departures, given.convention, ALL, self.slopes)
+        if rough is None or self.estimator.score(given, ALL) - self.estimator.score(rough, ALL) < 2.0 * PROMISING:
+            return rough
+        return self.estimator.nuisance_fit(rough.effects, rough.departures, rough.convention, ALL)
+
+    def _at(self, effects: Sequence[tuple[EffectType, Values]], given: Hypothesis) -> Hypothesis | None:
+        return self.estimator.nuisance_fit(effects, given.departures, given.convention, ALL, self.slopes, most=2)
+
+    def _start(self, effect: EffectType, given: Hypothesis) -> tuple[Values, float] | None:
+        """Return the best values to start from, and the log likelihood that they gain where all is straight."""
+        tried, changes = self._looks(effect)
+        if not tried:
+            return None
+        before = self._free(np.concatenate((given.whitened, self._pulled(given))))
+        ways = changes - self.basis @ (self.basis.T @ changes)
+        power = np.maximum(np.sum(ways**2, axis=0), TINY)
+        neutral = effect.neutral(self.problem.belief)
+        most = STRONGEST if neutral else 1.0
+        strength = np.clip(-(before @ ways) / power, 0.0 if neutral else 1.0, most)
+        gains = -(strength * (before @ ways)) - 0.5 * strength**2 * power
+        best = int(np.argmax(gains))
+        values = tried[best]
+        return (Space(effect).scaled(values, neutral, float(strength[best])) if neutral else values), float(gains[best])
+
+    def _looks(self, effect: EffectType) -> tuple[list[Values], FloatArray]:
+        """Return points all over an effect's parameters, and the change that each makes (m, points)."""
+        if effect not in self.looked:
+            tried, changes = [], []
+            for values in (*Space(effect).points(self.estimator.thorough), *effect.starts(self.problem.belief)):
+                look = self.problem.at(((effect, values),), self.none.departures, self.none.convention)
+                if look is not None:
+                    tried.append(values)
+                    changes.append(look.whitened - self.none.whitened)
+            padded = np.zeros((len(self.none.whitened) + len(self.problem.sd), len(tried)))
+            padded[: len(self.none.whitened)] = np.array(changes).T if changes else 0.0
+            self.looked[effect] = tried, padded
+        return self.looked[effect]
+
+    def _pulled(self, fitted: Hypothesis) -> FloatArray:
+        return np.asarray(self.problem.prior @ (fitted.departures / self.problem.sd))
+
+    def _free(self, missed: FloatArray) -> FloatArray:
+        """Return what the nuisances cannot take of what is missed."""
+        return np.asarray(missed - self.basis @ (self.basis.T @ missed))
