@@ -43,7 +43,7 @@ def diagnose(
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     as_built = calibrated(read_dataset(dataset.baseline), effects) if dataset.baseline else None
-    belief = dataset.believed(_inputs(record))
+    belief = dataset.believed(record.inputs if record.has_inputs else None)
     belief = as_built.believed(belief) if as_built else belief
     work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, as_built)
     cut = segments(record, belief)
@@ -56,7 +56,7 @@ def diagnose(
 def calibrated(baseline: Dataset, effects: Sequence[EffectType]) -> AsBuilt:
     """Return what a healthy record of the loop says of it."""
     record = record_of(baseline)
-    return calibrate(record, baseline.believed(_inputs(record)), effects)
+    return calibrate(record, baseline.believed(record.inputs if record.has_inputs else None), effects)
 
 
 def record_of(dataset: Dataset) -> Record:
