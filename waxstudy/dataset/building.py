@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from waxstudy.dataset.notes import Notes
 from waxstudy.plugin import Component, OutsideRoom, Parameters, Room
-from waxstudy.plugin.registry import PluginError, Registry, nearest, told
+from waxstudy.plugin.registry import PluginError, Registry, hint, nearest, told
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import listed
@@ -104,7 +104,5 @@ def _sorted(model: type[Parameters], values: dict[str, Any], notes: Notes) -> tu
         elif isinstance(value, str):
             words.append(key)
         else:
-            near = nearest(key, model.model_fields)
-            hint = f"; did you mean '{near}'?" if near else ""
-            notes.warn(f"[building] {key} is not known and not read{hint}")
+            notes.warn(f"[building] {key} is not known and not read{hint(key, model.model_fields)}")
     return known, words

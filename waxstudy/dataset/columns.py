@@ -11,7 +11,7 @@ import pandas as pd
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import Column
-from waxstudy.plugin.registry import nearest
+from waxstudy.plugin.registry import hint, nearest
 from waxstudy.study.problems import listed, shown
 
 TIME = "time"
@@ -125,9 +125,7 @@ def _tell_others(table: pd.DataFrame, found: Mapping[str, Column], time: str, is
         columns = "1 column" if len(others) == 1 else f"{len(others)} columns"
         notes.assume(f"Not read: {columns} of the data file that [columns] does not name.")
     for name in () if is_mapped else others:
-        near = nearest(name, CHANNELS)
-        hint = f"; did you mean '{near}'?" if near else ""
-        notes.warn(f"column '{name}' is no channel and is not read{hint}")
+        notes.warn(f"column '{name}' is no channel and is not read{hint(name, CHANNELS)}")
 
 
 def _some(table: pd.DataFrame) -> str:

@@ -12,7 +12,7 @@ from waxstudy.dataset.columns import TIME
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import Column, DatasetTable, Nominal, Site
 from waxstudy.plugin import CHAIN
-from waxstudy.plugin.registry import nearest
+from waxstudy.plugin.registry import hint
 from waxstudy.study.check import Check
 from waxstudy.study.ladder import merge_block
 from waxstudy.study.lines import KeyPath
@@ -75,10 +75,8 @@ def _tell_unknown(check: Check, path: KeyPath, allowed: Iterable[str], notes: No
     table = value_at(check.source.values, path)
     for key in table if isinstance(table, dict) else ():
         if key not in allowed:
-            near = nearest(key, allowed)
-            hint = f"; did you mean '{near}'?" if near else ""
             place = f"{check.source.file}:{check.source.line((*path, key))}"
-            notes.warn(f"{place}: {'.'.join(map(str, (*path, key)))} is not known and not read{hint}")
+            notes.warn(f"{place}: {'.'.join(map(str, (*path, key)))} is not known and not read{hint(key, allowed)}")
 
 
 def _columns(check: Check) -> tuple[dict[str, Column], str]:
