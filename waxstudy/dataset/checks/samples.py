@@ -107,7 +107,7 @@ def peak(record: Record, channel: pd.Series) -> Findings:
 def stray(record: Record, channel: pd.Series) -> Findings:
     """A level over {LEVEL_NOISE:g} beyond 0 to 1, in at most {RAREST} samples or {RARE:.1%} of them."""
     strays = ((channel < -LEVEL_NOISE) | (channel > 1.0 + LEVEL_NOISE)).to_numpy()
-    if strays.sum() <= max(RAREST, RARE * len(channel)):
+    if strays.sum() <= max(RAREST, RARE * channel.count()):
         yield Discard(channel.name, strays, "beyond 0 to 1, which is impossible")
 
 
