@@ -58,8 +58,7 @@ def _value(channel: str, column: Column, table: pd.DataFrame, notes: Notes) -> p
     parts = []
     for part in column.parts:
         if part.column not in table.columns:
-            near = nearest(part.column, table.columns)
-            allowed = f"columns: {_some(table)}"
+            near, allowed = nearest(part.column, table.columns), f"columns: {_some(table)}"
             notes.refuse(channel, f"there is no column '{part.column}'", near=near, allowed=allowed)
             continue
         numbers = numbers_of(channel, table[part.column], notes)

@@ -87,11 +87,8 @@ def _columns(check: Check) -> tuple[dict[str, Column], str]:
     if not isinstance(time, str):
         check.problem(spot.at(TIME), "must be the name of the time column in quotes", value=time)
     check.unknown_keys(spot, table, [TIME, *CHANNELS])
-    columns: dict[str, Column] = {}
-    for channel, entry in table.items():
-        if channel in CHANNELS and (column := _column(check, spot.at(channel), entry)):
-            columns[channel] = column
-    return columns, str(time)
+    found = {name: _column(check, spot.at(name), entry) for name, entry in table.items() if name in CHANNELS}
+    return {name: column for name, column in found.items() if column}, str(time)
 
 
 def _column(check: Check, spot: Spot, entry: Any) -> Column | None:

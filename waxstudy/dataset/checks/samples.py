@@ -81,11 +81,9 @@ def spike(record: Record, channel: pd.Series) -> Findings:
 def _jumps(x: FloatArray, limit: float) -> np.ndarray:
     """Return single samples that jump away and back."""
     found = np.zeros(len(x), dtype=bool)
-    if len(x) > 2:
-        before, after = x[1:-1] - x[:-2], x[1:-1] - x[2:]
-        with np.errstate(invalid="ignore"):
-            away = (np.minimum(np.abs(before), np.abs(after)) > limit) & (np.sign(before) == np.sign(after))
-        found[1:-1] = away
+    before, after = x[1:-1] - x[:-2], x[1:-1] - x[2:]
+    with np.errstate(invalid="ignore"):
+        found[1:-1] = (np.minimum(np.abs(before), np.abs(after)) > limit) & (np.sign(before) == np.sign(after))
     return found
 
 

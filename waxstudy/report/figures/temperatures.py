@@ -100,7 +100,7 @@ def figure_20(content: Content) -> Figure:
     week, ladders = places.first_week(content), content.run.ladders
     figure, axes = panels(len(ladders), 1, 1.0 + 2.6 * len(ladders), sharex=True, sharey=True)
     for panel, ladder in zip(axes[:, 0], ladders, strict=True):
-        shown = dict.fromkeys((places.simplest(ladder), places.adapted(ladder), ladder.reference))
+        shown = dict.fromkeys((ladder.cases[0], places.adapted(ladder), ladder.reference))
         _week(panel, content, list(shown), week)
         panel.set(title=f"{ladder.name}, {week}", ylabel="air temperature, °C")
         panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=3.0)
