@@ -125,8 +125,3 @@ class _Bench:
             if opening >= FULLY_OPEN:
                 return n * STEP_S, flow_s
         return np.nan, flow_s
-
-
-def valve_flow(valve: Choice, opening: float) -> float:
-    """Return the flow fraction of a valve at an opening."""
-    return Stepped(valve, STEP_S).step(opening, 0.0)

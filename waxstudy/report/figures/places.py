@@ -26,10 +26,6 @@ def one_simpler(ladder: Ladder) -> str | None:
     return ladder.cases[place - 1] if place else None
 
 
-def first_week(content: Content) -> str:
-    return content.run.weeks[0]
-
-
 def second_week(content: Content) -> str:
     """The last week, in the paper the one with sun; raise `Lacking` if the study has one only."""
     if len(content.run.weeks) < 2:
