@@ -33,6 +33,7 @@ def swapped(one: str, other: str) -> Change:
 
 
 AIR = "air_temperature_C"
+ROOM = [AIR, "sensor_temperature_C", "operative_temperature_C"]
 # of each check, a fault for each thing that it does
 FAULTS: dict[str, dict[str, Change]] = {
     "code": {"discards": sample(AIR, -999.0)},
@@ -61,7 +62,10 @@ FAULTS: dict[str, dict[str, Change]] = {
     "room-and-setpoint": {"refuses": swapped(AIR, "setpoint_C")},
     "room-and-supply": {"refuses": swapped(AIR, "supply_temperature_C")},
     "ventilation-and-outdoors": {"refuses": swapped("ventilation_supply_temperature_C", "outdoor_temperature_C")},
-    "supply-and-return": {"refuses": swapped("supply_temperature_C", "return_temperature_C")},
+    "supply-and-return": {
+        "refuses": swapped("supply_temperature_C", "return_temperature_C"),
+        "warns": lambda values: swapped("supply_temperature_C", "return_temperature_C")(values).drop(columns=ROOM),
+    },
     "output-and-signal": {"refuses": lambda values: values.assign(heating_signal=np.linspace(0.0, 1.0, len(values)))},
     "signal-and-opening": {"refuses": swapped("heating_signal", "displacement")},
     "sensor-and-air": {"warns": changed(AIR, lambda x: x + 4.0)},
@@ -102,6 +106,23 @@ def test_each_check_finds_its_fault_and_none_in_a_good_record(check: Check, good
     for does, spoilt in FAULTS[check.name].items():
         assert done(check, spoilt(good)) == {does}
     assert " or ".join(FAULTS[check.name]) == check.does
+
+
+# of a channel that a slower logger wrote: the good record in one row of ten, spoilt in a few of those
+SPARSE: dict[str, tuple[str, dict[str, Change]]] = {
+    "flow": ("flow_L_h", {"warns": changed("flow_L_h", lambda x: x.where(np.arange(len(x)) % 100 != 0, -20.0))}),
+    "stray": ("displacement", {"": changed("displacement", lambda x: x.where(np.arange(len(x)) % 2000 != 0, 2.0))}),
+}
+
+
+@pytest.mark.parametrize("name", SPARSE)
+def test_rows_without_a_value_are_none_of_a_channel_s_samples(name: str, good: pd.DataFrame) -> None:
+    """A tenth of the flow is negative; and of some 800 levels five are too many strays to be faults."""
+    (check,) = (each for each in CHECKS if each.name == name)
+    channel, faults = SPARSE[name]
+    for does, spoilt in faults.items():
+        sparse = changed(channel, lambda x: x.where(np.arange(len(x)) % 10 == 0))(spoilt(good))
+        assert done(check, sparse) == {does} - {""}
 
 
 def test_what_is_run_channel_by_channel_stands_together_in_the_list() -> None:

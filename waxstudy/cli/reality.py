@@ -213,11 +213,9 @@ def _refuse_noise_of_known(instruments: Instruments) -> None:
 
 
 def _refuse_unknown(*words: Words) -> None:
-    from waxstudy.plugin.registry import nearest
+    from waxstudy.plugin.registry import hint
 
     for what, given, known in words:
         for name in given:
             if name not in known:
-                near = nearest(name, known)
-                hint = f"; did you mean '{near}'?" if near else ""
-                raise CommandError(f"no {what} '{name}'{hint} (there are: {', '.join(known)})", USAGE)
+                raise CommandError(f"no {what} '{name}'{hint(name, known)} (there are: {', '.join(known)})", USAGE)

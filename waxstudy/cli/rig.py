@@ -80,16 +80,14 @@ def command(
 
 def _bench(values: dict[str, Any]) -> Bench:
     from waxstudy.plugin.parameters import checked
-    from waxstudy.plugin.registry import nearest
+    from waxstudy.plugin.registry import hint
     from waxstudy.rig.instruments import Bench
 
     known = list(Bench.model_fields)
     for key in values:
         if key not in known:
-            near = nearest(key, known)
-            hint = f"; did you mean '{near}'?" if near else ""
             raise CommandError(
-                f"--bench {key}: the bench has no such parameter{hint} (it has: {', '.join(known)})", USAGE
+                f"--bench {key}: the bench has no such parameter{hint(key, known)} (it has: {', '.join(known)})", USAGE
             )
     try:
         return checked(Bench, values)

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from waxstudy.conformance.stage import Problems, Subject
 from waxstudy.plugin import Component
-from waxstudy.plugin.registry import described, nearest
+from waxstudy.plugin.registry import described, hint
 from waxstudy.plugin.structure import structure_problems
 
 # the ending that a name must have for its unit
@@ -60,9 +60,8 @@ def exemptions(component: type[Component], exemptible: Collection[str]) -> Probl
     """Exemptions name a stage that can be exempted, and give a reason."""
     for stage, reason in component.exemptions.items():
         if stage not in exemptible:
-            near = nearest(stage, exemptible)
-            hint = f"; did you mean '{near}'?" if near else ""
-            yield f"exemption from '{stage}', which is no stage that allows one{hint} ({', '.join(exemptible)})"
+            wrong = f"exemption from '{stage}', which is no stage that allows one{hint(stage, exemptible)}"
+            yield f"{wrong} ({', '.join(exemptible)})"
         elif not isinstance(reason, str) or len(reason.strip()) < SHORTEST_REASON:
             yield f"exemption from '{stage}' without a reason: write a sentence that a user understands"
 

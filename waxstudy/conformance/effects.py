@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from waxstudy.conformance.beliefs import beliefs, difference, outcome
 from waxstudy.conformance.stage import Problems, Stage, Subject
 from waxstudy.plugin import STAGES, Belief, Effect, Prior
-from waxstudy.plugin.registry import PluginError, nearest, told
+from waxstudy.plugin.registry import PluginError, hint, told
 
 SEED = 20260101
 SAME = 1e-6  # in the unit of each output
@@ -35,9 +35,7 @@ def priors(subject: Subject) -> Problems:
     effect = _effect(subject)
     if getattr(effect, "stage", None) not in STAGES:
         stage = getattr(effect, "stage", None)
-        near = nearest(str(stage), STAGES)
-        hint = f"; did you mean '{near}'?" if near else ""
-        yield f"its stage is {stage!r}{hint} (stages: {', '.join(STAGES)})"
+        yield f"its stage is {stage!r}{hint(str(stage), STAGES)} (stages: {', '.join(STAGES)})"
     if not isinstance(effect.priors, Mapping) or not all(isinstance(p, Prior) for p in effect.priors.values()):
         yield 'its priors must be a table {"fraction": Prior(low, high, noticeable=...)}'
         return
@@ -48,8 +46,7 @@ def priors(subject: Subject) -> Problems:
         if name not in effect.priors:
             yield f"parameter {name}: priors do not say where it is looked for"
         elif name not in fields:
-            near = nearest(name, fields)
-            yield f"priors name '{name}', which is no parameter" + (f"; did you mean '{near}'?" if near else "")
+            yield f"priors name '{name}', which is no parameter{hint(name, fields)}"
         else:
             yield from (f"parameter {name}: {wrong}" for wrong in _prior_problems(effect, name, effect.priors[name]))
 

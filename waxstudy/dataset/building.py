@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 from waxstudy.dataset.notes import Notes
 from waxstudy.plugin import Component, OutsideRoom, Parameters, Room
-from waxstudy.plugin.registry import PluginError, Registry, nearest, told
+from waxstudy.plugin.registry import PluginError, Registry, hint, nearest, told
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import listed
@@ -52,7 +52,7 @@ def noted(check: Check, spot: Spot, room: type[Component], build: Callable[[], T
 
 def _chosen(check: Check, values: dict[str, Any]) -> type[Room] | None:
     """Return the room that is named, or the only one that can be told so."""
-    rooms = {room.name: room for room in _describable(check.registry)}
+    rooms = _describable(check.registry)
     if not rooms:
         check.problem(BUILDING, "no room is installed that can be told in words and numbers", allowed="give [room]")
     elif "use" in values:
@@ -87,12 +87,11 @@ def _parameters(check: Check, room: type[Room], values: dict[str, Any], notes: N
     return check.parameters(room.Parameters, RawTable(written, BUILDING, BUILDING))
 
 
-def _describable(registry: Registry) -> Iterator[type[Room]]:
-    """Yield the rooms that take [building], the fast ones only, as a diagnosis asks for many runs."""
-    for entry in registry.components.values():
-        room = entry.component
-        if issubclass(room, Room) and room.Building is not None and not issubclass(room, OutsideRoom):
-            yield room
+def _describable(registry: Registry) -> dict[str, type[Room]]:
+    """Return the rooms that take [building] by name, the fast ones only, as a diagnosis asks for many runs."""
+    rooms = (entry.component for entry in registry.components.values())
+    fast = (room for room in rooms if issubclass(room, Room) and not issubclass(room, OutsideRoom))
+    return {room.name: room for room in fast if room.Building is not None}
 
 
 def _sorted(model: type[Parameters], values: dict[str, Any], notes: Notes) -> tuple[dict[str, Any], list[str]]:
@@ -104,7 +103,5 @@ def _sorted(model: type[Parameters], values: dict[str, Any], notes: Notes) -> tu
         elif isinstance(value, str):
             words.append(key)
         else:
-            near = nearest(key, model.model_fields)
-            hint = f"; did you mean '{near}'?" if near else ""
-            notes.warn(f"[building] {key} is not known and not read{hint}")
+            notes.warn(f"[building] {key} is not known and not read{hint(key, model.model_fields)}")
     return known, words

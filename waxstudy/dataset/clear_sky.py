@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
+from zoneinfo import ZoneInfo
 
 import numpy as np
 
 from waxstudy.plugin import FloatArray, LinearRoom, WeatherRecord
+from waxstudy.simulation.recorded import sun_W
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,17 +42,12 @@ def clear_sky_W(room: LinearRoom, time: pd.DatetimeIndex, interval_s: float, sit
     }
     irradiance = {name: values.fillna(0.0).to_numpy() for name, values in on.items()}  # none below the horizon
     mild = np.full(len(time), 10.0)
-    weather = WeatherRecord(interval_s, str(time[0].date()), mild, irradiance, sky_C=mild)
-    dark = replace(weather, irradiance_W_m2={name: np.zeros(len(time)) for name in irradiance})
-    return np.asarray((room.drive(weather)[0] - room.drive(dark)[0]) @ room.input_matrix.sum(axis=0))
+    return sun_W(room, WeatherRecord(interval_s, str(time[0].date()), mild, irradiance, sky_C=mild))
 
 
 def _zone_h(site: Site) -> float:
     """Return how far the record's clock, local standard time, is ahead of UTC."""
     if site.timezone is not None:
-        from datetime import datetime, timedelta
-        from zoneinfo import ZoneInfo
-
         there = datetime(2001, 1, 1, tzinfo=ZoneInfo(site.timezone))
         return ((there.utcoffset() or timedelta()) - (there.dst() or timedelta())).total_seconds() / 3600.0
     return 0.0 if site.longitude is None else float(round(site.longitude / DEG_PER_H))

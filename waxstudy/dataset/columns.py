@@ -11,7 +11,7 @@ import pandas as pd
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import Column
-from waxstudy.plugin.registry import nearest
+from waxstudy.plugin.registry import hint, nearest
 from waxstudy.study.problems import listed, shown
 
 TIME = "time"
@@ -34,7 +34,7 @@ def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, n
     }
     _tell_others(table, found, time, bool(columns), notes)
     if not found:
-        allowed = f"columns: {_some(table)}; channels: {listed(CHANNELS)}"
+        allowed = f"columns: {named(table)}; channels: {listed(CHANNELS)}"
         notes.refuse("", "has no channel: name its columns as the channels, or map them in [columns]", allowed=allowed)
         return None
     values = {name: _value(name, column, table, notes) for name, column in found.items()}
@@ -58,8 +58,7 @@ def _value(channel: str, column: Column, table: pd.DataFrame, notes: Notes) -> p
     parts = []
     for part in column.parts:
         if part.column not in table.columns:
-            near = nearest(part.column, table.columns)
-            allowed = f"columns: {_some(table)}"
+            near, allowed = nearest(part.column, table.columns), f"columns: {named(table)}"
             notes.refuse(channel, f"there is no column '{part.column}'", near=near, allowed=allowed)
             continue
         numbers = numbers_of(channel, table[part.column], notes)
@@ -125,11 +124,10 @@ def _tell_others(table: pd.DataFrame, found: Mapping[str, Column], time: str, is
         columns = "1 column" if len(others) == 1 else f"{len(others)} columns"
         notes.assume(f"Not read: {columns} of the data file that [columns] does not name.")
     for name in () if is_mapped else others:
-        near = nearest(name, CHANNELS)
-        hint = f"; did you mean '{near}'?" if near else ""
-        notes.warn(f"column '{name}' is no channel and is not read{hint}")
+        notes.warn(f"column '{name}' is no channel and is not read{hint(name, CHANNELS)}")
 
 
-def _some(table: pd.DataFrame) -> str:
+def named(table: pd.DataFrame) -> str:
+    """Return the names of a file's columns as a message lists them."""
     names = [str(name) for name in table.columns]
     return listed(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")

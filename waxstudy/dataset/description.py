@@ -12,7 +12,7 @@ from waxstudy.dataset.columns import TIME
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import Column, DatasetTable, Nominal, Site
 from waxstudy.plugin import CHAIN, Parameters
-from waxstudy.plugin.registry import nearest
+from waxstudy.plugin.registry import hint
 from waxstudy.study.check import Check
 from waxstudy.study.ladder import merge_block
 from waxstudy.study.lines import KeyPath
@@ -92,10 +92,8 @@ def _tell_unknown(check: Check, path: KeyPath, allowed: Iterable[str], notes: No
     table = value_at(check.source.values, path)
     for key in table if isinstance(table, dict) else ():
         if key not in allowed:
-            near = nearest(key, allowed)
-            hint = f"; did you mean '{near}'?" if near else ""
             place = f"{check.source.file}:{check.source.line((*path, key))}"
-            notes.warn(f"{place}: {'.'.join(map(str, (*path, key)))} is not known and not read{hint}")
+            notes.warn(f"{place}: {'.'.join(map(str, (*path, key)))} is not known and not read{hint(key, allowed)}")
 
 
 def _columns(check: Check) -> tuple[dict[str, Column], str]:
@@ -106,11 +104,8 @@ def _columns(check: Check) -> tuple[dict[str, Column], str]:
     if not isinstance(time, str):
         check.problem(spot.at(TIME), "must be the name of the time column in quotes", value=time)
     check.unknown_keys(spot, table, [TIME, *CHANNELS])
-    columns: dict[str, Column] = {}
-    for channel, entry in table.items():
-        if channel in CHANNELS and (column := _column(check, spot.at(channel), entry)):
-            columns[channel] = column
-    return columns, str(time)
+    found = {name: _column(check, spot.at(name), entry) for name, entry in table.items() if name in CHANNELS}
+    return {name: column for name, column in found.items() if column}, str(time)
 
 
 def _column(check: Check, spot: Spot, entry: Any) -> Column | None:

@@ -9,10 +9,9 @@ import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.notes import Notes
-from waxstudy.plugin import CHAIN, Choice, FloatArray, SimulationError
+from waxstudy.plugin import Choice, FloatArray, SimulationError
 from waxstudy.plugin.registry import PluginError
-from waxstudy.simulation.chain import Chain
-from waxstudy.simulation.interpreted import checked
+from waxstudy.simulation.chain import Stepped
 
 NEAR = 0.05  # of an end: what an instrument may add to it, or a channel of volts may lack
 MOST_BETWEEN = 0.35  # share of a signal's samples that may fall upon its switches
@@ -45,13 +44,10 @@ def _signals(nominal: Mapping[str, Choice]) -> tuple[str, ...]:
 
 def only_switches(controller: Choice) -> bool:
     """Whether a controller gives nothing but on and off, from far too warm to far too cold."""
-    place, errors_K = CHAIN.index("controller"), (*-SWEEP_K[::-1], *SWEEP_K)
+    errors_K = (*-SWEEP_K[::-1], *SWEEP_K)
     try:
-        chain = Chain({"controller": controller}, SWEEP_S)
-        block, plain, state = chain.blocks[place], chain.plain[place], chain.start()[place]
-        assert block
-        step = checked(block)
-        return all(step(plain, state, u, n * SWEEP_S, SWEEP_S) in (0.0, 1.0) for n, u in enumerate(errors_K))
+        block = Stepped(controller, SWEEP_S)
+        return all(block.step(u, n * SWEEP_S) in (0.0, 1.0) for n, u in enumerate(errors_K))
     except (SimulationError, PluginError):  # which a diagnosis tells of
         return False
 

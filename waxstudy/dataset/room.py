@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from waxstudy.dataset.building import BUILDING, ROOM, noted
 from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.stand_ins import ROLES, SUPPLY_AIR
 from waxstudy.plugin import LinearRoom, Role, Room
 from waxstudy.plugin.model_error import ASSUMED, DOUBLED
 from waxstudy.plugin.registry import PluginError, told
@@ -16,9 +17,6 @@ from waxstudy.study.spots import Spot
 
 if TYPE_CHECKING:
     import pandas as pd
-
-HEAT = {Role.SUN: "solar_gain_W", Role.GAINS: "internal_gain_W"}
-SUPPLY_AIR = "ventilation_supply_temperature_C"
 
 
 def built(check: Check, room: Choice | None) -> LinearRoom | None:
@@ -38,7 +36,7 @@ def built(check: Check, room: Choice | None) -> LinearRoom | None:
 
 def look_at_roles(check: Check, room: LinearRoom, values: pd.DataFrame, notes: Notes) -> None:
     """Note what is recorded, and no input of the room has the role for."""
-    recorded = {role: values[name].to_numpy(float) for role, name in HEAT.items() if name in values}
+    recorded = {role: values[name].to_numpy(float) for name, role in ROLES.items() if name in values}
     for problem in lost_problems(room, recorded):
         check.problem(_spot(check), problem, allowed="leave them out of the record, or give a room that takes them")
     if SUPPLY_AIR in values and not room.places(Role.SUPPLY_AIR):

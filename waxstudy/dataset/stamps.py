@@ -7,11 +7,11 @@ import re
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.columns import TIME
+from waxstudy.dataset.columns import TIME, named
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin.registry import nearest
-from waxstudy.study.problems import listed, shown
+from waxstudy.study.problems import shown
 
 YEARS = (1900, 2200)
 ISO = "expected ISO 8601, as 2020-01-31T12:00:00"
@@ -23,10 +23,8 @@ DAY_FIRST = r"\s*\d{1,2}([./-])\d{1,2}\1\d{4}"
 def stamps_of(table: pd.DataFrame, column: str, about: DatasetTable, notes: Notes) -> pd.DatetimeIndex | None:
     """Return the stamps as naive local standard time; note why they cannot be used."""
     if column not in table.columns:
-        near = nearest(column, table.columns)
-        state = f'if the time has another name, say [columns] {TIME} = "..."'
-        names = listed(map(str, table.columns[:20]))
-        notes.refuse(column, "there is no such column", near=near, allowed=f"{state}; columns: {names}")
+        allowed = f'if the time has another name, say [columns] {TIME} = "..."; columns: {named(table)}'
+        notes.refuse(column, "there is no such column", near=nearest(column, table.columns), allowed=allowed)
         return None
     if len(table) < 2:
         notes.refuse(column, "a record needs at least two rows")

@@ -76,7 +76,10 @@ def _sun(room: LinearRoom, time: pd.DatetimeIndex, hour: FloatArray, interval_s:
             for name, within in _stretches(day)
             for half, middle_h in zip(("morning", "afternoon"), SUN_HATS_H, strict=True)
         ]
-        sentence = f"{SUN} was not recorded: each day has a sun of its own in the fit, its size free. {_site_helps()}"
+        sentence = (
+            f"{SUN} was not recorded: each day has a sun of its own in the fit, its size free. [site] with latitude "
+            "and longitude would tell at which hours."
+        )
         return StandIn(np.zeros(len(time)), shapes, 0.0, sentence)
     from waxstudy.dataset.clear_sky import clear_sky_W
 
@@ -87,10 +90,6 @@ def _sun(room: LinearRoom, time: pd.DatetimeIndex, hour: FloatArray, interval_s:
         "less or more in the fit."
     )
     return StandIn(CLEAR_SHARE * clear_W, shapes, 0.0, sentence)
-
-
-def _site_helps() -> str:
-    return "[site] with latitude and longitude would tell at which hours."
 
 
 def _hat(hour: FloatArray, middle_h: float) -> FloatArray:

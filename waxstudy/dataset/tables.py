@@ -9,7 +9,7 @@ from pydantic import field_validator, model_validator
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.plugin import Parameters, parameter
-from waxstudy.plugin.registry import nearest
+from waxstudy.plugin.registry import hint
 
 
 def given(description: str, default: Any = None, unit: str = "", **options: Any) -> Any:
@@ -53,9 +53,7 @@ class DatasetTable(Parameters):
     def _are_channels(cls, inputs: tuple[str, ...]) -> tuple[str, ...]:
         for name in inputs:
             if name not in CHANNELS:
-                near = nearest(name, CHANNELS)
-                hint = f"; did you mean '{near}'?" if near else ""
-                raise ValueError(f"'{name}' is no channel{hint}")
+                raise ValueError(f"'{name}' is no channel{hint(name, CHANNELS)}")
         return inputs
 
 
@@ -71,9 +69,7 @@ class Site(Parameters):
     @classmethod
     def _is_known(cls, timezone: str | None) -> str | None:
         if timezone is not None and timezone not in available_timezones():
-            near = nearest(timezone, available_timezones())
-            hint = f"; did you mean '{near}'?" if near else ""
-            raise ValueError(f"'{timezone}' is no time zone{hint}")
+            raise ValueError(f"'{timezone}' is no time zone{hint(timezone, available_timezones())}")
         return timezone
 
 

@@ -30,7 +30,8 @@ DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
 def read_table(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
     """Return the file's columns as they are written, an index of stamps as a column; note why it cannot be read."""
     try:
-        beginning = _beginning(path)
+        with path.open("rb") as file:
+            beginning = file.read(8)
         if beginning.startswith(BINARY):
             notes.refuse("", "is no text: export it as CSV, or as parquet")
             return None
@@ -41,18 +42,9 @@ def read_table(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | 
         notes.refuse("", "is neither text in UTF-8 nor in Windows' western encoding: export it as CSV in UTF-8")
     except ValueError as error:  # pandas' and pyarrow's own errors are ValueErrors
         notes.line_of = int  # the parser counts the file's lines
-        notes.refuse("", f"is no table that can be read: {error}", line=_line_in(str(error)))
+        found = re.search(r"line (\d+)", str(error))
+        notes.refuse("", f"is no table that can be read: {error}", line=int(found[1]) if found else 0)
     return None
-
-
-def _beginning(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(8)
-
-
-def _line_in(message: str) -> int:
-    found = re.search(r"line (\d+)", message)
-    return int(found[1]) if found else 0
 
 
 def _parquet(path: Path, notes: Notes) -> pd.DataFrame | None:

@@ -33,6 +33,19 @@ def nearest(word: str, known: Iterable[str]) -> str:
     return next((near for near in close if sorted(near) == sorted(word)), close[0] if close else "")
 
 
+def hint(word: str, known: Iterable[str]) -> str:
+    """Return what a message on an unknown word ends with where a known one is near, or "".
+
+    >>> hint("dealy", ["ideal", "delay"])
+    "; did you mean 'delay'?"
+    """
+    return did_you_mean(nearest(word, known))
+
+
+def did_you_mean(near: str) -> str:
+    return f"; did you mean '{near}'?" if near else ""
+
+
 class PluginError(Exception):
     """A plugin cannot be used; the message says which, why, and what to do."""
 
@@ -147,10 +160,10 @@ class Registry:
         if (kind, name) in self.components:
             return self.components[kind, name].component
         installed = self.names(kind)
-        near = nearest(name, installed)
-        hint = f"; did you mean '{near}'?" if near else ""
         broken = "".join(f"; plugin '{plugin}' is broken: {why}" for plugin, why in self.broken.items())
-        raise PluginError(f"no {kind} '{name}'{hint} (installed: {', '.join(installed) or 'none'}){broken}")
+        raise PluginError(
+            f"no {kind} '{name}'{hint(name, installed)} (installed: {', '.join(installed) or 'none'}){broken}"
+        )
 
     def package_of(self, component: type[Component]) -> Registered:
         return self.components[component.kind, component.name]

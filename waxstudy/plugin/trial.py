@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from waxstudy.plugin.contracts import Choice, FloatArray
-from waxstudy.plugin.registry import PluginError, nearest, told
+from waxstudy.plugin.registry import PluginError, hint, told
 
 GROUP = "waxstudy.engines"
 Scene = dict[str, Any]  # plain JSON: all that an engine needs to make a record once more
@@ -136,9 +136,7 @@ def engine_of(name: str) -> type[Engine]:
     if name in broken:
         raise PluginError(f"engine '{name}' is broken: {broken[name]}")
     if name not in known:
-        near = nearest(name, known)
-        hint = f"; did you mean '{near}'?" if near else ""
-        raise PluginError(f"no engine '{name}'{hint} (installed: {', '.join(known) or 'none'})")
+        raise PluginError(f"no engine '{name}'{hint(name, known)} (installed: {', '.join(known) or 'none'})")
     return known[name]
 
 

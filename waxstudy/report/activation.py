@@ -12,8 +12,7 @@ import numpy as np
 from waxstudy.plugin import Block, FloatArray
 from waxstudy.plugin.registry import PluginError, installed, told
 from waxstudy.results.kpis import FULLY_OPEN
-from waxstudy.simulation.interpreted import checked
-from waxstudy.simulation.records import plain_parameters
+from waxstudy.simulation.chain import Stepped
 from waxstudy.study.model import Choice, Study
 
 STEP_S = 1.0
@@ -101,7 +100,7 @@ class _Bench:
     """An actuator and a valve on their own, stepped in the interpreter."""
 
     def __init__(self, actuator: Choice, valve: Choice | None) -> None:
-        self.blocks = [_Stepped(choice) for choice in (actuator, valve) if choice]
+        self.blocks = [Stepped(choice, STEP_S) for choice in (actuator, valve) if choice]
         self.time_s = 0.0
 
     def step(self, signal: float) -> tuple[float, float]:
@@ -126,21 +125,3 @@ class _Bench:
             if opening >= FULLY_OPEN:
                 return n * STEP_S, flow_s
         return np.nan, flow_s
-
-
-class _Stepped:
-    """One block with its state."""
-
-    def __init__(self, choice: Choice) -> None:
-        assert issubclass(choice.component, Block)
-        self.plain = plain_parameters(choice.parameters)
-        self.state = copy.deepcopy(choice.component.start(self.plain, STEP_S))
-        self._step = checked(choice.component)
-
-    def step(self, u: float, time_s: float) -> float:
-        return self._step(self.plain, self.state, u, time_s, STEP_S)
-
-
-def valve_flow(valve: Choice, opening: float) -> float:
-    """Return the flow fraction of a valve at an opening."""
-    return _Stepped(valve).step(opening, 0.0)

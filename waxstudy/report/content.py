@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -45,7 +45,7 @@ class Content:
     activations: Sequence[Activation] = ()
     starts: Sequence[Starts] = ()
     against: Against | None = None
-    notes: Sequence[str] = field(default=())
+    notes: Sequence[str] = ()
 
 
 def gather(run: Run, study: Study, against: str | Run | None = None) -> Content:

@@ -11,7 +11,7 @@ import numpy as np
 from waxstudy.plugin import CHAIN, Block, SimulationError
 from waxstudy.plugin.registry import PluginError, described
 from waxstudy.plugin.structure import port_problems
-from waxstudy.simulation.interpreted import Callback
+from waxstudy.simulation.interpreted import Callback, checked
 from waxstudy.simulation.records import (
     parameter_record,
     plain_parameters,
@@ -57,6 +57,20 @@ class Chain:
         """Return the place of a block that in Python made its state what compiled code could not, or None."""
         places = (place for place, block in enumerate(self.blocks) if block and state_problem(states[place]))
         return next(places, None)
+
+
+class Stepped:
+    """One block on its own with its state, run in Python step by step."""
+
+    def __init__(self, choice: Choice, step_s: float) -> None:
+        kind, self.step_s = choice.component.kind, step_s
+        chain, place = Chain({kind: choice}, step_s), CHAIN.index(kind)
+        block = chain.blocks[place]
+        assert block
+        self._step, self._plain, self._state = checked(block), chain.plain[place], chain.start()[place]
+
+    def step(self, u: float, time_s: float) -> float:
+        return self._step(self._plain, self._state, u, time_s, self.step_s)
 
 
 def _sound(block: type[Block]) -> type[Block]:

@@ -119,6 +119,13 @@ def _dark(room: LinearRoom, inputs: Inputs, weather: WeatherRecord) -> WeatherRe
     return replace(weather, irradiance_W_m2={name: np.zeros(len(inputs.outdoor_C)) for name in room.facades})
 
 
+def sun_W(room: LinearRoom, weather: WeatherRecord) -> FloatArray:
+    """Return all heat that the sun gives to a room's nodes (n,): what the input matrix makes of the irradiance."""
+    dark = {name: np.zeros_like(values) for name, values in weather.irradiance_W_m2.items()}
+    own, without = room.drive(weather)[0], room.drive(replace(weather, irradiance_W_m2=dark))[0]
+    return np.asarray((own - without) @ room.input_matrix.sum(axis=0))
+
+
 def believed_supply_C(room: LinearRoom, inputs: Inputs) -> FloatArray:
     """Return the supply temperature that the room's own heating curve would give (n,)."""
     return room.drive(_dark(room, inputs, weather_of(inputs)))[1]

@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args, get_origin
 import numpy as np
 
 from waxstudy.plugin import Parameters, Ring
-from waxstudy.plugin.registry import nearest
+from waxstudy.plugin.registry import hint
 
 EMPTY = "none"  # field of a record that would have none
 RING = np.dtype([("offset", "i8"), ("length", "i8"), ("head", "i8")])
@@ -85,10 +85,10 @@ def state_dtype(state: type) -> np.dtype[Any]:
     hints = _hints(state)
     fields: list[tuple[str, Any]] = []
     for field in dataclasses.fields(state):
-        hint = hints[field.name]
-        if hint is not Ring and hint not in _SCALARS:
-            raise TypeError(f"state field {state.__name__}.{field.name}: must be float, int, bool or Ring, not {hint}")
-        fields.append((field.name, RING if hint is Ring else _SCALARS[hint]))
+        kind = hints[field.name]
+        if kind is not Ring and kind not in _SCALARS:
+            raise TypeError(f"state field {state.__name__}.{field.name}: must be float, int, bool or Ring, not {kind}")
+        fields.append((field.name, RING if kind is Ring else _SCALARS[kind]))
     return np.dtype(fields or [(EMPTY, "i8")], align=True)
 
 
@@ -125,11 +125,9 @@ def state_problem(state: Any) -> str:
     hints = _hints(type(state))  # type: ignore[arg-type]  # a class is hashable
     for name in getattr(state, "__dict__", {}):
         if name not in hints:
-            near = nearest(name, hints)
-            hint = f"; did you mean '{near}'?" if near else ""
-            return f"its step sets '{name}', which its State does not declare{hint}"
+            return f"its step sets '{name}', which its State does not declare{hint(name, hints)}"
     for field in dataclasses.fields(state):
-        hint, value = hints[field.name], getattr(state, field.name)
-        if not isinstance(value, _STORED[hint]):
-            return f"its state field '{field.name}' is declared {hint.__name__} and holds {value!r}"
+        kind, value = hints[field.name], getattr(state, field.name)
+        if not isinstance(value, _STORED[kind]):
+            return f"its state field '{field.name}' is declared {kind.__name__} and holds {value!r}"
     return ""

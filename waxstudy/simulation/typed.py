@@ -13,7 +13,7 @@ from numba import from_dtype, types
 from numba.core import ir
 
 from waxstudy.plugin import Block, Ring
-from waxstudy.plugin.registry import PluginError, nearest
+from waxstudy.plugin.registry import PluginError, hint
 from waxstudy.simulation.records import EMPTY, RING
 
 LONGEST_REASON = 200
@@ -62,9 +62,9 @@ def reason(error: BaseException, file: str = "") -> str:
 
 
 def _no_field(field: str, *names: str) -> str:
-    near = nearest(field, [name for name in names if name != EMPTY])
-    hint = f"; did you mean '{near}'?" if near else " (a step gets numbers and choices only)"
-    return f"its state and parameters have no field '{field}'{hint}"
+    known = [name for name in names if name != EMPTY]
+    what = hint(field, known) or " (a step gets numbers and choices only)"
+    return f"its state and parameters have no field '{field}'{what}"
 
 
 def _dispatchers(step: Any, seen: set[int] | None = None) -> Iterator[Any]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from waxstudy.plugin.registry import did_you_mean
+
 LONGEST_VALUE = 60
 
 
@@ -27,9 +29,8 @@ class Problem:
         where = self.where if self.where.startswith("[") else self.where and f"{self.where}:"
         key = f"{self.key} = {self.value}" if self.value else self.key
         subject = f"{where} {key}".strip()
-        hint = f"; did you mean '{self.near}'?" if self.near else ""
         allowed = f" ({self.allowed})" if self.allowed else ""
-        parts = [place, subject.removesuffix(":"), f"{self.wrong}{hint}{allowed}"]
+        parts = [place, subject.removesuffix(":"), f"{self.wrong}{did_you_mean(self.near)}{allowed}"]
         return _one_line(": ".join(part for part in parts if part))
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from waxstudy.plugin import Belief, Choice, Effect, Inputs, OutsideRoom, Role, WeatherRecord
+from waxstudy.plugin import Belief, Choice, Effect, Inputs, OutsideRoom, Role
 from waxstudy.plugin.registry import told
 from waxstudy.simulation import ensemble
 from waxstudy.simulation.engine import Loop
@@ -16,7 +16,15 @@ from waxstudy.simulation.outside import OutsideLoop
 from waxstudy.simulation.run import loop_of
 from waxstudy.study.model import Case, Study
 from waxstudy.synthetic.feedback import march
-from waxstudy.synthetic.simulate import ROLE_CHANNELS, Reality, happened, reality_loop, simulate, surroundings
+from waxstudy.synthetic.simulate import (
+    ROLE_CHANNELS,
+    Reality,
+    happened,
+    reality_loop,
+    simulate,
+    surroundings,
+    with_series,
+)
 
 INTERVAL_S = 60.0  # of the inputs that an effect edits
 
@@ -62,7 +70,9 @@ def _with_inputs(
         return changed
 
     with told("[room]"):
-        weather = _in_intervals(loop.driven.weather, belief.inputs.interval_s)
+        parts = round(loop.driven.weather.interval_s / belief.inputs.interval_s)
+        weather = with_series(loop.driven.weather, lambda values: np.repeat(values, parts))
+        weather = replace(weather, interval_s=belief.inputs.interval_s)
         by_minute = loop_of(study, case, drive(loop.driven.room, weather, study.step_s))
     assert isinstance(by_minute, Loop)
     true, week = march(by_minute, belief.inputs, change, setpoint_C, ensemble.starts(study.ensemble)[0])
@@ -114,12 +124,3 @@ def _steps_per_input(loop: Loop | OutsideLoop) -> int:
     """Return the least number of steps that lasts a minute and divides the weather's interval."""
     most, least = loop.driven.steps_per_interval, INTERVAL_S / loop.driven.step_s - 1e-9
     return next((n for n in range(1, most) if n >= least and most % n == 0), most)
-
-
-def _in_intervals(record: WeatherRecord, interval_s: float) -> WeatherRecord:
-    """Return the same weather in shorter intervals."""
-    parts = round(record.interval_s / interval_s)
-    irradiance = {name: np.repeat(values, parts) for name, values in record.irradiance_W_m2.items()}
-    sky_C = None if record.sky_C is None else np.repeat(record.sky_C, parts)
-    outdoor_C = np.repeat(record.outdoor_C, parts)
-    return replace(record, interval_s=interval_s, outdoor_C=outdoor_C, irradiance_W_m2=irradiance, sky_C=sky_C)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import TRACE, FloatArray, Inputs
+from waxstudy.plugin import TRACE, FloatArray, Inputs, LinearRoom, Role
 from waxstudy.plugin.registry import told
 from waxstudy.simulation.engine import DAY_S, WARM_UP_DAYS, Loop, Start, State, Week
 from waxstudy.simulation.modes import DrivenRoom
@@ -20,6 +20,8 @@ PART_S = 3600.0  # short enough that the air's answer to an effect hardly change
 AIR_K = 0.003  # how little the air of an hour may still change
 MOST_RUNS = 20
 HEAT = (SUN.name, EXTRA.name)
+TAKEN = {**RECORDED, Role.SUN: SUN.name}  # fields of `Inputs`, by the role of what takes them
+FOLLOWED = (*TAKEN.values(), EXTRA.name, "supply_C")  # fields that effects may change
 FASTEST = 1e-300  # decay over a step, instead of none at all where modes of nothing fill a lane
 Change = Callable[[Inputs], Inputs]
 
@@ -30,12 +32,13 @@ def march(loop: Loop, believed: Inputs, change: Change, setpoint_C: float, start
     The loop's weather has the intervals of `believed`. Where inputs depend on the room's own air and flow, every hour
     is run again with what they were in it, until the air stays within 3 mK: two to five times as a rule, ten to fifteen
     while a wide window is open. What is changed comes on top of what drives the room: more sun falls where the sun of
-    all facades together does, extra heat goes to the air. Raises `RealityError` where an hour does not settle, and
-    `PluginError`.
+    all facades together does, extra heat goes to the air. Raises `RealityError` where an hour does not settle or
+    a change would be lost, and `PluginError`.
     """
-    course = Course.of(loop, believed)
+    with told("[room] with effects"):
+        course = Course.of(loop, believed)
     count = len(course.places)
-    part = round(PART_S / believed.interval_s) if _depends(change, course.seen) else count
+    part = round(PART_S / believed.interval_s) if course.depends(change) else count
     state, traces = course.loop.start(setpoint_C, start), []
     with told("[room] with effects", RealityError):
         for first in range(0, count, part):
@@ -45,22 +48,27 @@ def march(loop: Loop, believed: Inputs, change: Change, setpoint_C: float, start
     return course.record(), Week(hours_below=0.0, trace=np.concatenate(traces)[warm_up:])
 
 
-def _depends(change: Change, seen: Inputs) -> bool:
-    """Whether changed inputs depend on the room's own air or flow."""
-    other = replace(seen, air_C=seen.air_C + 1.0, flow_L_h=np.full(len(seen.air_C), 10.0))
-    one, another = added(seen, change(seen)), added(other, change(other))
-    return any(not np.array_equal(one[name], another[name]) for name in one)
+def added(believed: Inputs, true: Inputs, room: LinearRoom) -> dict[str, FloatArray]:
+    """Return what is added to each input that is believed; raise `RealityError` for a change that would be lost.
 
-
-def added(believed: Inputs, true: Inputs) -> dict[str, FloatArray]:
-    """Return what is added to each input; one that is not there counts as 0."""
-    zero = np.zeros(len(believed.outdoor_C))
-
-    def value(inputs: Inputs, name: str) -> FloatArray:
-        values: FloatArray | None = getattr(inputs, name)
-        return zero if values is None else values
-
-    return {name: value(true, name) - value(believed, name) for name in (*RECORDED.values(), *HEAT, "supply_C")}
+    Extra heat comes from effects alone, so that all of it is added.
+    """
+    for name, before in vars(believed).items():
+        if name not in FOLLOWED and not np.array_equal(before, getattr(true, name)):
+            followed = ", ".join(FOLLOWED)
+            raise RealityError(f"an effect changes {name}, which follows from the run itself (allowed: {followed})")
+    extra_W = np.zeros(len(believed.outdoor_C)) if true.extra_W is None else true.extra_W
+    found = {"supply_C": true.supply_C - believed.supply_C, EXTRA.name: extra_W}
+    for role, name in TAKEN.items():
+        before, after = getattr(believed, name), getattr(true, name)
+        if after is not None:
+            found[name] = after - before if before is not None else after
+            if before is None or (found[name].any() and not room.takes(role)):
+                mend = f"leave it out, or give a room that has one with the role {role}"
+                raise RealityError(f"an effect changes {name}, which no input of the room takes ({mend})")
+        elif before is not None:
+            raise RealityError(f"an effect leaves out {name}, which the room takes (it must say what is there instead)")
+    return found
 
 
 @dataclass(frozen=True)
@@ -81,6 +89,13 @@ class Course:
         arrays: dict[str, Any] = {n: values[places] for n, values in vars(believed).items() if np.ndim(values)}
         return cls(_with_rows(loop, places), own, places, replace(believed, **arrays), Answer.of(own, believed))
 
+    def depends(self, change: Change) -> bool:
+        """Whether changed inputs depend on the room's own air or flow."""
+        seen = self.seen
+        other = replace(seen, air_C=seen.air_C + 1.0, flow_L_h=np.full(len(seen.air_C), 10.0))
+        one, another = (added(each, change(each), self.own.room) for each in (seen, other))
+        return any(not np.array_equal(one[name], another[name]) for name in one)
+
     def record(self) -> Loop:
         """Return the loop with the rows of the record, as they were written."""
         return _with_rows(self.loop, np.arange(len(self.places) - len(self.own.supply_C), len(self.places)))
@@ -93,7 +108,7 @@ class Course:
         intervals = np.arange(rows.start, rows.stop)
         start_s = rows.start * self.seen.interval_s - WARM_UP_DAYS * DAY_S
         for _ in range(MOST_RUNS):
-            self._write(added(self.seen, change(self.seen)), rows)
+            self._write(added(self.seen, change(self.seen), self.own.room), rows)
             ended = copy.deepcopy(state)
             _, trace = self.loop.advance(ended, intervals, start_s, setpoint_C, trace=True)
             steps = trace.reshape(len(intervals), -1, len(TRACE))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from waxstudy.simulation.engine import DAY_S, Loop, Week
 from waxstudy.simulation.interpreted import checked
 from waxstudy.simulation.modes import drive
 from waxstudy.simulation.outside import OutsideLoop
-from waxstudy.simulation.recorded import shared_by
+from waxstudy.simulation.recorded import shared_by, sun_W
 from waxstudy.simulation.run import loop_of, member_week, prepare
 from waxstudy.study.model import Case, Study
 
@@ -104,27 +104,26 @@ def _first_days(record: WeatherRecord, days: int | None) -> WeatherRecord:
     count = round(days * DAY_S / record.interval_s)
     if count > len(record.outdoor_C):
         raise RealityError(f"the weather lasts {record.duration_s / DAY_S:g} days, less than {days}")
-    irradiance = {name: values[:count] for name, values in record.irradiance_W_m2.items()}
-    sky_C = None if record.sky_C is None else record.sky_C[:count]
-    return replace(record, outdoor_C=record.outdoor_C[:count], irradiance_W_m2=irradiance, sky_C=sky_C)
+    return with_series(record, lambda values: values[:count])
+
+
+def with_series(record: WeatherRecord, change: Callable[[FloatArray], FloatArray]) -> WeatherRecord:
+    """Return a record with another series in the place of each."""
+    irradiance = {name: change(values) for name, values in record.irradiance_W_m2.items()}
+    sky_C = None if record.sky_C is None else change(record.sky_C)
+    return replace(record, outdoor_C=change(record.outdoor_C), irradiance_W_m2=irradiance, sky_C=sky_C)
 
 
 def surroundings(loop: Loop | OutsideLoop) -> dict[str, FloatArray]:
     """Return what drives the room: supply, outdoor air, the sun's heat, and its inputs that a record can know.
 
-    The sun's heat is what the room's input matrix makes of the irradiance: all that reaches its nodes [W]. Of several
-    inputs of a role gains are summed up, and temperatures are their mean by the heat that a kelvin of each brings.
+    Of several inputs of a role gains are summed up, and temperatures are their mean by the heat that a kelvin of each
+    brings.
     """
     driven, room = loop.driven, loop.driven.room
-    dark = {name: np.zeros_like(values) for name, values in driven.weather.irradiance_W_m2.items()}
     with told("[room]"):
-        inputs, _ = room.drive(driven.weather)
-        without_sun, _ = room.drive(replace(driven.weather, irradiance_W_m2=dark))
-    found = {
-        "supply_C": driven.supply_C,
-        "outdoor_C": driven.weather.outdoor_C,
-        "solar_gain_W": (inputs - without_sun) @ room.input_matrix.sum(axis=0),
-    }
+        inputs, solar_W = room.drive(driven.weather)[0], sun_W(room, driven.weather)
+    found = {"supply_C": driven.supply_C, "outdoor_C": driven.weather.outdoor_C, "solar_gain_W": solar_W}
     for role, channel in ROLE_CHANNELS.items():
         if places := room.places(role):
             by_heat = shared_by(room.input_matrix[:, places].sum(axis=0))

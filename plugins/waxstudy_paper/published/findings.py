@@ -15,9 +15,10 @@ import numpy as np
 
 from waxstudy.plugin import Finding, FinishedRun, FloatArray
 from waxstudy.plugin.registry import installed
-from waxstudy.report.activation import activation, valve_flow
+from waxstudy.report.activation import activation
 from waxstudy.report.comparison import differences_percent, member_values
 from waxstudy.report.words import with_spread
+from waxstudy.simulation.chain import Stepped
 from waxstudy.study.model import Choice
 
 WEEKS = ("january", "february")
@@ -209,7 +210,7 @@ def full_activation(f: Figures) -> Iterable[Check]:
 
 def quick_opening(f: Figures) -> Iterable[Check]:
     valve = installed().get("valve", "quick-opening")
-    flow = valve_flow(Choice(valve, valve.Parameters.model_validate({})), 0.5)
+    flow = Stepped(Choice(valve, valve.Parameters.model_validate({})), 1.0).step(0.5, 0.0)
     yield exact("flow at half opening", flow, 0.9, 1.0)
 
 

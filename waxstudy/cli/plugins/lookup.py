@@ -24,7 +24,7 @@ NARROWEST = 100
 
 def registered(name: str) -> list[Registered]:
     """Return the components of this name, of any kind; say which is nearest if there is none."""
-    from waxstudy.plugin.registry import installed, nearest
+    from waxstudy.plugin.registry import hint, installed
     from waxstudy.plugin.scaffold import package_of
 
     registry = installed()
@@ -34,14 +34,13 @@ def registered(name: str) -> list[Registered]:
     if name in registry.broken:
         raise CommandError(f"plugin '{name}' is broken: {registry.broken[name]}", PLUGIN)
     names = sorted({own for _, own in registry.components})
-    near = nearest(name, names)
-    hint = f"; did you mean '{near}'?" if near else ""
+    near = hint(name, names)
     broken = f"; broken plugins: {', '.join(registry.broken)}" if registry.broken else ""
     if name.isidentifier() and _found_here(name):
-        hint = f"; a class of the module of this name is checked as {name}:CLASS"
+        near = f"; a class of the module of this name is checked as {name}:CLASS"
     if os.path.isfile(os.path.join(package := package_of(name), "pyproject.toml")):
-        hint = f"; it may be in the folder {package}: python -m pip install --editable {package}"
-    raise CommandError(f"no component '{name}'{hint} (installed: {', '.join(names)}){broken}", PLUGIN)
+        near = f"; it may be in the folder {package}: python -m pip install --editable {package}"
+    raise CommandError(f"no component '{name}'{near} (installed: {', '.join(names)}){broken}", PLUGIN)
 
 
 def _found_here(module: str) -> bool:
@@ -53,7 +52,7 @@ def _found_here(module: str) -> bool:
 
 def imported(target: str) -> Any:
     """Return the object that `module:Class` names, also from the current folder; raise `PluginError` if it cannot."""
-    from waxstudy.plugin.registry import PluginError, contained, nearest, told
+    from waxstudy.plugin.registry import PluginError, contained, hint, told
 
     module, _, name = target.partition(":")
     if not all(module.split(".")) or not name or ":" in name:
@@ -65,8 +64,7 @@ def imported(target: str) -> Any:
         known = dir(found)
         if hasattr(found, name):
             return getattr(found, name)
-    near = nearest(name, known)
-    raise PluginError(f"module '{module}' has no '{name}'" + (f"; did you mean '{near}'?" if near else ""))
+    raise PluginError(f"module '{module}' has no '{name}'{hint(name, known)}")
 
 
 def table(headings: Sequence[str]) -> Table:

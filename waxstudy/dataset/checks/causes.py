@@ -85,8 +85,8 @@ def _is_binary(x: pd.Series) -> bool:
 def _switched(x: pd.Series, level: float) -> FloatArray:
     """Return 1 above a level, 0 below, NaN where missing."""
     values = x.to_numpy(dtype=float)
-    largest = float(np.nanmax(values)) if x.name == "flow_L_h" and np.isfinite(values).any() else 1.0
-    return np.where(np.isnan(values), np.nan, values > level * largest).astype(float)
+    full = np.nanmax(values) if x.name == "flow_L_h" else 1.0  # what all other levels reach by definition
+    return np.where(np.isnan(values), np.nan, values > level * full)
 
 
 def _lateness(cause: FloatArray, effect: FloatArray, interval_s: float) -> int | None:

@@ -81,11 +81,9 @@ def spike(record: Record, channel: pd.Series) -> Findings:
 def _jumps(x: FloatArray, limit: float) -> np.ndarray:
     """Return single samples that jump away and back."""
     found = np.zeros(len(x), dtype=bool)
-    if len(x) > 2:
-        before, after = x[1:-1] - x[:-2], x[1:-1] - x[2:]
-        with np.errstate(invalid="ignore"):
-            away = (np.minimum(np.abs(before), np.abs(after)) > limit) & (np.sign(before) == np.sign(after))
-        found[1:-1] = away
+    before, after = x[1:-1] - x[:-2], x[1:-1] - x[2:]
+    with np.errstate(invalid="ignore"):
+        found[1:-1] = (np.minimum(np.abs(before), np.abs(after)) > limit) & (np.sign(before) == np.sign(after))
     return found
 
 
@@ -107,7 +105,7 @@ def peak(record: Record, channel: pd.Series) -> Findings:
 def stray(record: Record, channel: pd.Series) -> Findings:
     """A level over {LEVEL_NOISE:g} beyond 0 to 1, in at most {RAREST} samples or {RARE:.1%} of them."""
     strays = ((channel < -LEVEL_NOISE) | (channel > 1.0 + LEVEL_NOISE)).to_numpy()
-    if strays.sum() <= max(RAREST, RARE * len(channel)):
+    if strays.sum() <= max(RAREST, RARE * channel.count()):
         yield Discard(channel.name, strays, "beyond 0 to 1, which is impossible")
 
 

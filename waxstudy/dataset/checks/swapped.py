@@ -20,7 +20,7 @@ BELOW_K = 5.0  # by which outdoors would be warmer
 EVEN = 0.35  # deviation over that outdoors, as of what is in a house
 HELD, MOVED = 3, 50  # values that a setpoint has at most, and that a room has more of
 WARM_C, WARMER_K = 24.0, 3.0  # what no heated room is, while its water is colder by as much
-BACK_K, MOSTLY, ABOVE_ROOM_K, ROOM_C = 0.5, 0.8, 2.0, 22.0  # a return warmer than supply and room (if it is not known)
+BACK_K, MOSTLY, ABOVE_ROOM_K = 0.5, 0.8, 2.0  # a return warmer than supply and room
 NO_FLOW_L_H = 5.0  # the noise of a meter is taken for no flow
 TWO, MANY = 2, 20  # values of a channel that is on or off, and of one that is not
 SAME, ANOTHER = 0.999, 0.99  # share of samples that agree to the digit
@@ -72,15 +72,21 @@ def ventilation_and_outdoors(record: Record, supplied: pd.Series, outside: pd.Se
         yield _swapped(VENTILATION, OUTDOORS, "outdoors it is warm and even, the supplied air cold and changing")
 
 
-@swapped("water", "refuses", (SUPPLY, RETURN, FLOW))
+@swapped("water", "refuses or warns", (SUPPLY, RETURN, FLOW))
 def supply_and_return(record: Record, supply: pd.Series, back: pd.Series, flow: pd.Series) -> Findings:
     """A return {BACK_K:g} K above the supply in {MOSTLY:.0%} of the samples with over half of the largest flow, and
-    {ABOVE_ROOM_K:g} K above the room."""
+    {ABOVE_ROOM_K:g} K above the room. A warning, if no temperature of the room was recorded: nobody knows then whether
+    the water heats."""
     is_flowing = flow > max(0.5 * flow.max(), NO_FLOW_L_H)
     supply, back = supply[is_flowing], back[is_flowing]
-    room = next((float(record.values[name].median()) for name in ROOM if name in record.values), ROOM_C)
-    is_warmer = (back - supply > BACK_K).mean() > MOSTLY and back.median() > room + ABOVE_ROOM_K
-    if len(back) >= ENOUGH and is_warmer:
+    if len(back) < ENOUGH or not (back - supply > BACK_K).mean() > MOSTLY:
+        return
+    room_C = next((record.values[name].median() for name in ROOM if name in record.values), None)
+    if room_C is None:
+        yield Warn(
+            f"{RETURN} is above {SUPPLY} while water flows: are they swapped? No channel tells how warm the room is"
+        )
+    elif back.median() > room_C + ABOVE_ROOM_K:
         yield _swapped(SUPPLY, RETURN, "the return is warmer while water flows (or one is several K off)")
 
 

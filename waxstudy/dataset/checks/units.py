@@ -139,7 +139,7 @@ def flow(record: Record, x: pd.Series) -> Findings:
     full flow of the room if it is in m3/h, L/min or L/s. A warning is one below {LOW_FLOW_L_H:g} L/h, one off the
     room's by a factor of {UNUSUAL:g}, and one below {NEGATIVE_L_H:g} L/h in over {NEGATIVE_FLOW_SHARE:.0%} of its
     samples."""
-    negative = (record.values["flow_L_h"] < NEGATIVE_L_H).mean()  # of all samples, missing ones too
+    negative = (x < NEGATIVE_L_H).mean()
     if negative > NEGATIVE_FLOW_SHARE:
         yield Warn(f"{x.name} is negative in {100 * negative:.0f} % of its samples")
     high, full_L_h = float(_with_valve_open(record.values).quantile(0.9)), record.full_flow_L_h

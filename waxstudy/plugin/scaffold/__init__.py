@@ -14,7 +14,7 @@ from pathlib import Path
 
 from waxstudy import plugin
 from waxstudy.plugin.contracts import API_VERSION, CHAIN, KINDS
-from waxstudy.plugin.registry import Registry, nearest
+from waxstudy.plugin.registry import Registry, hint
 from waxstudy.plugin.structure import NAME, NAME_RULE, PROVIDED
 
 LONGEST_NAME = 40  # so that every line with a name in it stays short
@@ -56,9 +56,7 @@ class NewPlugin:
             yield f"{self.name!r} cannot be a name: {NAME_RULE}, at most {LONGEST_NAME} characters"
             return
         if self.kind not in KINDS:
-            near = nearest(self.kind, KINDS)
-            hint = f"; did you mean '{near}'?" if near else ""
-            yield f"no kind {self.kind!r}{hint} (kinds: {', '.join(KINDS)})"
+            yield f"no kind {self.kind!r}{hint(self.kind, KINDS)} (kinds: {', '.join(KINDS)})"
         elif taken := registry.components.get((self.kind, self.name)):
             yield f"{taken} is installed already: choose another name"
         elif find_spec(self.module):

@@ -22,6 +22,7 @@ WORDS = {
     MAE: ("MAE", "K", ".3f"),
 }
 Shares = Mapping[str, Share]  # of a step, by figure
+STEP: Column[Shares] = text("step", lambda shares: shares[HEAT].step)
 
 
 # --- tables for the terminal, Markdown and HTML ------------------------------------------------------
@@ -39,11 +40,7 @@ def _shares_table(of: Attribution, members: int) -> Table[Shares]:
         f"ladder {of.name}: what each step adds, {cases[0]} to {cases[-1]}, by the ladder's order and beside it {how} "
         f"({counted(of.orders, 'order')}, {counted(members, 'member')})"
     )
-    return Table(title, [_step(), *(column for figure in WORDS for column in _share_columns(figure))], _rows(of))
-
-
-def _step() -> Column[Shares]:
-    return text("step", lambda shares: shares[HEAT].step)
+    return Table(title, [STEP, *(column for figure in WORDS for column in _share_columns(figure))], _rows(of))
 
 
 def _rows(of: Attribution) -> list[Shares]:
@@ -66,7 +63,7 @@ def _place_table(of: Attribution) -> Table[Shares]:
         "the ladder's figure is the step's place there (ladder's order minus order-free)"
     )
     columns = [column for figure in WORDS if figure != HEAT for column in _place_columns(figure)]
-    return Table(title, [_step(), *columns], _rows(of)[:-1])
+    return Table(title, [STEP, *columns], _rows(of)[:-1])
 
 
 def _place_columns(figure: str) -> list[Column[Shares]]:

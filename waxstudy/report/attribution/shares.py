@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -136,20 +136,10 @@ def difference(
     free = shapley(places, values)
     chain = [values[frozenset(range(n))] for n in range(len(steps) + 1)]
     in_ladder = [after - before for before, after in pairwise(chain)]
-    shares = [
-        Share(
-            step,
-            estimate(in_ladder[i]),
-            estimate(free[i]),
-            estimate(in_ladder[i] - free[i]),
-            *_least_and_most(float(np.mean(place.marginal(values))) for place in places if place.step == i),
-        )
-        for i, step in enumerate(steps)
-    ]
+    shares = []
+    for i, step in enumerate(steps):
+        adds = [float(np.mean(place.marginal(values))) for place in places if place.step == i]
+        ways = estimate(in_ladder[i]), estimate(free[i]), estimate(in_ladder[i] - free[i])
+        shares.append(Share(step, *ways, min(adds), max(adds)))
     means = {chosen: float(np.mean(value)) for chosen, value in values.items()}
     return Difference(figure, estimate(chain[-1] - chain[0]), shares, means)
-
-
-def _least_and_most(values: Iterable[float]) -> tuple[float, float]:
-    every = list(values)
-    return min(every), max(every)

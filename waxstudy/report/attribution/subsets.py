@@ -94,11 +94,9 @@ def _edit(before: Mapping[str, Choice], after: Mapping[str, Choice]) -> Edit:
 def _change(before: Choice | None, after: Choice) -> dict[str, Any]:
     """The whole block where its component is another, else the parameters that differ."""
     new, old = after.described(), before.described() if before else {}
-    return {key: value for key, value in new.items() if old.get(key) != value} if _same_use(new, old) else new
-
-
-def _same_use(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
-    return a.get("use") == b.get("use")
+    if new.get("use") != old.get("use"):
+        return new
+    return {key: value for key, value in new.items() if old.get(key) != value}
 
 
 def needs(edits: Sequence[Edit]) -> list[Subset]:

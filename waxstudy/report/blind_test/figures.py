@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from waxstudy.report.blind_test.tables import Score, ordered
-from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.plot import Lacking, drawing, one_panel, panels
 from waxstudy.report.figures.style import BLACK, legend_of, name_rows, series
 
 NOT_CAUSES = ("nothing", "none", "counted apart", "unknown", "untestable", "failed")
@@ -30,8 +30,7 @@ def figure_goals(score: Score) -> Figure:
     shown = [goal for goal in goals if goal["value"] is not None]
     if not shown:
         raise Lacking("no goal has a record")
-    figure, axes = panels(1, 1, 1.2 + 0.34 * len(shown))
-    panel = axes[0, 0]
+    figure, panel = one_panel(1.2 + 0.34 * len(shown))
     for place, goal in enumerate(shown):
         if goal["wanted"] is not None:
             panel.plot([goal["wanted"]] * 2, [place - 0.4, place + 0.4], color=BLACK, linewidth=2.0)
@@ -75,8 +74,7 @@ def figure_confusion(score: Score) -> Figure:
     said = sorted({name for row in rows.values() for name in row}, key=lambda name: (name in NOT_CAUSES, name))
     counts = np.array([[rows[true].get(name, 0) for name in said] for true in truths], dtype=float)
     shares = counts / counts.sum(axis=1, keepdims=True)
-    figure, axes = panels(1, 1, 2.4 + 0.24 * len(truths))
-    panel = axes[0, 0]
+    figure, panel = one_panel(2.4 + 0.24 * len(truths))
     panel.imshow(shares, cmap="Greys", vmin=0.0, vmax=1.4, aspect="auto")
     for i, j in zip(*np.nonzero(counts), strict=True):
         colour = "white" if shares[i, j] > 0.85 else BLACK

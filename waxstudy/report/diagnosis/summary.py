@@ -55,7 +55,8 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "where", [*(_where(diagnosis, stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
-    yield "unexplained", _few(_left(diagnosis)) or _nothing_left(diagnosis)
+    nothing_left = ["nothing that stands out of the noise"] if diagnosis.stages else []
+    yield "unexplained", _few(_left(diagnosis)) or nothing_left
     yield "not tested", _not_tested(diagnosis)
     yield "measure next", _few([_next(each) for each in measurements(diagnosis)])
     yield "warnings", _few(list(diagnosis.warnings))
@@ -181,10 +182,6 @@ def remarks(left: Unexplained) -> list[str]:
     drives = "no finding: as little as the sun or gains that nobody recorded may leave"
     told = ((form, left.is_room_form), (covered, left.is_covered), (drives, left.is_of_drives))
     return [words for words, holds in told if holds]
-
-
-def _nothing_left(diagnosis: Diagnosis) -> list[str]:
-    return [] if not diagnosis.stages else ["nothing that stands out of the noise"]
 
 
 def _not_tested(diagnosis: Diagnosis) -> list[str]:

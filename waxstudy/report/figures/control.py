@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from waxstudy.report.content import Content
-from waxstudy.report.figures.places import DAY_S, HOUR_S, between, first_week, hours, rises, trace
+from waxstudy.report.figures.places import DAY_S, HOUR_S, between, hours, rises, trace
 from waxstudy.report.figures.plot import drawing, panels
 from waxstudy.report.figures.style import BLACK, COLOURS
 from waxstudy.study.model import Ladder
@@ -29,7 +29,7 @@ CHANNELS = (
 )
 def figure_19(content: Content) -> Figure:
     """Output, signal, opening [-] and flow [L/h] of a few hours; raise `Lacking` without traces."""
-    case, week = modulated(content).reference, first_week(content)
+    case, week = modulated(content).reference, content.run.weeks[0]
     whole = trace(content, case, week)
     start_s = busiest_s(whole)
     frame = between(whole, start_s, start_s + EXCERPT_H * HOUR_S)

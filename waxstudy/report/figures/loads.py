@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from waxstudy.report.content import Content
-from waxstudy.report.figures.places import cumulative, first_week, trace
+from waxstudy.report.figures.places import cumulative, trace
 from waxstudy.report.figures.plot import Lacking, drawing, panels
 from waxstudy.report.figures.style import DASHED, GREY, legend_under, look
 from waxstudy.results.kpis import DURATION_PERCENT
@@ -29,7 +29,7 @@ CHANNELS = (
 )
 def figure_21(content: Content) -> Figure:
     """Duration curves of flow [L/h], return temperature [°C] and floor heat [W/m²], a column per ladder."""
-    ladders, week = content.run.ladders, first_week(content)
+    ladders, week = content.run.ladders, content.run.weeks[0]
     figure, axes = panels(len(CHANNELS), len(ladders), 9.2, sharex=True, sharey="row")
     for column, ladder in zip(axes.T, ladders, strict=True):
         for panel, (channel, _) in zip(column, CHANNELS, strict=True):

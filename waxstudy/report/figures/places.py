@@ -15,10 +15,6 @@ from waxstudy.study.model import Ladder
 DAY_S, HOUR_S = 86400.0, 3600.0
 
 
-def simplest(ladder: Ladder) -> str:
-    return ladder.cases[0]
-
-
 def adapted(ladder: Ladder) -> str:
     """The second case: the first detail, in the paper the adapted parameters."""
     return ladder.cases[min(1, len(ladder.cases) - 1)]
@@ -28,10 +24,6 @@ def one_simpler(ladder: Ladder) -> str | None:
     """The case before the reference, if there is one."""
     place = list(ladder.cases).index(ladder.reference)
     return ladder.cases[place - 1] if place else None
-
-
-def first_week(content: Content) -> str:
-    return content.run.weeks[0]
 
 
 def second_week(content: Content) -> str:
@@ -79,14 +71,12 @@ def setpoint_C(content: Content, case: str, week: str) -> float:
 
 
 def hours(frame: pd.DataFrame, start_s: float = 0.0) -> FloatArray:
-    values: FloatArray = (frame["time_s"].to_numpy(dtype=float) - start_s) / HOUR_S
-    return values
+    return np.asarray((frame["time_s"].to_numpy(dtype=float) - start_s) / HOUR_S)
 
 
 def days(frame: pd.DataFrame) -> FloatArray:
     """Time from the start of the week, such that 1 is the first midnight."""
-    values: FloatArray = frame["time_s"].to_numpy(dtype=float) / DAY_S
-    return values
+    return np.asarray(frame["time_s"].to_numpy(dtype=float) / DAY_S)
 
 
 def rises(signal: FloatArray) -> NDArray[np.intp]:

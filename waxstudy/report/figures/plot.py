@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 WIDTH_IN = 11.0  # the width of the page's text: at 100 % a point of a figure is a point on the page
@@ -88,6 +89,12 @@ def panels(rows: int, columns: int, height_in: float, **options: Any) -> tuple[F
     """Return a figure over the full width of the page and its axes (rows, columns)."""
     figure = Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def one_panel(height_in: float) -> tuple[Figure, Axes]:
+    """Return such a figure with a single panel."""
+    figure, axes = panels(1, 1, height_in)
+    return figure, axes[0, 0]
 
 
 def _svg(figure: Figure, prefix: str) -> str:

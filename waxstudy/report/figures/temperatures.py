@@ -23,7 +23,7 @@ BAND_K = 0.25
 )
 def figure_17(content: Content) -> Figure:
     """Air, operative temperature and setpoint [°C] during one day; raise `Lacking` without traces."""
-    week, ladders = places.first_week(content), content.run.ladders
+    week, ladders = content.run.weeks[0], content.run.ladders
     figure, axes = panels(1, len(ladders), 3.9, sharey=True)
     for panel, ladder in zip(axes[0], ladders, strict=True):
         _day(panel, content, places.adapted(ladder), week)
@@ -97,10 +97,10 @@ def _members(panel: Axes, content: Content, case: str, week: str) -> None:
 )
 def figure_20(content: Content) -> Figure:
     """Air temperature [°C] over the first week, a panel per ladder; raise `Lacking` without traces."""
-    week, ladders = places.first_week(content), content.run.ladders
+    week, ladders = content.run.weeks[0], content.run.ladders
     figure, axes = panels(len(ladders), 1, 1.0 + 2.6 * len(ladders), sharex=True, sharey=True)
     for panel, ladder in zip(axes[:, 0], ladders, strict=True):
-        shown = dict.fromkeys((places.simplest(ladder), places.adapted(ladder), ladder.reference))
+        shown = dict.fromkeys((ladder.cases[0], places.adapted(ladder), ladder.reference))
         _week(panel, content, list(shown), week)
         panel.set(title=f"{ladder.name}, {week}", ylabel="air temperature, °C")
         panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=3.0)

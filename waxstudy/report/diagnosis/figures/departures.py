@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.report.diagnosis.words import signed
-from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.plot import Lacking, drawing, one_panel
 from waxstudy.report.figures.style import BLACK, COLOURS
 
 USUAL_SD = 2.0
@@ -24,16 +24,14 @@ def figure_departures(diagnosis: Diagnosis) -> Figure:
     if not diagnosis.departures:
         raise Lacking("no room took part")
     names, values = list(diagnosis.departures), list(diagnosis.departures.values())
-    figure, axes = panels(1, 1, 0.8 + 0.3 * len(names))
-    panel = axes[0, 0]
+    figure, panel = one_panel(0.8 + 0.3 * len(names))
     panel.axvspan(-USUAL_SD, USUAL_SD, color="#e6e6e6", zorder=0.5)
     panel.axvline(0.0, color=BLACK, linewidth=0.8)
     for place, value in enumerate(values):
         panel.plot([0.0, value], [place, place], color=COLOURS[1], linewidth=2.2)
         panel.plot(value, place, "o", color=COLOURS[1], markersize=6)
         offset, side = ((7, 0), "left") if value >= 0.0 else ((-7, 0), "right")
-        text = {"textcoords": "offset points", "va": "center", "ha": side}
-        panel.annotate(signed(value), (value, place), offset, **text)
+        panel.annotate(signed(value), (value, place), offset, textcoords="offset points", va="center", ha=side)
     most = 1.25 * max(2.5, *(abs(value) for value in values))
     panel.set_xlim(-most, most)
     panel.set_yticks(range(len(names)), names)

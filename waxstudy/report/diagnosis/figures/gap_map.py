@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, Rectangle
 from waxstudy.diagnosis.result import Diagnosis, StageGap
 from waxstudy.report.diagnosis.focus import left_at
 from waxstudy.report.diagnosis.words import channel_words, percent, quantity, stage_words, times
-from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.plot import Lacking, drawing, one_panel
 from waxstudy.report.figures.style import BLACK, GREY, legend_of
 
 # from how many noise floors on, in which colour; one hue from light to dark, which grey print keeps
@@ -41,8 +41,7 @@ def figure_gap_map(diagnosis: Diagnosis) -> Figure:
     """Gaps over their noise floors [-] and shares of the squared gap [%]; raise `Lacking` where nothing is judged."""
     if not diagnosis.stages:
         raise Lacking("no stage of the loop could be judged")
-    figure, axes = panels(1, 1, 0.8 + ROW_IN * len(diagnosis.stages))
-    panel = axes[0, 0]
+    figure, panel = one_panel(0.8 + ROW_IN * len(diagnosis.stages))
     for row, stage in enumerate(diagnosis.stages):
         _row(panel, row, stage)
     columns = 1 + max(min(MOST_REGIMES, len(stage.regimes)) for stage in diagnosis.stages)

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from waxstudy.diagnosis.result import Diagnosis, Tried
 from waxstudy.report.diagnosis.words import channel_words, percent, probability, stage_words
-from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.plot import Lacking, drawing, one_panel
 from waxstudy.report.figures.style import BLACK, GREY, legend_of, name_rows
 
 MOST = 24
@@ -38,8 +38,7 @@ def figure_ranking(diagnosis: Diagnosis) -> Figure:
     if not diagnosis.tried:
         raise Lacking("no effect could be tried")
     shown = ranked(diagnosis)[:MOST]
-    figure, axes = panels(1, 1, 1.0 + 0.27 * len(shown))
-    panel = axes[0, 0]
+    figure, panel = one_panel(1.0 + 0.27 * len(shown))
     for place, each in enumerate(shown):
         _bar(panel, place, each, role(diagnosis, each))
     panel.axvline(0.0, color=BLACK, linewidth=0.8)

@@ -34,7 +34,7 @@ def figure_waterfall(diagnosis: Diagnosis) -> Figure:
     figure, axes = panels(len(shown), 1, 0.5 + sum(0.36 * n + 0.55 for n in rows), height_ratios=rows)
     floors = {stage.channel: stage.noise_floor for stage in diagnosis.stages}
     for panel, steps in zip(axes[:, 0], shown, strict=True):
-        _channel(panel, steps, floors.get(steps[0].channel, 0.0))
+        _channel(panel, steps, floors[steps[0].channel])
     legend_below(figure, axes[0, 0])
     return figure
 

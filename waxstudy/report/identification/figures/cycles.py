@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from waxstudy.identification.records import Record
 from waxstudy.identification.result import ActuatorFit
 from waxstudy.identification.times import TIMES
-from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.plot import Lacking, drawing, one_panel, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, DASHES, legend_below
 
 MOST_RECORDS = 6
@@ -88,10 +88,10 @@ def figure_cut_offs(found: ActuatorFit) -> Figure:
     record, cycle = _typical(found)
     start, end = _span(record, cycle)
     seconds = np.arange(start, end) * record.interval_s - cycle["on_at_s"]
-    figure, axes = panels(1, 1, 3.6)
-    panel, at = axes[0, 0], 0.0
+    figure, panel = one_panel(3.6)
+    at = 0.0
     for name in TIMES:
-        length = float(cycle[name]) if np.isfinite(cycle[name]) else 0.0
+        length = float(cycle[name])  # a whole cycle has them all
         label = f"{name.removesuffix('_s')}: {length:.0f} s"
         panel.axvspan(at / 60.0, (at + length) / 60.0, color=SHADES[name], alpha=0.25, linewidth=0.0, label=label)
         at += length

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from waxstudy.identification.records import Record
 from waxstudy.identification.result import ActuatorFit
-from waxstudy.report.figures.plot import Lacking, drawing, panels
+from waxstudy.report.figures.plot import Lacking, drawing, one_panel, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_below
 
 HOUR_S = 3600.0
@@ -22,9 +24,9 @@ HOUR_S = 3600.0
 def figure_errors(found: ActuatorFit) -> Figure:
     """Bars per record."""
     shown = _modelled(found)
-    figure, axes = panels(1, 1, 3.8)
-    panel, place = axes[0, 0], np.arange(len(shown))
-    looks = (-0.2, "mae", {"color": COLOURS[1]}), (0.2, "rmse", {"color": COLOURS[4], "hatch": "////"})
+    figure, panel = one_panel(3.8)
+    place = np.arange(len(shown))
+    looks: Any = (-0.2, "mae", {"color": COLOURS[1]}), (0.2, "rmse", {"color": COLOURS[4], "hatch": "////"})
     for shift, what, look in looks:
         heights = [getattr(found.errors[record.name], what) for record in shown]
         panel.bar(place + shift, heights, 0.38, label=what.upper(), edgecolor=BLACK, linewidth=0.6, **look)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from waxstudy.identification.valve import ValveFit, curve
 from waxstudy.report.figures.places import rises
-from waxstudy.report.figures.plot import drawing, panels
+from waxstudy.report.figures.plot import drawing, one_panel, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, DASHES, GREY, legend_below, legend_under
 
 
@@ -25,8 +25,7 @@ def figure_cycle(found: ValveFit) -> Figure:
     end = int(starts[middle + 1]) if middle + 1 < len(starts) else len(on)
     part = slice(start, end)
     minutes = (np.arange(len(on))[part] - starts[middle]) * found.record.interval_s / 60.0
-    figure, axes = panels(1, 1, 3.8)
-    panel = axes[0, 0]
+    figure, panel = one_panel(3.8)
     panel.plot(minutes, on[part], color=GREY, linestyle=DASHED, drawstyle="steps-pre", label="heating signal")
     panel.plot(minutes, found.opening[part], color=COLOURS[1], linestyle=DASHES[3], label="modelled opening")
     panel.plot(minutes, found.flow[part], color=BLACK, label="measured flow")
