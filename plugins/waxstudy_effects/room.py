@@ -42,7 +42,7 @@ class Infiltration(Effect):
     api_version = "1.0"
     stage = "room"
     Parameters = InfiltrationParameters
-    priors = {"factor": Prior(0.1, 40.0, noticeable=1.5, is_log=True, as_built=0.6)}
+    priors = {"factor": Prior(0.1, 40.0, noticeable=1.5, is_log=True, as_built=0.6, varies=0.2)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -119,6 +119,10 @@ class WindowOpening(Effect):
         return with_heat(belief, exchange_W_K * (inputs.outdoor_C - inputs.air_C))
 
     @classmethod
+    def hours(cls, p: Any) -> tuple[float, float] | None:
+        return p.from_h, p.to_h
+
+    @classmethod
     def sentence(cls, p: Any) -> str:
         return (
             f"Every day from {clock(p.from_h)} to {clock(p.to_h)} a window lets {p.flow_L_s:.0f} L/s of outdoor air in."
@@ -169,7 +173,7 @@ class SolarFactor(Effect):
     stage = "room"
     absorbs = ("solar gain",)
     Parameters = SolarFactorParameters
-    priors = {"factor": Prior(0.1, 5.0, noticeable=1.1, is_log=True, as_built=0.15)}
+    priors = {"factor": Prior(0.1, 5.0, noticeable=1.1, is_log=True, as_built=0.15, varies=0.03)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -213,8 +217,8 @@ class GainShift(Effect):
     absorbs = ("internal gains",)
     Parameters = GainShiftParameters
     priors = {
-        "shift_h": Prior(-12.0, 12.0, noticeable=0.5, as_built=1.0),
-        "factor": Prior(0.1, 10.0, noticeable=1.15, is_log=True, as_built=0.3),
+        "shift_h": Prior(-12.0, 12.0, noticeable=0.5, as_built=1.0, varies=0.4),
+        "factor": Prior(0.1, 10.0, noticeable=1.15, is_log=True, as_built=0.3, varies=0.12),
     }
 
     @classmethod

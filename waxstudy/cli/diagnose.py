@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import shutil
 from contextlib import ExitStack
+from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -21,10 +22,27 @@ from waxstudy.simulation.threads import use_one_thread
 if TYPE_CHECKING:
     import pandas as pd
 
+    from waxstudy.dataset.read import Dataset
     from waxstudy.diagnosis.result import Diagnosis
 
 OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: nothing is written]"
 STUDY = Existing(dir_okay=False)
+BASELINE = "Folder of a healthy record of the same loop: what changed since?  [default: as dataset.toml says]"
+BASELINE_DAYS = "Days of the record that are such a baseline, as 2026-01-01..2026-01-10; those after them are judged."
+
+
+class Days(click.ParamType[tuple[str, str]]):
+    """Two days, both included."""
+
+    name = "days"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
+        first, _, last = str(value).partition("..")
+        try:
+            found = (date.fromisoformat(first).isoformat(), date.fromisoformat(last).isoformat())
+        except ValueError:
+            self.fail(f"{value!r} is no span of days: write two days as 2026-01-01..2026-01-10", param, ctx)
+        return found
 
 
 def _print_criteria(context: click.Context, option: click.Parameter, is_asked: bool) -> None:
@@ -40,6 +58,8 @@ def _print_criteria(context: click.Context, option: click.Parameter, is_asked: b
 @click.argument("dataset", metavar="DATASET", type=Existing(file_okay=False))
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help=OUT)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the summary.")
+@click.option("--baseline", type=Existing(file_okay=False), metavar="DIR", help=BASELINE)
+@click.option("--baseline-days", type=Days(), metavar="FROM..TO", help=BASELINE_DAYS)
 @click.option("--quick", is_flag=True, help="Fewer trials, for a first answer.")
 @click.option("--study", type=STUDY, metavar="STUDY", help="Study file; the steps of its ladders are tried as effects.")
 @click.option(
@@ -53,18 +73,28 @@ def _print_criteria(context: click.Context, option: click.Parameter, is_asked: b
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of resampling.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 def command(
-    dataset: Path, out: Path | None, as_json: bool, quick: bool, study: Path | None, seed: int, quiet: bool
+    dataset: Path,
+    out: Path | None,
+    as_json: bool,
+    baseline: Path | None,
+    baseline_days: tuple[str, str] | None,
+    quick: bool,
+    study: Path | None,
+    seed: int,
+    quiet: bool,
 ) -> None:
     """Find where a record and what is believed disagree, which effect causes it, and how far the gap shrinks.
 
     DATASET is a folder with dataset.toml and data.csv. With --out, the last line printed is the folder.
     """
+    if baseline and baseline_days:
+        raise CommandError("--baseline and --baseline-days: give one of them", USAGE)
     use_one_thread()
     if out is not None:
         _refuse_unwritable(out)
     try:
         with bar(quiet) as tick:
-            diagnosis = _diagnosis(dataset, study, seed, quick, tick)
+            diagnosis = _diagnosis(dataset, Healthy(baseline, baseline_days), study, seed, quick, tick)
         if out is not None:
             _write(diagnosis, out)
     except KeyboardInterrupt:
@@ -73,7 +103,26 @@ def command(
     print_out(_json(diagnosis) if as_json else _summary(diagnosis, out))
 
 
-def _diagnosis(dataset: Path, study: Path | None, seed: int, quick: bool, tick: Tick) -> Diagnosis:
+class Healthy(NamedTuple):
+    """Where a healthy record of the loop is, if the command says it: a folder, or days of the record itself."""
+
+    folder: Path | None
+    days: tuple[str, str] | None
+
+    def parted(self, dataset: Dataset) -> tuple[Dataset, Dataset | None]:
+        """Return the record to judge and its baseline; the command goes before what the dataset says."""
+        import pandas as pd
+
+        from waxstudy.dataset.baseline import parted, read_baseline
+
+        if self.days:
+            baseline, record = parted(dataset, *(pd.Timestamp(day) for day in self.days))
+            return record, baseline
+        folder = self.folder or dataset.baseline
+        return dataset, read_baseline(dataset, folder) if folder else None
+
+
+def _diagnosis(dataset: Path, healthy: Healthy, study: Path | None, seed: int, quick: bool, tick: Tick) -> Diagnosis:
     """Read a dataset and diagnose it; turn what is wrong into a message and an exit code."""
     from waxstudy.dataset.read import read_dataset
     from waxstudy.diagnosis.diagnose import diagnose
@@ -82,7 +131,8 @@ def _diagnosis(dataset: Path, study: Path | None, seed: int, quick: bool, tick: 
     try:
         with failures(dataset / "dataset.toml", dataset):
             steps = load_study(study, needs_files=False) if study else None
-            return diagnose(read_dataset(dataset), seed=seed, quick=quick, study=steps, tick=tick)
+            record, baseline = healthy.parted(read_dataset(dataset))
+            return diagnose(record, seed=seed, quick=quick, study=steps, tick=tick, baseline=baseline)
     except StudyError as error:
         raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
 

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from math import nan
 
 import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.read import Dataset
+from waxstudy.diagnosis.calibration.calibrate import Calibration
+from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
 from waxstudy.diagnosis.consequence.closed_loop import closed_loop
 from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.regimes import regimes
+from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
-from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
@@ -34,6 +37,7 @@ from waxstudy.diagnosis.result import (
     Verdict,
 )
 from waxstudy.diagnosis.select.candidate import Candidate
+from waxstudy.diagnosis.select.changed import joint
 from waxstudy.diagnosis.select.intervals import shrink
 from waxstudy.diagnosis.select.search import Selection
 from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
@@ -52,7 +56,7 @@ class Work:
     effects: Sequence[EffectType]
     seed: int
     thorough: float
-    as_built: AsBuilt | None = None
+    calibration: Calibration | None = None
 
 
 def of_segment(segment: Segment, effects: Sequence[EffectType]) -> list[EffectType]:
@@ -80,7 +84,12 @@ def assembled(
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
         next_measurements=list(next_measurements(cut, found, untestable, stages, work.record)),
-        warnings=[*work.dataset.warnings, *doubtful_noise(work.record, cut), *warned(selections)],
+        warnings=[
+            *work.dataset.warnings,
+            *doubtful_noise(work.record, cut),
+            *warned(selections),
+            *_of_baseline(work, cut),
+        ],
         assumptions=[
             *work.dataset.assumptions,
             *filled_in(work.dataset, work.record, built(work.dataset.room) if work.dataset.room else None),
@@ -91,8 +100,21 @@ def assembled(
         parts=_parts(work, selections),
         seed=work.seed,
         is_quick=quick,
+        as_built=list(calibrated(work.calibration)) if work.calibration else [],
+        baseline=list(fits(work.calibration)) if work.calibration else [],
+        posterior=joint([selection.posterior for selection in selections if selection.posterior]),
         traces=_traces(work, selections),
     )
+
+
+def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
+    """Yield what is to be said of the healthy record."""
+    if work.calibration is None:
+        return
+    yield from doubts(work.calibration)
+    for segment in cut:
+        if not segment.is_supply and segment.name not in work.calibration.healthy:
+            yield f"the baseline has no link {segment.name}: there what is believed is compared, not what was healthy"
 
 
 def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
@@ -117,6 +139,8 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             shrink=shrink(before, after, floor, random),
             is_held_out=bool((before.part == SHRINK).any()),
             alternatives=[_alternative(each) for each in found.others],
+            probability=found.inclusion if selection.posterior else nan,
+            when=when(found.effect, values, selection.problem.record),
         )
 
 
@@ -141,6 +165,7 @@ def _stages(work: Work, selection: Selection, selections: Sequence[Selection]) -
             regimes=regimes(work.record, work.belief, before),
             autocorrelation=_autocorrelation(before.error[before.judged]),
             separate_by=", ".join(separating(segment)),
+            posterior=selection.posterior,
         )
 
 

@@ -7,21 +7,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from waxstudy.dataset.read import Dataset, read_dataset
+from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
-from waxstudy.diagnosis.calibration.calibrate import calibrate
+from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
-from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Diagnosis
+from waxstudy.diagnosis.select.changed import changed
 from waxstudy.diagnosis.select.exact_room import with_exact_room
-from waxstudy.diagnosis.select.search import Selection, Tick, select
+from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
 from waxstudy.diagnosis.select.testability import too_short
 from waxstudy.plugin import Effect
 from waxstudy.plugin.registry import installed
@@ -33,19 +34,26 @@ Tell = Callable[[str, float], None]
 
 
 def diagnose(
-    dataset: Dataset, *, seed: int = 1, quick: bool = False, study: Study | None = None, tick: Tell | None = None
+    dataset: Dataset,
+    *,
+    baseline: Dataset | None = None,
+    seed: int = 1,
+    quick: bool = False,
+    study: Study | None = None,
+    tick: Tell | None = None,
 ) -> Diagnosis:
     """Return where a dataset's gap lies, which effects cause it and how far it shrinks once they are added.
 
-    The steps of a study's ladders are tried as effects too. The same dataset and seed give the same diagnosis.
+    The steps of a study's ladders are tried as effects too. With a `baseline`, a healthy record of the same loop, the
+    question is what changed since. The same dataset and seed give the same diagnosis.
     `tick` is told what is being tried and the share done.
     """
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
-    as_built = calibrated(read_dataset(dataset.baseline), effects) if dataset.baseline else None
+    calibration = calibrated(baseline, effects) if baseline else None
     belief = dataset.believed(record.inputs if record.has_inputs else None)
-    belief = as_built.believed(belief) if as_built else belief
-    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, as_built)
+    belief = calibration.as_built.believed(belief) if calibration else belief
+    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, calibration)
     cut = segments(record, belief)
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
     judged = [segment for segment in cut if segment not in short]
@@ -53,7 +61,7 @@ def diagnose(
     return assembled(work, cut, short, selections, quick)
 
 
-def calibrated(baseline: Dataset, effects: Sequence[EffectType]) -> AsBuilt:
+def calibrated(baseline: Dataset, effects: Sequence[EffectType]) -> Calibration:
     """Return what a healthy record of the loop says of it."""
     record = record_of(baseline)
     return calibrate(record, baseline.believed(record.inputs if record.has_inputs else None), effects)
@@ -96,19 +104,34 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
             tick(name, done / total)
 
         tick(segment.name, done / total)
+        if work.calibration and segment.name in work.calibration.healthy:
+            yield _changed(work, work.calibration, segment, effects, work.seed + place, step)
+            done = first + len(effects) + 1
+            continue
         selection = _selection(work, segment, effects, work.seed + place, step)
         if selection.is_late:
             again = _selection(work, segment, effects, work.seed + place, step, holds_out=False)
             selection = again if again.found else selection
-        yield selection if work.as_built else with_exact_room(selection, effects, work.seed + place, step)
+        yield with_exact_room(selection, effects, work.seed + place, step)
         done = first + len(effects) + 1
+
+
+def _changed(
+    work: Work, calibration: Calibration, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick
+) -> Selection:
+    """Return what changed at a link since the healthy record."""
+    record, belief, as_built = work.record, work.belief, calibration.as_built
+    whole = SegmentProblem(segment, record, belief, as_built=as_built, parts=np.full(len(record), FIT))
+    estimator = Estimator(SegmentProblem(segment, record, belief, as_built=as_built), work.thorough)
+    search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
+    return changed(search, calibration, whole, tick)
 
 
 def _selection(
     work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick, holds_out: bool = True
 ) -> Selection:
     tolerance = work.dataset.room_tolerance
-    problem = SegmentProblem(segment, work.record, work.belief, tolerance, holds_out, as_built=work.as_built)
+    problem = SegmentProblem(segment, work.record, work.belief, tolerance, holds_out)
     estimator = Estimator(problem, work.thorough)
     try:
         assert estimator.base

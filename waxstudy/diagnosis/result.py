@@ -46,6 +46,7 @@ class StageGap:
     regimes: Sequence[Regime]
     autocorrelation: float  # of the error, from one sample to the next
     separate_by: str = ""  # the channel that would tell merged stages apart
+    posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses; where a healthy record is known
 
     @property
     def over_floor(self) -> float:
@@ -77,6 +78,41 @@ class Alternative:
 
 
 @dataclass(frozen=True)
+class When:
+    """When an effect acts: in words, and the hours since the record began, from and to."""
+
+    pattern: str
+    spans_h: Sequence[tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """What differs from the documents always, by a healthy record: a value with its 95 % interval.
+
+    Of an effect's parameter, as factor or in its unit; of what the room itself says is uncertain, a departure.
+    """
+
+    name: str
+    value: Interval
+    documented: float
+    sentence: str
+
+
+@dataclass(frozen=True)
+class BaselineFit:
+    """How well what is believed, as calibrated, follows a channel of the healthy record.
+
+    CV(RMSE) and NMBE are over the mean of what was measured (ASHRAE Guideline 14), of temperatures in degrees Celsius.
+    """
+
+    channel: str
+    unit: str
+    rmse: float
+    cv_rmse_percent: float
+    nmbe_percent: float
+
+
+@dataclass(frozen=True)
 class FoundEffect:
     """An effect that the record shows, or the best of a group that it cannot tell apart."""
 
@@ -94,6 +130,8 @@ class FoundEffect:
     shrink: Interval  # on days that its fit has not seen
     is_held_out: bool = True  # whether these took no part in choosing it either
     alternatives: Sequence[Alternative] = ()  # the rest of its group
+    probability: float = nan  # that it, or one of its group, is there; where a healthy record is known
+    when: When | None = None
 
 
 @dataclass(frozen=True)
@@ -193,6 +231,10 @@ class Diagnosis:
     parts: Mapping[str, Sequence[str]]  # "fit", "select", "shrinkage" -> first and last day
     seed: int
     is_quick: bool
+    # probability of each hypothesis: names joined by "+", "none", "unknown"; empty without a healthy record
+    posterior: Mapping[str, float] = field(default_factory=dict)
+    as_built: Sequence[Calibrated] = ()
+    baseline: Sequence[BaselineFit] = ()
     # measured, before and after of each judged channel (columns channel + "_measured", "_before", "_after"), by time
     traces: pd.DataFrame = field(repr=False, default_factory=pd.DataFrame)
 

@@ -43,6 +43,9 @@ def _main_reason(untestable: Sequence[Untestable]) -> str:
 def why_not(selection: Selection, candidate: Candidate) -> str:
     """Return why an effect that was tried is not named."""
     name = candidate.effect.name
+    if selection.posterior:
+        held = sum(p for names, p in selection.posterior.items() if name in names.split("+"))
+        return f"probability {held:.2g}"
     for each in selection.withdrawn:
         if name in each.found.group:
             return each.criterion.name

@@ -83,7 +83,8 @@ class Prior:
     """Where a parameter of an effect is looked for. `noticeable` is the least departure from neutral worth naming.
 
     `as_built` says how far healthy loops are from their documents, where that is no effect: the standard deviation of
-    a departure from neutral, of its logarithm where `is_log`; 0 where documents and loop do not differ so.
+    a departure from neutral, of its logarithm where `is_log`; 0 where documents and loop do not differ so. `varies` is
+    the same of one healthy record from another of the same loop: people do not live alike every week.
     """
 
     low: float
@@ -91,6 +92,7 @@ class Prior:
     noticeable: float  # a factor above 1 where `is_log`, else in the parameter's unit
     is_log: bool = False
     as_built: float = 0.0
+    varies: float = 0.0
 
 
 class Effect(Component):
@@ -119,6 +121,11 @@ class Effect(Component):
     def apply(cls, belief: Belief, p: Any) -> Belief:
         """Return the belief with the effect; raise `ValueError` with a one-line reason where p is impossible."""
         raise NotImplementedError
+
+    @classmethod
+    def hours(cls, p: Any) -> tuple[float, float] | None:
+        """Return the hours of each day from and to which it acts, None of what acts always."""
+        return None
 
     @classmethod
     def sentence(cls, p: Any) -> str:

@@ -25,6 +25,8 @@ WIDER = 2.5  # than what nobody knows of a room that was built as drawn
 EARLY = 0.6  # of a record, that the rest is predicted from
 MOST_WIDER = 3.0  # times what a fit leaves, that it may leave of days that it has not seen
 ROUNDS = 2
+MOST_ALWAYS = 2  # effects of a link that may have been there from the start
+ALWAYS = 8.0  # log likelihood that each of their parameters must gain
 Effects = Sequence[type[Effect]]
 
 
@@ -41,21 +43,11 @@ class Healthy:
         return Estimator(self.problem).slopes_at(self.fitted)
 
     def together(self, channel: str) -> float:
-        """Return how many samples of a channel count as one, as errors that hang together (Geyer 1992)."""
-        residual = self.fitted.residual_of(channel)
-        values = residual.whitened[residual.judged]
-        if len(values) < 3 or residual.unit == "s" or channel in self.discrepant:
-            return 1.0
-        power = np.abs(np.fft.rfft(values, 2 * len(values))) ** 2
-        correlation = np.fft.irfft(power)[: len(values)]
-        if correlation[0] <= 0.0:
-            return 1.0
-        correlation /= correlation[0]
-        ends = np.flatnonzero(correlation <= 0.0)
-        return float(1.0 + 2.0 * correlation[1 : ends[0] if len(ends) else None].sum())
+        """Return how many samples of a channel count as one: what is whitened over time has none that hang together."""
+        return 1.0 if channel in self.whitened else together(self.fitted.residual_of(channel))
 
     @property
-    def discrepant(self) -> Mapping[str, Discrepancy]:
+    def whitened(self) -> Mapping[str, Discrepancy]:
         return self.problem.as_built.discrepancies if self.problem.as_built else {}
 
     def left(self, channel: str) -> tuple[float, int] | None:
@@ -73,10 +65,11 @@ class Healthy:
             return -np.inf
         return self._likelihood(with_it) - self._likelihood(self.fitted)
 
+    def _weight(self, channel: str) -> float:
+        return float(1.0 / (self.scale.get(channel, 1.0) * self.together(channel) ** 0.5))
+
     def _likelihood(self, fitted: Hypothesis) -> float:
-        weight = np.concatenate(
-            [np.full(len(e.whitened), self.scale.get(e.channel, 1.0) ** -1 * self.together(e.channel) ** -0.5) for e in fitted.residuals]
-        )
+        weight = np.concatenate([np.full(len(e.whitened), self._weight(e.channel)) for e in fitted.residuals])
         missed, slopes, sd = fitted.whitened * weight, self.slopes * weight[:, None], self.problem.sd
         root = self.problem.prior / sd if len(sd) else np.zeros((0, 0))
         pulled = root @ fitted.departures if len(sd) else np.zeros(0)
@@ -84,6 +77,17 @@ class Healthy:
         step = np.linalg.lstsq(ways, -both, rcond=None)[0] if len(sd) else np.zeros(0)
         left = both + ways @ step if len(sd) else both
         return -0.5 * float(left @ left)
+
+
+def together(residual: Residual) -> float:
+    """Return how many samples of a channel count as one, as errors hang together (Geyer 1992)."""
+    values = residual.whitened[residual.judged]
+    if len(values) < 3 or residual.unit == "s" or not values.any():
+        return 1.0
+    power = np.abs(np.fft.rfft(values, 2 * len(values))) ** 2
+    correlation = np.fft.irfft(power)[: len(values)]
+    ends = np.flatnonzero(correlation <= 0.0)
+    return float(1.0 + 2.0 * correlation[1 : ends[0] if len(ends) else None].sum() / correlation[0])
 
 
 @dataclass(frozen=True)
@@ -114,14 +118,43 @@ def _of_chain(
     unknowns = list(knobs(effects, segment.stages, belief))
     problem = SegmentProblem(segment, record, belief, holds_out=False, unknowns=unknowns)
     fitted = _fitted(problem)
-    departures = fitted.departures.tolist()
-    found = replace(
-        known,
-        chain=(*known.chain, *zip(unknowns, departures, strict=True)),
-        conventions={**known.conventions, segment.name: fitted.convention},
-        left={**known.left, **{each.channel: _left(each) for each in fitted.residuals}},
-    )
-    return found, problem, fitted
+    chain = tuple(zip(unknowns, fitted.departures.tolist(), strict=True))
+    conventions = {**known.conventions, segment.name: fitted.convention}
+    there = replace(known, chain=(*known.chain, *chain), conventions=conventions)
+    problem, fitted, always = _with_always(segment, record, belief, effects, there)
+    left = {each.channel: _left(each) for each in fitted.residuals}
+    return replace(there, always=(*there.always, *always), left={**there.left, **left}), problem, fitted
+
+
+def _with_always(
+    segment: Segment, record: Record, belief: Belief, effects: Effects, there: AsBuilt
+) -> tuple[SegmentProblem, Hypothesis, Edits]:
+    """Return a link with the effects that a healthy record shows as well: they were there from the start."""
+    belief = there.believed(belief)
+    found: list[tuple[type[Effect], Mapping[str, float]]] = []
+    named = [effect for effect in effects if effect.stage in segment.stages]
+    while True:
+        problem = SegmentProblem(segment, record, belief, as_built=there, unknowns=(), parts=np.full(len(record), FIT))
+        fitted = _fitted(problem)
+        if len(found) == MOST_ALWAYS:
+            return problem, fitted, found
+        estimator, share = Estimator(problem), {each.channel: together(each) for each in fitted.residuals}
+        tried = [
+            (_gain(fitted, one, share) - ALWAYS * len(effect.priors), one)
+            for effect in named
+            if effect not in dict(found) and not effect.hindrance(belief) and (one := estimator.fit(effect, fitted))
+        ]
+        best = max(tried, key=lambda each: each[0], default=(0.0, fitted))
+        if best[0] <= 0.0:
+            return problem, fitted, found
+        found += best[1].effects
+        belief = problem.belief_of(best[1])
+
+
+def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> float:
+    """Return the log likelihood that another hypothesis gains, of samples of which so many count as one."""
+    pairs = zip(fitted.residuals, other.residuals, strict=True)
+    return 0.5 * sum((old.loss() - new.loss()) / share[old.channel] for old, new in pairs)
 
 
 def _left(residual: Residual) -> Left:
@@ -148,7 +181,7 @@ def _of_room(
         found,
         knobs=tuple(lasting),
         departures=fitted.departures[:count],
-        covariance=_covariance(problem, fitted)[:count, :count],
+        covariance=_covariance(problem, fitted)[:count, :count] + np.diag([each.varies**2 for each in lasting]),
         conventions={**found.conventions, segment.name: fitted.convention},
     )
     return found, problem, fitted
@@ -157,13 +190,20 @@ def _of_room(
 def _lasting(segment: Segment, record: Record, belief: Belief, effects: Effects) -> list[Nuisance]:
     """Return what may differ of room and drives; what effects say of it goes before what the room says."""
     own = list(knobs(effects, segment.stages, belief))
-    taken = {name for effect in effects for name in effect.absorbs if any(each.name.startswith(f"{effect.name} ") for each in own)}
+    taken = {
+        name
+        for effect in effects
+        for name in effect.absorbs
+        if any(each.name.startswith(f"{effect.name} ") for each in own)
+    }
     once = {each.name for each in of_record(belief, record, segment.driven_by)}
     rest = [each for each in nuisances(belief, record, segment.driven_by) if each.name not in taken | once]
     return [*own, *(replace(each, sd=WIDER * each.sd) for each in rest)]
 
 
-def _fitted(problem: SegmentProblem, start: FloatArray | None = None, convention: Convention | None = None) -> Hypothesis:
+def _fitted(
+    problem: SegmentProblem, start: FloatArray | None = None, convention: Convention | None = None
+) -> Hypothesis:
     """Return the best fit to the whole record."""
     estimator = Estimator(problem)
     start = np.zeros(len(problem.sd)) if start is None else start
@@ -183,8 +223,8 @@ def _discrepancies(problem: SegmentProblem, fitted: Hypothesis, ahead: Hypothesi
     """Return what is left of each channel, by the days that a fit has not seen where these are missed by more."""
     found = {}
     for within, beyond in zip(fitted.residuals, ahead.residuals, strict=True):
-        least_K = problem.judge.ways[within.channel].noise.mean()
-        discrepancy = Discrepancy.of(within.error, within.judged, float(least_K))
+        least_K = problem.record.noise[within.channel] * float(len(within.error) / len(problem.record)) ** 0.5
+        discrepancy = Discrepancy.of(within.error, within.judged, least_K)
         wider = beyond.gap(SELECT) / within.gap() if within.gap() else 1.0
         found[within.channel] = replace(discrepancy, sd_K=discrepancy.sd_K * float(np.clip(wider, 1.0, MOST_WIDER)))
     shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
@@ -202,5 +242,3 @@ def _covariance(problem: SegmentProblem, fitted: Hypothesis) -> FloatArray:
     slopes = Estimator(problem).slopes_at(fitted)
     root = problem.prior / problem.sd
     return np.asarray(np.linalg.inv(slopes.T @ slopes + root.T @ root))
-
-

@@ -67,7 +67,9 @@ class Estimator(Generic[P]):
     def settled(self, fitted: Hypothesis) -> Hypothesis:
         """Return a fit that others are compared with, gone on with to its end: else they gain what it had left."""
         for _ in range(AGAIN if self.has_nuisances else 0):
-            fitted = self.nuisance_fit(fitted.effects, fitted.departures, fitted.convention, (FIT,), most=STEPS) or fitted
+            fitted = (
+                self.nuisance_fit(fitted.effects, fitted.departures, fitted.convention, (FIT,), most=STEPS) or fitted
+            )
         return fitted
 
     def with_best_convention(self, fitted: Hypothesis) -> Hypothesis:

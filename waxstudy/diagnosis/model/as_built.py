@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from math import exp
@@ -14,6 +14,8 @@ from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import Nuisance
 from waxstudy.plugin import Belief, Effect, FloatArray
 
+Edits = Sequence[tuple[type[Effect], Mapping[str, float]]]
+
 
 @dataclass(frozen=True)
 class AsBuilt:
@@ -23,6 +25,7 @@ class AsBuilt:
     departures: FloatArray  # (knobs,) their posterior mean
     covariance: FloatArray  # (knobs, knobs) of their posterior
     chain: tuple[tuple[Nuisance, float], ...] = ()  # of the control chain, and their departures
+    always: Edits = ()  # effects of the chain that were there from the start
     conventions: Mapping[str, Convention] = field(default_factory=dict)  # by segment: how the log is read
     discrepancies: Mapping[str, Discrepancy] = field(default_factory=dict)  # of a room, by channel
     left: Mapping[str, Left] = field(default_factory=dict)  # of a chain, by channel
@@ -31,6 +34,8 @@ class AsBuilt:
         """Return what is believed of the loop as it was built."""
         for knob, departure in (*zip(self.knobs, self.departures.tolist(), strict=True), *self.chain):
             belief = knob.apply(belief, departure)
+        for effect, values in self.always:
+            belief = effect.apply(belief, effect.Parameters(**values))
         return belief
 
 
@@ -42,25 +47,34 @@ class Left:
     whitened: float
 
 
-def knobs(effects: Sequence[type[Effect]], stages: Sequence[str], belief: Belief) -> Iterator[Nuisance]:
+@dataclass(frozen=True)
+class Knob(Nuisance):
+    """A parameter of an effect by which a healthy loop may differ from its documents; the effect's others rest."""
+
+    effect: type[Effect] = Effect
+    parameter: str = ""
+    neutral: Mapping[str, float] = field(default_factory=dict)
+
+    def values(self, departure: float) -> dict[str, float]:
+        """Return the parameters of the effect after a departure, within the bounds that it is looked for in."""
+        prior, still = self.effect.priors[self.parameter], self.neutral[self.parameter]
+        value = still * exp(departure) if prior.is_log else still + departure
+        return {**self.neutral, self.parameter: float(np.clip(value, prior.low, prior.high))}
+
+
+def knobs(effects: Sequence[type[Effect]], stages: Sequence[str], belief: Belief) -> Iterator[Knob]:
     """Yield what effects of these stages say that may differ from the documents in a healthy loop."""
     for effect in effects:
         if effect.stage in stages and not effect.hindrance(belief) and (neutral := effect.neutral(belief)):
             for name, prior in effect.priors.items():
                 if prior.as_built:
-                    yield Nuisance(f"{effect.name} {name}", prior.as_built, _departed(effect, name, neutral))
+                    apply = partial(_applied, effect, name, neutral)
+                    knob = Knob(
+                        f"{effect.name} {name}", prior.as_built, apply, False, prior.varies, effect, name, neutral
+                    )
+                    yield knob
 
 
-def _departed(effect: type[Effect], name: str, neutral: Mapping[str, float]) -> Callable[[Belief, float], Belief]:
-    return partial(_applied, effect, name, dict(neutral))
-
-
-def _applied(effect: type[Effect], name: str, neutral: dict[str, float], belief: Belief, departure: float) -> Belief:
-    prior, still = effect.priors[name], neutral[name]
-    value = still * exp(departure) if prior.is_log else still + departure
-    value = float(np.clip(value, prior.low, prior.high))
-    if value == still:
-        return belief
-    return effect.apply(belief, effect.Parameters(**{**neutral, name: value}))
-
-
+def _applied(effect: type[Effect], name: str, neutral: Mapping[str, float], belief: Belief, departure: float) -> Belief:
+    values = Knob("", 0.0, lambda b, d: b, effect=effect, parameter=name, neutral=neutral).values(departure)
+    return belief if values == dict(neutral) else effect.apply(belief, effect.Parameters(**values))

@@ -30,6 +30,7 @@ class Nuisance:
     sd: float
     apply: Callable[[Belief, float], Belief]
     is_event: bool = False  # something that happened once, no property of the room: it shows from then on only
+    varies: float = 0.0  # standard deviation of it from one record to another
 
 
 def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float | None = 1.0) -> list[Nuisance]:
@@ -52,7 +53,7 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float |
 
 
 def of_record(belief: Belief, record: Record, driven_by: str) -> list[Nuisance]:
-    """Return what nobody knows of a record itself: drives that nobody recorded, how warm it was at first, lost flows."""
+    """Return what nobody knows of a record itself: unrecorded drives, how warm it was at first, lost flows."""
     return [
         *_unrecorded(record),
         Nuisance(START, START_K, _of_input("start_K", lambda old, departure: departure)),

@@ -27,7 +27,13 @@ class Continuous:
     """Errors of each sample, weighed by noise, and by more while the segment's drive moves."""
 
     def __init__(
-        self, channel: str, segment: Segment, record: Record, parts: np.ndarray, perturbed: Sequence[Predicted], more: float = 1.0
+        self,
+        channel: str,
+        segment: Segment,
+        record: Record,
+        parts: np.ndarray,
+        perturbed: Sequence[Predicted],
+        more: float = 1.0,
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
         filled = record.filled(channel)

@@ -19,7 +19,13 @@ class Switching:
     """Seconds off around each switch, over what noise of the drive and sampling move that switch."""
 
     def __init__(
-        self, channel: str, segment: Segment, record: Record, parts: np.ndarray, perturbed: Sequence[Predicted], more: float = 1.0
+        self,
+        channel: str,
+        segment: Segment,
+        record: Record,
+        parts: np.ndarray,
+        perturbed: Sequence[Predicted],
+        more: float = 1.0,
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
         self.measured = record.filled(channel)

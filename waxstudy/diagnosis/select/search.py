@@ -90,6 +90,7 @@ class Selection:
     floor: NoiseFloor
     withdrawn: tuple[Withdrawn, ...] = ()
     intervals: Mapping[EffectType, Mapping[str, Interval]] = field(default_factory=dict)  # of what was found
+    posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses, where a healthy record is known
 
     @property
     def problem(self) -> SegmentProblem:
@@ -131,10 +132,10 @@ class Selection:
 
 def select(estimator: Estimator[SegmentProblem], effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
     """Add the effects of a segment one by one, as long as one of them explains enough of what is left."""
-    return _Search(estimator, effects, np.random.default_rng(seed), tick).run()
+    return Search(estimator, effects, np.random.default_rng(seed), tick).run()
 
 
-class _Search:
+class Search:
     def __init__(
         self,
         estimator: Estimator[SegmentProblem],
@@ -184,6 +185,21 @@ class _Search:
                 withdrawn += out
                 found = [each for each in found if each not in [one.found for one in out]]
                 models, without = self.models(found, convention if found else self.estimator.base.convention)
+        return self._selection(found, first, models, without, withdrawn)
+
+    def selection(self, found: Sequence[Found], first: Sequence[Candidate]) -> Selection:
+        """Return a selection of what was found otherwise."""
+        convention = found[-1].candidate.fitted.convention if found else self.estimator.base.convention
+        return self._selection(found, first, *self.models(found, convention), ())
+
+    def _selection(
+        self,
+        found: Sequence[Found],
+        first: Sequence[Candidate],
+        models: Models,
+        without: Models,
+        withdrawn: Sequence[Withdrawn],
+    ) -> Selection:
         floor, intervals = self.floor(models[-1]), self.intervals(models[-1]) if found else {}
         rest = tuple(found), tuple(first), floor, tuple(withdrawn), intervals
         return Selection(self.estimator, models, without, *rest)

@@ -14,6 +14,7 @@ from waxstudy.diagnosis.result import Unexplained, in_floors
 from waxstudy.diagnosis.select.evidence import Left
 from waxstudy.diagnosis.select.null import by_block, redrawn
 from waxstudy.diagnosis.select.search import Selection, runs_on_at
+from waxstudy.diagnosis.select.weigh import LIKELIER, UNKNOWN
 from waxstudy.plugin import FloatArray
 
 DRAWS = 1000
@@ -24,12 +25,25 @@ def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
     """Yield the channels of a segment whose gap stays over its floor in 99 % of the ways to draw its cycles or days."""
     if selection.segment.is_supply:
         return  # the curve is only looked at for a shift
+    if selection.posterior:
+        yield from _unknown(selection)
+        return
     random = np.random.default_rng([seed, 3])
     for residual in selection.after.residuals:
         floor = selection.floor.plain[residual.channel]
         left = _left(selection, residual, random)
         if meets(Question.UNKNOWN, left) and residual.channel not in selection.slight:
             yield _described(selection, residual, floor, left)
+
+
+def _unknown(selection: Selection) -> Iterator[Unexplained]:
+    """Yield the channel of a link that is missed by most, where something unknown is likelier there than not."""
+    held = sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+"))
+    if held >= LIKELIER:
+        floor = selection.floor.plain
+        worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
+        stage = stage_of(selection, worst.channel)
+        yield Unexplained(stage, worst.gap(), floor[worst.channel], 1.0 - held, channel=worst.channel)
 
 
 def _left(selection: Selection, residual: Residual, random: np.random.Generator) -> Left:

@@ -13,16 +13,20 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.evidence import departure
 from waxstudy.diagnosis.select.superposed import Superposed
+from waxstudy.plugin import FloatArray
 
 # constants of the posterior
 PRIOR_CHANGED = 0.25  # that something of a link changed at all
 PRICE = 3.0  # of a free parameter, in units of log likelihood
 UNKNOWN_PRICE = 5.0  # of leaving something to what is unknown
 SCATTER = 0.15  # of the logarithm of what healthy records leave
-LEAST_LEFT = 0.3  # of what noise leaves: less is no measure of anything
+LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
+FORM = 0.05  # of what an effect explains, that its form may leave
+BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
 DEEPER = 3  # hypotheses that others are tried beside
-CREDIBLE = 0.9
+LIKELIER = 0.5
 UNKNOWN = "unknown"
 NONE = "none"
 Tick = Callable[[str], None]
@@ -33,14 +37,13 @@ class Weighed:
     """A hypothesis of one link: its effects as fitted, and what speaks for it, as logarithms."""
 
     fitted: Hypothesis
-    likelihood: float
-    always: float  # how much better the same would be, had it been so from the start
+    names: tuple[str, ...]  # of its effects that are large enough to be worth a name, in alphabetical order
+    gain: float  # of likelihood over that of nothing
+    always: float  # how much likelier the healthy record would be, had it been so from the start
     misfit: float  # what it leaves beyond what healthy records do, in standard deviations
-    prior: float
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return tuple(sorted(self.fitted.names))
+    price: float  # of its parameters, and that anything of the kind happens
+    spread: float  # variance of the gain from day to day or cycle to cycle, over that which independent errors have
+    most: float  # gain that so many days or cycles can tell at all
 
 
 class Weighing:
@@ -59,19 +62,17 @@ class Weighing:
         self.healthy: Healthy = calibration.healthy[problem.segment.name]
         self.effects = [effect for effect in effects if not effect.hindrance(problem.belief)]
         self.share = {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.residuals}
-        self.prior_one = float(np.log(PRIOR_CHANGED / max(1, len(self.effects))))
-        self.prior_none = float(np.log(1.0 - PRIOR_CHANGED))
+        self.none = self.estimator.settled(self.estimator.base)
 
     def weighed(self) -> list[Weighed]:
         """Return the hypotheses: none, each effect, and the best few with every other."""
-        none = self.estimator.settled(self.estimator.base)
-        one_more = Superposed(self.estimator, none).fits if len(self.problem.sd) else self._fits
-        found = [self.of(none)]
-        found += [self.of(each) for each in one_more(self.effects, none, self.tick)]
+        one_more = Superposed(self.estimator, self.none).fits if len(self.problem.sd) else self._fits
+        found = [self.of(self.none)]
+        found += [self.of(each) for each in one_more(self.effects, self.none, self.tick)]
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
         if best and score(best[0]) > score(found[0]):
             for each in best:
-                others = [effect for effect in self.effects if effect.name not in each.names]
+                others = [effect for effect in self.effects if effect.name not in each.fitted.names]
                 found += [self.of(pair) for pair in one_more(others, each.fitted, self.tick)]
         return found
 
@@ -83,49 +84,102 @@ class Weighing:
                 yield fitted
 
     def of(self, fitted: Hypothesis) -> Weighed:
+        """Return a hypothesis with what speaks for it."""
         parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
-        loss = sum(each.loss() / self.share.get(each.channel, 1.0) for each in fitted.residuals)
-        likelihood = -0.5 * (loss + self.estimator.strain(fitted)) - PRICE * parameters
-        prior = self.prior_one * len(fitted.effects) if fitted.effects else self.prior_none
+        prior = np.log(PRIOR_CHANGED / max(1, len(self.effects))) * len(fitted.effects)
+        gain = 0.5 * (self._loss(self.none) - self._loss(fitted))
         always = self.healthy.gain(fitted.effects) if fitted.effects else 0.0
-        return Weighed(fitted, likelihood, always, self.misfit(fitted), prior)
+        spread, most = self._spread(fitted)
+        price = PRICE * parameters - float(prior if fitted.effects else np.log(1.0 - PRIOR_CHANGED))
+        names = tuple(sorted(self._notable(fitted)))
+        return Weighed(fitted, names, gain, always, self.misfit(fitted), price, spread, most)
+
+    def _loss(self, fitted: Hypothesis) -> float:
+        return float(np.sum(self._missed(fitted) ** 2)) + self.estimator.strain(fitted)
+
+    def _missed(self, fitted: Hypothesis) -> FloatArray:
+        """Return whitened residuals (m,), weighed by how many of them count as one."""
+        return np.concatenate([each.whitened / self.share.get(each.channel, 1.0) ** 0.5 for each in fitted.residuals])
+
+    def _spread(self, fitted: Hypothesis) -> tuple[float, float]:
+        """Return how much more than independent errors a gain varies over days or cycles, and the most they can tell.
+
+        A gain that only few of them give is no effect's: the sandwich variance of its size (White 1980,
+        doi:10.2307/1912934), and the logarithm of Student's t that so many give.
+        """
+        missed = self._missed(self.none)
+        change = missed - self._missed(fitted)
+        _, block = np.unique(np.concatenate([self._block(each) for each in fitted.residuals]), return_inverse=True)
+        along, power = np.bincount(block, missed * change), np.bincount(block, change * change)
+        count, whole = int(np.count_nonzero(power)), float(power.sum())
+        if count < 2 or whole <= 0.0:
+            return 1.0, 0.0
+        off = along - along.sum() / whole * power
+        variance = max(float(off @ off), 1e-12)
+        t_2 = float(along.sum()) ** 2 / variance * (count - 1) / count
+        return max(1.0, variance / whole), 0.5 * count * float(np.log1p(t_2 / (count - 1)))
+
+    def _block(self, residual: Residual) -> np.ndarray:
+        """Return the number of the cycle, of a room of the quarter of a day, of each residual."""
+        if not self.problem.segment.with_room:
+            return residual.block
+        return (residual.sample * self.problem.record.interval_s // BLOCK_S).astype(int)
+
+    def _notable(self, fitted: Hypothesis) -> Iterator[str]:
+        """Yield the names of effects that depart by more than is worth a name."""
+        for effect, values in fitted.effects:
+            rest = [each for each in fitted.effects if each[0] is not effect]
+            if departure(effect, values, self.problem.edited(rest, fitted.departures)) > 1.0:
+                yield effect.name
 
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
-        return max((self._misfit(each) for each in fitted.residuals), default=0.0)
+        pairs = zip(self.none.residuals, fitted.residuals, strict=True)
+        return max((self._misfit(before, after) for before, after in pairs), default=0.0)
 
-    def _misfit(self, residual: Residual) -> float:
+    def _misfit(self, none: Residual, residual: Residual) -> float:
         count = int(residual.judged.sum())
         healthy = self.healthy.left(residual.channel)
         if not count or healthy is None:
             return 0.0
         left = float(np.sqrt(residual.loss() / count))
         usual, before = healthy
+        usual = max(usual, LEAST_OFF if residual.unit == "s" else LEAST_LEFT)
+        explained = max(0.0, none.loss() - residual.loss()) / count
+        usual = float(np.sqrt(usual**2 + FORM**2 * explained))
         share = self.share.get(residual.channel, 1.0)
         scatter = np.sqrt(SCATTER**2 + 0.5 * share / count + 0.5 * share / before)
-        return max(0.0, float(np.log(max(left, LEAST_LEFT) / max(usual, LEAST_LEFT)) / scatter))
+        return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
 
 
 def score(weighed: Weighed) -> float:
-    """Return the logarithm of what speaks for a hypothesis, with nothing unknown beside it."""
-    return weighed.likelihood + weighed.prior - max(0.0, weighed.always) - 0.5 * weighed.misfit**2
+    """Return the logarithm of what speaks for a hypothesis by itself, with nothing unknown beside it."""
+    return weighed.gain / weighed.spread - max(0.0, weighed.always) - 0.5 * weighed.misfit**2 - weighed.price
 
 
 def posterior(found: Sequence[Weighed]) -> dict[str, float]:
-    """Return the probability of each hypothesis of a link, with something unknown beside it or not; they sum to 1."""
+    """Return the probability of each hypothesis of a link, with something unknown beside it or not; they sum to 1.
+
+    The first is that nothing changed. What was so from the start is no change.
+    """
+    best = max(found, key=score)
     logs: dict[str, float] = {}
     for each in found:
-        name = "+".join(each.names)
-        plain = each.likelihood + each.prior - max(0.0, each.always)
-        for key, value in ((name or NONE, plain - 0.5 * each.misfit**2), (beside(name), plain - UNKNOWN_PRICE)):
-            logs[key] = max(logs.get(key, -np.inf), value)
+        gain = each.gain / best.spread
+        if not each.names:
+            # days and cycles can speak against it only so much
+            gain = max(gain, best.gain / best.spread - best.most) if best.names else gain
+        _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
+        if each.always > 0.0:
+            _add(logs, (), gain - each.price, each.misfit)
     most = max(logs.values())
     weights = {name: float(np.exp(value - most)) for name, value in logs.items()}
     whole = sum(weights.values())
     return {name: weight / whole for name, weight in weights.items()}
 
 
-def beside(name: str) -> str:
-    return f"{name}+{UNKNOWN}" if name else UNKNOWN
-
-
+def _add(logs: dict[str, float], names: Sequence[str], value: float, misfit: float) -> None:
+    """Take a hypothesis in, with something unknown beside it and without; of several the best counts."""
+    pairs = (("+".join(names) or NONE, 0.5 * misfit**2), ("+".join((*names, UNKNOWN)), UNKNOWN_PRICE))
+    for key, price in pairs:
+        logs[key] = max(logs.get(key, -np.inf), value - price)

@@ -118,6 +118,8 @@ def alternatives(effect: FoundEffect) -> list[str]:
 
 
 def how_sure(effect: FoundEffect) -> str:
+    if math.isfinite(effect.probability):
+        return f"Probability {percent(effect.probability)}."
     found = f"{percent(effect.inclusion)} of resampled records" if math.isfinite(effect.inclusion) else ""
     return f"Found again in {found}; p = {probability(effect.p)}." if found else f"p = {probability(effect.p)}."
 

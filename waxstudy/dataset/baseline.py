@@ -1,0 +1,92 @@
+"""The baseline of a dataset: a record of the same loop when it was healthy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.dataset.read import Dataset, read_dataset
+from waxstudy.plugin.registry import Registry
+from waxstudy.study.problems import Problem, StudyError
+
+LEAST_DAYS = 3.0
+WHERE = "[baseline]"
+
+
+def read_baseline(dataset: Dataset, folder: Path, registry: Registry | None = None) -> Dataset:
+    """Return the baseline in a folder; raise `StudyError` where it cannot be one of this dataset.
+
+    That is where it is of another loop, overlaps with the record in time or is shorter than three days.
+    """
+    baseline = read_dataset(folder, registry)
+    problems = [*_differences(dataset, baseline), *_overlap(dataset, baseline), *_too_short(baseline)]
+    if problems:
+        raise StudyError([Problem(str(folder / "dataset.toml"), 0, WHERE, "", "", wrong) for wrong in problems])
+    return baseline
+
+
+def parted(dataset: Dataset, first: pd.Timestamp, last: pd.Timestamp) -> tuple[Dataset, Dataset]:
+    """Return the days from `first` to `last`, both included, as a baseline, and the days after them as the record.
+
+    Raises `StudyError` where these days are not in the record, or less than three days are left on either side.
+    """
+    begins = dataset.time - pd.Timedelta(seconds=dataset.interval_s)
+    days = begins.normalize()
+    chosen, after = (days >= first) & (days <= last), days > last
+    there = f"the record has {days[0].date()}..{days[-1].date()}"
+    if first > last:
+        raise _wrong(dataset, f"{first.date()}..{last.date()}: the days go backwards ({there})")
+    if first < days[0] or last > days[-1]:
+        raise _wrong(dataset, f"{first.date()}..{last.date()} lies outside the record ({there})")
+    if problem := next(_too_short(_rows(dataset, chosen)), ""):
+        raise _wrong(dataset, problem)
+    if np.count_nonzero(after) * dataset.interval_s < LEAST_DAYS * 86_400.0:
+        raise _wrong(dataset, f"less than {LEAST_DAYS:g} days come after {last.date()}, and nothing is left to judge")
+    return _rows(dataset, chosen), _rows(dataset, after)
+
+
+def _rows(dataset: Dataset, chosen: np.ndarray) -> Dataset:
+    return replace(dataset, time=dataset.time[chosen], values=dataset.values[chosen], baseline=None)
+
+
+def _wrong(dataset: Dataset, wrong: str) -> StudyError:
+    return StudyError([Problem(str(dataset.folder / "dataset.toml"), 0, "", "--baseline-days", "", wrong)])
+
+
+def _differences(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
+    """Yield what is believed otherwise of the two: then they are not of one loop."""
+    for kind in sorted({*dataset.nominal, *baseline.nominal}):
+        pair = [each.nominal[kind].described() if kind in each.nominal else {} for each in (dataset, baseline)]
+        yield from (f"another loop: {kind} {told}" for told in _told(*pair))
+    rooms = [each.room.described() if each.room else {} for each in (dataset, baseline)]
+    yield from (f"another loop: room {told}" for told in _told(*rooms))
+
+
+def _told(one: dict[str, object], other: dict[str, object]) -> Iterator[str]:
+    """Yield the first key in which two descriptions differ."""
+    for key in (*one, *(key for key in other if key not in one)):
+        if one.get(key) != other.get(key):
+            values = (_short(each.get(key)) for each in (other, one))
+            yield f"{key} is {next(values)} in the baseline and {next(values)} in the record"
+            return
+
+
+def _short(value: object) -> str:
+    text = "not there" if value is None else str(value)
+    return text if len(text) <= 40 else "otherwise"
+
+
+def _overlap(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
+    if baseline.time[0] <= dataset.time[-1] and dataset.time[0] <= baseline.time[-1]:
+        first, last = max(baseline.time[0], dataset.time[0]), min(baseline.time[-1], dataset.time[-1])
+        yield f"it overlaps with the record, from {first} to {last}: a baseline is from another time"
+
+
+def _too_short(baseline: Dataset) -> Iterator[str]:
+    days = len(baseline.time) * baseline.interval_s / 86_400.0
+    if days < LEAST_DAYS:
+        yield f"a baseline of {days:.1f} days is too short: at least {LEAST_DAYS:g} days are needed"

@@ -1,0 +1,142 @@
+"""What changed at a link since its healthy record, and how sure that is: a selection by probability."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from waxstudy.diagnosis.calibration.calibrate import Calibration
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.candidate import Candidate
+from waxstudy.diagnosis.select.search import Found, Search, Selection
+from waxstudy.diagnosis.select.weigh import LIKELIER, NONE, UNKNOWN, Tick, Weighed, Weighing, posterior, score
+
+NAMED = 0.8  # probability from which on an effect is named alone
+CREDIBLE = 0.9  # that a group holds
+LEAST_TOLD = 1e-4  # of a joint hypothesis
+
+
+def changed(search: Search, calibration: Calibration, whole: SegmentProblem, tick: Tick) -> Selection:
+    """Return what changed at a link; `whole` is its problem with all days to fit."""
+    weighing = Weighing(whole, search.effects, calibration, search.estimator.thorough, tick)
+    weighed = weighing.weighed()
+    beliefs, tried = posterior(weighed), _tried(search, weighed)
+    while True:
+        found = _found(search, weighed, Choice.of(beliefs), beliefs)
+        selection = search.selection(found, tried)
+        blurred = search.blurred(found, selection.models, selection.without)
+        if not blurred:
+            return replace(selection, posterior=beliefs)
+        beliefs = _without(beliefs, {name for each in blurred for name in each.found.group})
+
+
+def _without(beliefs: Mapping[str, float], blurred: set[str]) -> dict[str, float]:
+    """Return probabilities where effects that may as well be what is believed are none."""
+    found: dict[str, float] = {}
+    for name, probability in beliefs.items():
+        rest = [each for each in name.split("+") if each not in blurred]
+        key = "+".join(rest) or NONE
+        found[key] = found.get(key, 0.0) + probability
+    return found
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The effects that are named, each with those that may stand in its place, itself first."""
+
+    groups: tuple[tuple[str, ...], ...]
+
+    @classmethod
+    def of(cls, beliefs: Mapping[str, float]) -> Choice:
+        """Return the answer of least expected cost: nothing where that is likelier, names, or the smallest groups."""
+        sets: dict[frozenset[str], float] = {}
+        for name, probability in beliefs.items():
+            effects = frozenset(name.split("+")) - {NONE, UNKNOWN}
+            sets[effects] = sets.get(effects, 0.0) + probability
+        if sets.get(frozenset(), 0.0) >= LIKELIER:
+            return cls(())
+        best = max((each for each in sets if each), key=lambda each: sets[each])
+        groups = [_group(name, best, sets) for name in sorted(best)]
+        return cls(tuple(group for group in groups if group))
+
+
+def _group(name: str, best: frozenset[str], sets: Mapping[frozenset[str], float]) -> tuple[str, ...]:
+    """Return an effect and what may stand in its place, the likeliest first; nothing where it may as well not be."""
+    rest = best - {name}
+    held = sum(probability for effects, probability in sets.items() if name in effects)
+    if held >= NAMED:
+        return (name,)
+    if rest and held < LIKELIER:
+        return ()
+    instead: dict[str, float] = {}
+    for effects, probability in sets.items():
+        others = effects - rest
+        if rest <= effects and len(others) == 1:
+            (other,) = others
+            instead[other] = instead.get(other, 0.0) + probability
+    chosen, sum_, all_ = [name], instead.pop(name, 0.0), sum(instead.values())
+    whole = sum_ + all_
+    for other in sorted(instead, key=lambda each: -instead[each]):
+        if sum_ >= CREDIBLE * whole:
+            break
+        chosen.append(other)
+        sum_ += instead[other]
+    return tuple(chosen)
+
+
+def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: Mapping[str, float]) -> list[Found]:
+    """Return what is named as findings, each judged beside those before it."""
+    first = [group[0] for group in choice.groups]
+    if not first:
+        return []
+    best = max((each for each in weighed if set(first) <= set(each.names)), key=lambda e: (-len(e.names), score(e)))
+    values = {effect.name: (effect, each) for effect, each in best.fitted.effects}
+    current, found = search.estimator.base, []
+    for group in choice.groups:
+        edits = (*current.effects, values[group[0]])
+        fitted = search.estimator.refined(edits, current.departures, current.convention) or current
+        candidate = search.judged(current, [(values[group[0]][0], fitted)])[0]
+        others = [_alone(search, weighed, name) for name in group[1:]]
+        often = sum(p for name, p in beliefs.items() if set(group) & set(name.split("+")))
+        found.append(Found(candidate, group, often, tuple(each for each in others if each)))
+        current = fitted
+    return found
+
+
+def _alone(search: Search, weighed: Sequence[Weighed], name: str) -> Candidate | None:
+    one = next((each.fitted for each in weighed if each.fitted.names == (name,)), None)
+    return search.judged(search.estimator.base, [(one.effects[0][0], _here(search, one))])[0] if one else None
+
+
+def _here(search: Search, fitted: Hypothesis) -> Hypothesis:
+    """Return a hypothesis that was fitted to the whole record, judged on the parts of the record."""
+    return search.problem.at(fitted.effects, fitted.departures, fitted.convention) or fitted
+
+
+def _tried(search: Search, weighed: Sequence[Weighed]) -> list[Candidate]:
+    singles: list[tuple[EffectType, Hypothesis]] = [
+        (each.fitted.effects[0][0], _here(search, each.fitted)) for each in weighed if len(each.fitted.effects) == 1
+    ]
+    return search.judged(search.estimator.base, singles)
+
+
+def joint(links: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return the probability of each hypothesis of the whole loop, whose links are independent; they sum to 1."""
+    found: dict[frozenset[str], float] = {frozenset(): 1.0}
+    for link in links:
+        more: dict[frozenset[str], float] = {}
+        for names, probability in found.items():
+            for name, own in link.items():
+                both = names | (frozenset(name.split("+")) - {NONE})
+                more[both] = more.get(both, 0.0) + probability * own
+        found = {names: probability for names, probability in more.items() if probability >= LEAST_TOLD}
+    whole = sum(found.values())
+    told = {_joined(names): probability / whole for names, probability in found.items()} if links else {}
+    return dict(sorted(told.items(), key=lambda each: -each[1]))
+
+
+def _joined(names: frozenset[str]) -> str:
+    known = sorted(names - {UNKNOWN})
+    return "+".join([*known, UNKNOWN] if UNKNOWN in names else known) or NONE
