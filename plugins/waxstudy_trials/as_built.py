@@ -11,11 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from waxstudy.plugin import FloatArray
-from waxstudy_trials.plant.weather import DAY_PARTS, PART_S, Weather
-
 DIGITS = 4
-MOST_SD = 2.5  # what lies farther off is drawn from within
+MOST_SD = 2.5  # what would lie farther off lies there
 BASELINE_DAYS = (7, 16)
 PAUSE_DAYS = (7, 60)  # between the baseline's last day and the record's first
 OUTDOOR_C = (-9.0, 4.0)  # mean of the baseline's days, as of any record
@@ -85,22 +82,3 @@ def healthy(scene: Mapping[str, Any]) -> dict[str, Any] | None:
         return None
     rest = {name: value for name, value in scene.items() if name != "baseline"}
     return {**rest, **scene["baseline"], "causes": []}
-
-
-def lived_in(weather: Weather, seed: int) -> Weather:
-    """Return the weather with the gains of people whose days differ, by what they are assumed to be every day."""
-    random = np.random.default_rng([seed, 1])
-    days = len(weather.gains_W) // DAY_PARTS
-    found = weather.gains_W.reshape(days, DAY_PARTS)
-    lived = [_day(each, random) for each in found]
-    return weather._replace(gains_W=np.concatenate(lived))
-
-
-def _day(gains_W: FloatArray, random: np.random.Generator) -> FloatArray:
-    factor, later_h = (EVERY_DAY[name].drawn(random) for name in ("gains", "gains_later_h"))
-    return factor * later(gains_W, later_h)
-
-
-def later(gains_W: FloatArray, hours: float) -> FloatArray:
-    """Return gains by so much later, to a quarter of an hour; what comes after the end is at the beginning."""
-    return np.roll(gains_W, round(hours * 3600.0 / PART_S))

@@ -24,11 +24,12 @@ from waxstudy.blind_test.record import FILES, PAGE_BYTES, WIDTH
 from waxstudy.blind_test.truth import Size, told
 from waxstudy.dataset.read import read_dataset
 from waxstudy.plugin.trial import Staged, engine_of, engines
-from waxstudy_trials.as_built import BASELINE_DAYS, EVERY_DAY, SCATTER, Scatter, as_built, lived_in
+from waxstudy_trials.as_built import BASELINE_DAYS, EVERY_DAY, SCATTER, Scatter, as_built
 from waxstudy_trials.energyplus.description import House
 from waxstudy_trials.energyplus.description import built as built_house
 from waxstudy_trials.plant.description import Plant
 from waxstudy_trials.plant.description import built as built_plant
+from waxstudy_trials.plant.people import lived_in
 from waxstudy_trials.plant.weather import weather
 from waxstudy_trials.when import when
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from waxstudy.plugin import BackendMissing, FloatArray
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged
-from waxstudy_trials.as_built import as_built, earlier, healthy, lived_in
+from waxstudy_trials.as_built import as_built, earlier, healthy
 from waxstudy_trials.commissioning import fitted_valve
 from waxstudy_trials.energyplus.blocks import STEP_S, flow_fraction
 from waxstudy_trials.energyplus.causes import PUTS
@@ -19,6 +19,7 @@ from waxstudy_trials.energyplus.description import House, built
 from waxstudy_trials.energyplus.drawn import drawn
 from waxstudy_trials.energyplus.happened import WARM_UP_DAYS, Happened, held, kept
 from waxstudy_trials.energyplus.room import WINDOW_M2, building
+from waxstudy_trials.plant.people import lived_in
 from waxstudy_trials.plant.weather import Weather, weather
 from waxstudy_trials.put import logged_puts, scene_of, with_all, with_causes
 from waxstudy_trials.when import whens

@@ -10,11 +10,12 @@ import numpy as np
 
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged, Unmakeable
-from waxstudy_trials.as_built import as_built, earlier, healthy, later, lived_in
+from waxstudy_trials.as_built import as_built, earlier, healthy
 from waxstudy_trials.commissioning import fitted_valve
 from waxstudy_trials.family import Channels
 from waxstudy_trials.plant.causes import PUTS
 from waxstudy_trials.plant.description import WARM_UP_S, Plant, built
+from waxstudy_trials.plant.people import later, lived_in
 from waxstudy_trials.plant.weather import Weather, weather
 from waxstudy_trials.put import logged_puts, scene_of, with_all, with_causes
 from waxstudy_trials.when import whens
