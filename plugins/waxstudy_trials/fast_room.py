@@ -21,6 +21,7 @@ from waxstudy.synthetic.simulate import RealityError
 from waxstudy.synthetic.write import Telling
 from waxstudy_trials.families import FAMILIES, Family, logged
 from waxstudy_trials.severity import severity
+from waxstudy_trials.when import whens
 
 OUTDOOR_C = (-10.0, 4.0)  # means of the weeks
 CLEAR_DAY = {"january": 0.08, "february": 0.4}  # kWh/m2 of a day with nearly all of the sun that there can be
@@ -71,7 +72,8 @@ class FastRoom(Engine):
         channels, without = logged(reality.week.channels, reality.week.step_s, choices)
         telling = Telling(ours, true, case, weeks, setpoint_C)
         described = {"nominal": telling.nominal(), "room": ours.room.described()}
-        return Staged(channels, reality.week.step_s, reality.first_day, described, edits, without)
+        acts = whens(scene["causes"], channels, reality.week.step_s)
+        return Staged(channels, reality.week.step_s, reality.first_day, described, edits, without, when=acts)
 
 
 def _is_logger(choice: Choice) -> bool:

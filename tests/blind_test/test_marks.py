@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -9,7 +11,7 @@ import pytest
 from waxstudy.blind_test.answer import Answer, NoAnswer
 from waxstudy.blind_test.figures import median, share
 from waxstudy.blind_test.marks import Mark, TrueCause, Truth
-from waxstudy.blind_test.score import figures, scored
+from waxstudy.blind_test.score import figures, posteriors, scored
 
 STAGE = {
     "let-by": "valve",
@@ -238,3 +240,75 @@ def test_shares_have_wilson_s_interval_and_medians_one_of_cases_drawn_again() ->
     assert middle.low is not None
     assert middle.high is not None
     assert 35.0 < middle.low < 50.0 < middle.high < 65.0
+
+
+# --- probabilities and hours ------------------------------------------------------------------------
+
+
+def believing(true: Truth, **posterior: float) -> Mark:
+    said = {"verdict": "none", "posterior": {name.replace("_", "-"): value for name, value in posterior.items()}}
+    return Mark(true, Answer.read(said))
+
+
+def test_a_brier_score_is_of_all_hypotheses_that_of_the_truth_among_them() -> None:
+    assert believing(truth(), none=1.0).brier == 0.0
+    assert believing(truth(ALONE), none=1.0).brier == 2.0
+    half = believing(truth(ALONE), let_by=0.5, none=0.25, unknown=0.25)
+    assert half.brier == pytest.approx(0.25 + 2 * 0.0625)
+    assert half.log_score == pytest.approx(math.log(2.0))
+    assert believing(truth(ALONE), none=1.0).log_score == pytest.approx(math.log(1e4))
+    assert mark(truth(ALONE)).brier is None
+
+
+def test_hypotheses_are_names_joined_in_any_order_and_a_family_is_unknown() -> None:
+    two = truth(ALONE, cause("sensor-bias"))
+    for spelling in ("let-by+sensor-bias", "sensor-bias+let-by"):
+        assert Mark(two, Answer.read({"verdict": "none", "posterior": {spelling: 1.0}})).brier == 0.0
+    assert believing(truth(cause("stove", family=True)), unknown=1.0).brier == 0.0
+    mixed = truth(ALONE, cause("stove", family=True))
+    assert Mark(mixed, Answer.read({"verdict": "none", "posterior": {"let-by+unknown": 1.0}})).brier == 0.0
+
+
+@pytest.mark.parametrize("posterior", [{"none": 0.5}, {"none": 1.5, "unknown": -0.5}, ["none"], {"none": "much"}])
+def test_probabilities_that_are_none_are_told(posterior: Any) -> None:
+    with pytest.raises(NoAnswer, match="posterior"):
+        Answer.read({"verdict": "none", "posterior": posterior})
+
+
+def test_stated_probabilities_stand_in_five_bins_beside_what_was_true() -> None:
+    (found,) = posteriors([believing(truth(), none=0.9, unknown=0.1), believing(truth(ALONE), none=1.0)]).values()
+    assert [each["count"] for each in found["every"]] == [1, 0, 0, 0, 2]
+    assert found["every"][4]["stated"] == pytest.approx(0.95)
+    assert (found["every"][4]["true"]["value"], found["every"][0]["true"]["value"]) == (0.5, 0.0)
+    assert [each["count"] for each in found["first"]] == [0, 0, 0, 0, 2]
+    assert posteriors([mark(truth())]) == {}
+
+
+def acting(name: str, *spans: tuple[float, float], **how: Any) -> TrueCause:
+    return replace(cause(name, **how), when=spans)
+
+
+def test_hours_that_are_told_are_held_against_those_in_which_a_cause_acts() -> None:
+    opened = truth(acting("window-opening", (7.0, 9.0), (31.0, 33.0), stages="room"))
+    said = effect("window-opening", stage="room")
+
+    def found(**when: Any) -> Any:
+        return mark(opened, {**said, **when}).overlaps
+
+    assert found(when={"spans_h": [[7.0, 9.0], [31.0, 33.0]]}) == [(True, 1.0)]
+    assert found(when={"spans_h": [[7.0, 8.0]]}) == [(True, 0.25)]
+    assert found(when={"spans_h": []}) == [(True, 0.0)]
+    assert found() == found(when=None) == []
+    assert mark(opened, {**effect("let-by"), "when": {"spans_h": [[7.0, 9.0]]}}).overlaps == []
+    always = truth(acting("let-by", (0.0, 336.0)))
+    assert mark(always, {**effect("let-by"), "when": {"spans_h": [[0.0, 168.0]]}}).overlaps == [(False, 0.5)]
+    stove = truth(acting("stove", (18.0, 22.0), family=True, stages="room emitter"))
+    assert mark(stove, {**effect("extra", stage="room"), "when": {"spans_h": [[18.0, 21.0]]}}).overlaps == [
+        (True, 0.75)
+    ]
+
+
+@pytest.mark.parametrize("spans", [[[2.0, 1.0]], [[0.0, 2.0], [1.0, 3.0]], [1.0], [[0.0, float("nan")]]])
+def test_hours_that_are_none_are_told(spans: Any) -> None:
+    with pytest.raises(NoAnswer, match="cannot be read"):
+        Answer.read({"verdict": "effect", "effects": [{**effect("let-by"), "when": {"spans_h": spans}}]})

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
+from math import isfinite
 from typing import Any
 
+NONE, UNKNOWN = "none", "unknown"  # hypotheses that are no effect's name
+SUM = 0.01  # that probabilities may be off 1
 VERDICTS = ("effect", "group", "unknown", "untestable", "none")
 
 
@@ -23,6 +27,7 @@ class Claim:
     parameters: Mapping[str, tuple[float, float, float]]  # value, low, high
     shrink: float | None
     channel: str
+    when: tuple[tuple[float, float], ...] | None = None  # hours since the record began
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,7 @@ class Answer:
     open_stages: tuple[frozenset[str], ...]
     untestable: frozenset[str]
     has_failed: bool = False
+    posterior: Mapping[str, float] | None = None  # hypothesis -> probability
 
     @classmethod
     def failed(cls) -> Answer:
@@ -51,7 +57,7 @@ class Answer:
             untestable = frozenset(str(each["name"]) for each in said.get("untestable") or ())
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise NoAnswer(f"its effects, unexplained or untestable cannot be read: {error!r}") from error
-        return cls(said["verdict"], claims, open_, untestable)
+        return cls(said["verdict"], claims, open_, untestable, posterior=_posterior(said.get("posterior")))
 
 
 def _claim(said: Mapping[str, Any]) -> Claim:
@@ -67,7 +73,44 @@ def _claim(said: Mapping[str, Any]) -> Claim:
         parameters={key: each for key, each in parameters.items() if each},
         shrink=None if shrink is None else float(shrink),
         channel=str(said.get("channel", "")),
+        when=_spans((said.get("when") or {}).get("spans_h")),
     )
+
+
+def _spans(said: Any) -> tuple[tuple[float, float], ...] | None:
+    """Return the hours in which an effect is said to act, in order; None where nothing is said."""
+    if said is None:
+        return None
+    found = tuple(sorted((float(begin), float(end)) for begin, end in said))
+    ends = [end for span in found for end in span]
+    if not all(map(isfinite, ends)) or any(later < earlier for earlier, later in pairwise(ends)):
+        raise ValueError(f"when.spans_h is to be a list of [from, to], apart from each other, not {said!r:.60}")
+    return found
+
+
+def hypothesis(names: Iterable[str]) -> str:
+    """Return how several effects are called together: alphabetically, `unknown` behind them.
+
+    >>> hypothesis(["unknown", "let-by"]), hypothesis([])
+    ('let-by+unknown', 'none')
+    """
+    return "+".join(sorted(names, key=lambda name: (name == UNKNOWN, name))) or NONE
+
+
+def _posterior(said: Any) -> Mapping[str, float] | None:
+    if said is None:
+        return None
+    try:
+        found: dict[str, float] = {}
+        for name, probability in said.items():
+            key = hypothesis(str(name).split("+"))
+            found[key] = found.get(key, 0.0) + float(probability)
+    except (AttributeError, TypeError, ValueError) as error:
+        raise NoAnswer(f"its posterior is no mapping from hypothesis to probability: {error!r}") from error
+    total = sum(found.values())
+    if not all(value >= 0.0 for value in found.values()) or not abs(total - 1.0) <= SUM:
+        raise NoAnswer(f"the probabilities of its posterior are not at least 0 with a sum of 1 (it is {total:g})")
+    return {name: value / total for name, value in found.items()}
 
 
 def _interval(said: Mapping[str, Any]) -> tuple[float, float, float] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from waxstudy.dataset.channels import CHANNELS
 from waxstudy.plugin.trial import Cause, Engine, Scene, engine_of
 from waxstudy.synthetic.instruments import Instruments
 
+NO_SUN = "no sun or gains"
 # channel set -> what it lacks; a return says nothing without flow
 CHANNEL_SETS: Mapping[str, tuple[str, ...]] = {
     "all": (),
@@ -22,9 +23,14 @@ CHANNEL_SETS: Mapping[str, tuple[str, ...]] = {
     "no signal": ("control_output", "heating_signal"),
     "temperatures only": ("control_output", "heating_signal", "displacement", "flow_L_h", "return_temperature_C"),
 }
+# of a house as it was built: channel set -> how often
+BUILT_SETS: Mapping[str, float] = {"all": 0.7, "no displacement": 0.15, NO_SUN: 0.15}
+BUILT_INTERVALS_S = {60.0: 0.6, 120.0: 0.2, 300.0: 0.2}
+BUILT_DAYS = (7, 13)
 INTERVALS_S = {10.0: 0.1, 30.0: 0.15, 60.0: 0.4, 120.0: 0.15, 300.0: 0.12, 900.0: 0.08}  # -> how often
 NOISE = (0.5, 4.0)  # factor on the nominal noise, log-uniform
 MISSING = (0.0, 0.0, 0.003, 0.02)
+SUNLESS = ("solar_gain_W", "internal_gain_W")
 PATIENCE = 8  # attempts after which a record is measured in another way: its sampling may hide what it must show
 
 
@@ -32,7 +38,7 @@ PATIENCE = 8  # attempts after which a record is measured in another way: its sa
 class Measured:
     """How a record is measured, in JSON's words."""
 
-    channels: str  # of CHANNEL_SETS
+    channels: str  # of CHANNEL_SETS or BUILT_SETS
     interval_s: float
     days: int
     noise_factor: float
@@ -44,7 +50,7 @@ class Measured:
         factor = self.noise_factor if noise else 0.0
         return Instruments(
             interval_s=self.interval_s,
-            without=CHANNEL_SETS[self.channels],
+            without=SUNLESS if self.channels == NO_SUN else CHANNEL_SETS[self.channels],
             noise={name: factor * channel.noise for name, channel in CHANNELS.items()},
             resolution={} if noise else dict.fromkeys(CHANNELS, 0.0),
             missing=self.missing if noise else 0.0,
@@ -54,7 +60,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Case:
-    """A record that was drawn; `scene["causes"]` is its truth."""
+    """A record that was drawn; `scene["causes"]` is its truth. `baseline` is how the healthy one before is measured."""
 
     name: str
     stratum: str
@@ -63,9 +69,10 @@ class Case:
     attempt: int
     measured: Measured
     scene: Scene
+    baseline: Measured | None = None
 
     def described(self) -> dict[str, Any]:
-        return asdict(self)
+        return {name: value for name, value in asdict(self).items() if name != "baseline" or value}
 
     @property
     def causes(self) -> list[Cause]:
@@ -80,6 +87,8 @@ def drawn(key: Key, slot: Slot, index: int, attempt: int, is_judged: bool) -> Ca
     How it is measured, and all of the scene but its causes, is drawn alike whether there are causes or not. Where the
     scene must be drawn again, for a larger gap, the record stays as it is measured, for a while.
     """
+    if slot.has_baseline:
+        return _drawn_pair(key, slot, index, attempt, is_judged)
     random, engine = key.random("scene", index, attempt), engine_of(slot.engine)
     measured = _measured(key.random("measured", index, attempt // PATIENCE), slot, engine)
     names = _names(random, slot, causes_of(engine, slot.kind, is_judged))
@@ -87,6 +96,28 @@ def drawn(key: Key, slot: Slot, index: int, attempt: int, is_judged: bool) -> Ca
     if slot.kind == "null":
         scene = {**scene, "causes": []}
     return Case(key.record_name(index), slot.stratum, slot.kind, slot.engine, attempt, measured, scene)
+
+
+def _drawn_pair(key: Key, slot: Slot, index: int, attempt: int, is_judged: bool) -> Case:
+    """Return a case of a house as it was built, with a healthy record of it from before."""
+    random, engine = key.random("scene", index, attempt), engine_of(slot.engine)
+    measured = _measured_built(key.random("measured", index, attempt // PATIENCE))
+    scene = engine.draw_built(random, _names(random, slot, causes_of(engine, slot.kind, is_judged)), measured.days)
+    if slot.kind == "null":
+        scene = {**scene, "causes": []}
+    before = engine.baseline_of(scene)
+    assert before
+    seed = int(key.random("baseline", index, attempt).integers(2**31))
+    baseline = replace(measured, days=before["days"], seed=seed)
+    name = key.record_name(index)
+    return Case(name, slot.stratum, slot.kind, slot.engine, attempt, measured, scene, baseline)
+
+
+def _measured_built(random: np.random.Generator) -> Measured:
+    channels = str(random.choice(list(BUILT_SETS), p=list(BUILT_SETS.values())))
+    interval_s = float(random.choice(list(BUILT_INTERVALS_S), p=list(BUILT_INTERVALS_S.values())))
+    days = int(random.integers(BUILT_DAYS[0], BUILT_DAYS[1] + 1))
+    return Measured(channels, interval_s, days, 1.0, float(random.choice(MISSING)), int(random.integers(2**31)))
 
 
 def _measured(random: np.random.Generator, slot: Slot, engine: type[Engine]) -> Measured:

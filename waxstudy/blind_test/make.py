@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from waxstudy.blind_test.draw import Case, drawn
 from waxstudy.blind_test.key import Key, KeyProblem
 from waxstudy.blind_test.plan import Plan, Slot
-from waxstudy.blind_test.record import FILES, LONG_AGO_S, digest_of, set_times, write_record
+from waxstudy.blind_test.record import BASELINE, LONG_AGO_S, copy_record, digest_of, set_times, write_record
 from waxstudy.plugin.trial import Staged, Unmakeable, engine_of
 from waxstudy.results.atomic import whole_file, whole_folder
 
@@ -154,29 +154,55 @@ def settled(place: Place, key: Key, slot: Slot, index: int, is_judged: bool) -> 
         try:
             case, staged, seen = _tried(place, key, slot, index, attempt, is_judged)
             quick = sizes(case, staged, seen, with_alike=False) if slot.least_over else []
-            if all(each is not None and each.over >= slot.least_over for each in quick):
-                return case, staged, sizes(case, staged, seen)
-            small.append(attempt)
+            is_small = not all(each is not None and each.over >= slot.least_over for each in quick)
+            if is_small:
+                small.append(attempt)
+                continue
+            _add_baseline(place, slot, case, staged)
+            return case, staged, sizes(case, staged, seen)
         except Unmakeable as error:
             reason = str(error)
-    if not small:
-        raise Unmakeable(f"{slot.engine}: no record of {slot.cause or slot.kind} can be had: {reason}")
-    case, staged, seen = _tried(place, key, slot, index, small[-1], is_judged)
-    return case, staged, sizes(case, staged, seen)
+    for attempt in reversed(small):
+        try:
+            case, staged, seen = _tried(place, key, slot, index, attempt, is_judged)
+            _add_baseline(place, slot, case, staged)
+            return case, staged, sizes(case, staged, seen)
+        except Unmakeable as error:
+            reason = str(error)
+    raise Unmakeable(f"{slot.engine}: no record of {slot.cause or slot.kind} can be had: {reason}")
+
+
+def _add_baseline(place: Place, slot: Slot, case: Case, staged: Staged) -> None:
+    """Write a record once more with its baseline, if it has one; raise `Unmakeable` as for the record."""
+    if not slot.has_baseline:
+        return
+    engine = engine_of(case.engine)
+    scene = engine.baseline_of(case.scene)
+    assert scene
+    assert case.baseline
+    folder = place.record(case.name)
+    write_record(folder, staged, case.measured, (engine.make(scene), case.baseline))
+    _read(folder)
+    _read(folder / BASELINE)
 
 
 def _tried(
     place: Place, key: Key, slot: Slot, index: int, attempt: int, is_judged: bool
 ) -> tuple[Case, Staged, Dataset]:
     """Draw, make and write a record; raise `Unmakeable`, also of one that is refused as a reader would refuse it."""
-    from waxstudy.dataset.read import read_dataset
-    from waxstudy.study.problems import StudyError
-
     case = drawn(key, slot, index, attempt, is_judged)
     staged = engine_of(case.engine).make(case.scene)
     write_record(place.record(case.name), staged, case.measured)
+    return case, staged, _read(place.record(case.name))
+
+
+def _read(folder: Path) -> Dataset:
+    """Return a record as a reader sees it; raise `Unmakeable` where that would refuse it."""
+    from waxstudy.dataset.read import read_dataset
+    from waxstudy.study.problems import StudyError
+
     try:
-        return case, staged, read_dataset(place.record(case.name))
+        return read_dataset(folder)
     except StudyError as error:
         raise Unmakeable(str(error)) from error
 
@@ -193,8 +219,7 @@ def seal(place: Place, key: Key, names: Sequence[str]) -> None:
 def _born_anew(place: Place, name: str) -> None:
     """Copy a record and its box: when a file was born tells how long the next one took to make."""
     with whole_folder(place.record(name)) as folder:
-        for file in FILES:
-            shutil.copyfile(place.record(name) / file, folder / file)
+        copy_record(place.record(name), folder)
     set_times(place.record(name))
     with whole_file(place.box(name)) as box:
         shutil.copyfile(place.box(name), box)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from waxstudy.blind_test.answer import Answer, Claim
+from waxstudy.blind_test.answer import UNKNOWN, Answer, Claim, hypothesis
 from waxstudy.plugin.trial import engine_of
 
 DAY_H = 24.0
+LEAST_STATED = 0.01  # of a probability that is looked at
+LEAST_TRUE = 1e-4  # what the truth is given at least, so that no single answer makes the mean infinite
+Spans = Sequence[tuple[float, float]]
 FLOW = "_L_h"
 
 
@@ -25,6 +29,7 @@ class TrueCause:
     over: float  # true gap over its floor, 0 where no channel shows it
     beyond: float  # the same when all that nobody knows of the room is fitted
     alike: frozenset[str]
+    when: tuple[tuple[float, float], ...] | None = None  # hours since the record began in which it acts
 
     @property
     def members(self) -> frozenset[str]:
@@ -46,6 +51,7 @@ class Truth:
     causes: tuple[TrueCause, ...]
     departs: frozenset[str]
     is_measured: bool
+    has_baseline: bool = False  # a house that was not built as it is believed, and a healthy record of it
 
     @classmethod
     def read(cls, box: Mapping[str, Any]) -> Truth:
@@ -62,6 +68,7 @@ class Truth:
             causes=tuple(_cause(each) for each in box["causes"]),
             departs=frozenset(engine.departs),
             is_measured=engine.is_measured,
+            has_baseline="baseline" in box,
         )
 
     @property
@@ -74,6 +81,11 @@ class Truth:
         return min((cause.beyond for cause in self.causes), default=0.0)
 
     @property
+    def hypothesis(self) -> str:
+        """What a posterior calls it."""
+        return hypothesis({UNKNOWN if cause.is_family else cause.name for cause in self.causes})
+
+    @property
     def label(self) -> str:
         return " + ".join(sorted(cause.name for cause in self.causes)) or "nothing"
 
@@ -81,7 +93,8 @@ class Truth:
 def _cause(said: Mapping[str, Any]) -> TrueCause:
     size = said["size"] or {"over": 0.0, "beyond": 0.0, "alike": ()}
     stages, alike = frozenset(said["stages"]), frozenset(size["alike"])
-    return TrueCause(said["name"], stages, said["is_family"], said["values"], size["over"], size["beyond"], alike)
+    acts = tuple((begin, end) for begin, end in said["when"]) if "when" in said else None
+    return TrueCause(said["name"], stages, said["is_family"], said["values"], size["over"], size["beyond"], alike, acts)
 
 
 @dataclass(frozen=True)
@@ -140,6 +153,41 @@ class Mark:
             for claim in self.claims
             if not cause.is_family and cause.name in claim.group and claim.group <= cause.members
         )
+
+    # --- probabilities and hours, where an answer has them ---
+
+    @property
+    def stated(self) -> Sequence[tuple[float, bool]]:
+        """Each hypothesis with a probability worth naming: that, and whether it is the truth; the likeliest first."""
+        said = self.answer.posterior or {}
+        found = [(value, name == self.truth.hypothesis) for name, value in said.items() if value >= LEAST_STATED]
+        return sorted(found, key=lambda each: -each[0])
+
+    @property
+    def brier(self) -> float | None:
+        """The squared errors of the probabilities of all hypotheses, from 0 to 2."""
+        said = self.answer.posterior
+        if said is None:
+            return None
+        every = {self.truth.hypothesis: 0.0, **said}
+        return sum((value - (name == self.truth.hypothesis)) ** 2 for name, value in every.items())
+
+    @property
+    def log_score(self) -> float | None:
+        """Minus the logarithm of the truth's probability."""
+        said = self.answer.posterior
+        return None if said is None else -math.log(max(LEAST_TRUE, said.get(self.truth.hypothesis, 0.0)))
+
+    @property
+    def overlaps(self) -> Sequence[tuple[bool, float]]:
+        """Of each claim of a cause that says when: whether the cause comes and goes, and hours in both over either.
+
+        A claim is of a cause of the library that it names rightly, and of a family at whose stages it is.
+        """
+        placed = [(c, each) for c in self.truth.causes if c.is_family for each in self.claims if each.stages & c.stages]
+        said = [(cause.when, claim.when) for cause, claim in (*self.right_claims, *placed)]
+        whole = ((0.0, DAY_H * self.truth.days),)
+        return [(true != whole, overlap(true, found)) for true, found in said if true is not None and found is not None]
 
     @property
     def right_group(self) -> bool:
@@ -237,6 +285,17 @@ class Mark:
                 told = {n: said for n, said in claim.parameters.items() if n in cause.values}
                 found += [(f"{cause.name}.{n}", turned(n, cause.values[n], said[0]), said) for n, said in told.items()]
         return found
+
+
+def overlap(one: Spans, other: Spans) -> float:
+    """Return the hours in both over the hours in either.
+
+    >>> overlap([(0.0, 4.0), (10.0, 12.0)], [(2.0, 4.0)])
+    0.3333333333333333
+    """
+    both = sum(max(0.0, min(a[1], b[1]) - max(a[0], b[0])) for a in one for b in other)
+    either = sum(end - begin for begin, end in (*one, *other)) - both
+    return both / either if either > 0.0 else 0.0
 
 
 def turned(parameter: str, true: float, said: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from waxstudy.blind_test.key import Key
@@ -29,6 +29,7 @@ class Slot:
     cause: str = ""
     is_free: bool = False
     least_over: float = 0.0
+    has_baseline: bool = False  # of a house as it was built, with a healthy record from before
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,7 @@ def _strata(chosen: Sequence[type[Engine]]) -> dict[str, list[Slot]]:
     """Return the strata of a judged run with their slots; one without an engine is empty."""
     own = [e for e in chosen if not e.departs and not e.is_measured]
     other = [e for e in chosen if e.departs and not e.is_measured]
+    built = [e for e in chosen if e.has_baselines]
     house = [e for e in chosen if e.is_measured]
     effects = [(e, name) for e in own for name in causes_of(e, "single", is_judged=True)]
     goal = [
@@ -131,7 +133,15 @@ def _strata(chosen: Sequence[type[Engine]]) -> dict[str, list[Slot]]:
             *_turns("spread", other, "single", 20, is_free=True),
             *_turns("spread", other, "family", 10, is_free=True),
         ],
+        "built-null": _built(_turns("built-null", built, "null", 60)),
+        "built-single": _built(_causes_in_turn("built-single", built, "single", 120)),
+        "built-pair": _built(_turns("built-pair", built, "pair", 40, least_over=LEAST_OVER)),
+        "built-family": _built(_causes_in_turn("built-family", built, "family", 40)),
     }
+
+
+def _built(slots: Sequence[Slot]) -> list[Slot]:
+    return [replace(slot, has_baseline=True) for slot in slots]
 
 
 def _turns(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import tempfile
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,16 +28,27 @@ NAME, ORIGIN = "record", "a record of a blind test"  # the same for all
 WIDTH = 11  # letters of a cell: a number's size would show in the file's
 PAGE_BYTES = 32_768  # dataset.toml is filled up to a multiple
 FILES = ("dataset.toml", "data.csv")
+BASELINE = "baseline"  # folder of the healthy record of the same loop, within the record's
 LONG_AGO_S = 946_684_800  # 2000-01-01, the time of every file
 
 
-def write_record(folder: Path, staged: Staged, measured: Measured) -> None:
-    """Write a record's folder whole; raise `RealityError` or `OSError`."""
-    table = shown(staged, measured)
+Seen = tuple[Staged, Measured]  # what happened, and how it is measured
+
+
+def write_record(folder: Path, staged: Staged, measured: Measured, baseline: Seen | None = None) -> None:
+    """Write a record's folder whole, with that of its baseline; raise `RealityError` or `OSError`."""
     with whole_folder(folder) as place:
-        (place / "data.csv").write_text(text_of(table), encoding="utf-8")
-        (place / "dataset.toml").write_bytes(_padded(_described(table, staged, measured)))
+        _write(place, staged, measured, {"baseline": {"path": BASELINE}} if baseline else {})
+        if baseline:
+            (place / BASELINE).mkdir()
+            _write(place / BASELINE, *baseline, {})
     set_times(folder)
+
+
+def _write(folder: Path, staged: Staged, measured: Measured, tables: Mapping[str, Any]) -> None:
+    table = shown(staged, measured)
+    (folder / "data.csv").write_text(text_of(table), encoding="utf-8")
+    (folder / "dataset.toml").write_bytes(_padded({**_described(table, staged, measured), **tables}))
 
 
 def shown(staged: Staged, measured: Measured, noise: bool = True) -> pd.DataFrame:
@@ -94,13 +107,34 @@ def without_noise(staged: Staged, measured: Measured) -> Dataset:
 
 def set_times(folder: Path) -> None:
     """Give all files of a folder, and itself, one time."""
-    for path in (*folder.iterdir(), folder):
+    for path in (*folder.rglob("*"), folder):
         os.utime(path, (LONG_AGO_S, LONG_AGO_S))
+
+
+def files_of(folder: Path) -> tuple[str, ...]:
+    """Return the files of a record, those of its baseline behind its own."""
+    has_baseline = (folder / BASELINE).is_dir()
+    return (*FILES, *(f"{BASELINE}/{name}" for name in FILES)) if has_baseline else FILES
+
+
+def copy_record(record: Path, folder: Path) -> None:
+    """Copy a record into a folder that is there, file by file."""
+    for name in files_of(record):
+        (folder / name).parent.mkdir(exist_ok=True)
+        shutil.copyfile(record / name, folder / name)
+
+
+def copy_without_baseline(record: Path, folder: Path) -> None:
+    """Copy a record as if it had none."""
+    shutil.copyfile(record / "data.csv", folder / "data.csv")
+    tables = tomllib.loads((record / "dataset.toml").read_text(encoding="utf-8"))
+    tables.pop("baseline", None)
+    (folder / "dataset.toml").write_bytes(_padded(tables))
 
 
 def digest_of(folder: Path) -> str:
     """Return the hash of a record's files."""
     found = hashlib.sha256()
-    for name in FILES:
+    for name in files_of(folder):
         found.update((folder / name).read_bytes())
     return found.hexdigest()

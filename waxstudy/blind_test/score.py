@@ -9,7 +9,7 @@ from typing import Any
 from waxstudy.blind_test.answer import Answer, NoAnswer
 from waxstudy.blind_test.draw import drawn
 from waxstudy.blind_test.figures import Figure, mean, median, share
-from waxstudy.blind_test.goals import described_goals
+from waxstudy.blind_test.goals import HALF, WHERE, described_goals, where_of
 from waxstudy.blind_test.key import Key, KeyProblem, canonical
 from waxstudy.blind_test.make import FORMAT, BlindTestError, Place
 from waxstudy.blind_test.marks import Mark, Truth
@@ -18,6 +18,7 @@ from waxstudy.blind_test.solve import LEAVE_ONE_OUT, answer_path, is_answered, s
 from waxstudy.plugin.trial import Unmakeable
 
 CLOSE = 0.2  # of a parameter
+BINS = 5  # of stated probability
 OVER = ((0.0, 1.0), (1.0, 2.0), (2.0, 4.0), (4.0, 10.0), (10.0, float("inf")))
 
 
@@ -133,6 +134,7 @@ def scored(own: Sequence[Mark], records: int, left_out: Sequence[Mark], shrinks:
         "failed": [mark.truth.name for mark in own if mark.answer.has_failed],
         "seconds": _figure(median([mark.seconds for mark in own])),
         "goals": described_goals(own, left_out, shrinks),
+        "posterior": posteriors(own),
         "all": _described(own),
         "by": {name: _split(own, of) for name, of in SPLITS.items()},
         "parameters": _parameters(own),
@@ -172,7 +174,46 @@ def figures(own: Sequence[Mark]) -> dict[str, Figure]:
         "parameter_error": median([abs(value / true - 1.0) for _, true, (value, _, _) in said if true]),
         "parameter_close": share([abs(value / true - 1.0) <= CLOSE for _, true, (value, _, _) in said if true]),
         "shrinkage": median([claim.shrink for claim in claims if claim.shrink is not None]),
+        "brier": mean([m.brier for m in own if m.brier is not None]),
+        "log_score": mean([m.log_score for m in own if m.log_score is not None]),
+        "when": share([found >= HALF for m in own for _, found in m.overlaps]),
+        "when_of_some": share([found >= HALF for m in own for is_timed, found in m.overlaps if is_timed]),
     }
+
+
+# --- probabilities ---
+
+
+def posteriors(own: Sequence[Mark]) -> dict[str, Any]:
+    """Return by where a record counts what stated probabilities are worth; nothing where no answer has any.
+
+    `every` has all hypotheses that are given one, `first` the likeliest of each answer.
+    """
+    found = {}
+    for where in WHERE:
+        said = [m for m in own if where_of(m) == where and m.answer.posterior is not None]
+        if said:
+            every = [each for m in said for each in m.stated]
+            found[where] = {
+                "answers": len(said),
+                "brier": _figure(mean([m.brier for m in said if m.brier is not None])),
+                "log_score": _figure(mean([m.log_score for m in said if m.log_score is not None])),
+                "every": _binned(every),
+                "first": _binned([m.stated[0] for m in said if m.stated]),
+            }
+    return found
+
+
+def _binned(stated: Sequence[tuple[float, bool]]) -> list[dict[str, Any]]:
+    """Return for each of five bins of stated probability how many there are, their mean, and the share that is true."""
+    bins = []
+    for place in range(BINS):
+        inside = [each for each in stated if min(BINS - 1, int(BINS * each[0])) == place]
+        ends = {"from": place / BINS, "to": (place + 1) / BINS}
+        mean_stated = sum(value for value, _ in inside) / len(inside) if inside else None
+        true = _figure(share([is_true for _, is_true in inside]))
+        bins.append({**ends, "count": len(inside), "stated": mean_stated, "true": true})
+    return bins
 
 
 def _described(own: Sequence[Mark]) -> dict[str, Any]:

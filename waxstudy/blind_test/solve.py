@@ -6,7 +6,6 @@ import json
 import math
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -16,20 +15,21 @@ import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from waxstudy.blind_test.answer import Answer, NoAnswer
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import BlindTestError, Place, Tick
-from waxstudy.blind_test.record import FILES, NAME
+from waxstudy.blind_test.record import BASELINE, NAME, copy_record, copy_without_baseline
 from waxstudy.plugin.trial import baseline_names
 from waxstudy.results.atomic import whole_file
 from waxstudy.simulation.threads import ONE_THREAD
 
 OURS = "ours"
 LEAVE_ONE_OUT = "ours-leave-one-out"
+WITHOUT_BASELINES = "-without-baselines"  # behind the name of whoever gets none
 PROGRAM = (sys.executable, "-c", "from waxstudy.cli import main; main()")
 HERE = "{}"  # where a command wants the dataset's folder, if not at its end
 TAIL = 2000  # letters of stderr that are kept of a failure
@@ -44,6 +44,7 @@ class Diagnoser:
     name: str
     command: tuple[str, ...]
     words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # record -> what replaces the word RECORD
+    sees_baselines: bool = True
 
     def called(self, record: str, folder: Path) -> list[str]:
         command = [*self.command, *self.words.get(record, ())]
@@ -68,11 +69,19 @@ def diagnoser(name: str) -> Diagnoser:
 
 def external(name: str, command: Sequence[str]) -> Diagnoser:
     """Return any command; what is a file here is named so that it is found from elsewhere."""
-    if name in (*known(), LEAVE_ONE_OUT):
-        raise BlindTestError(f"'{name}' is a diagnoser of waxstudy: give yours another name")
+    if name in (*known(), LEAVE_ONE_OUT) or name.endswith(WITHOUT_BASELINES):
+        raise BlindTestError(f"'{name}' is kept for a diagnoser of waxstudy: give yours another name")
     if not re.fullmatch(r"\w[\w.-]*", name):
         raise BlindTestError(f"'{name}' is to be a folder's name: letters, digits, and -, _ or . behind the first")
     return Diagnoser(name, tuple(str(Path(word).absolute()) if Path(word).is_file() else word for word in command))
+
+
+def without_baselines(place: Place, who: Diagnoser) -> tuple[Diagnoser, list[str]]:
+    """Return a diagnoser that gets no baseline, and the records that have one; raise `BlindTestError`."""
+    names = [name for name in place.names() if (place.record(name) / BASELINE).is_dir()]
+    if not names:
+        raise BlindTestError(f"{place.folder}: no record has a baseline")
+    return replace(who, name=f"{who.name}{WITHOUT_BASELINES}", sees_baselines=False), names
 
 
 def leaving_one_out(place: Place, key: Key) -> tuple[Diagnoser, list[str]]:
@@ -170,8 +179,8 @@ def _solve_one(place: Place, who: Diagnoser, record: str, timeout_s: float) -> N
     with tempfile.TemporaryDirectory(prefix="waxstudy-", ignore_cleanup_errors=True) as temporary:
         folder = Path(temporary) / NAME
         folder.mkdir()
-        for name in FILES:
-            shutil.copyfile(place.record(record) / name, folder / name)
+        copy = copy_record if who.sees_baselines else copy_without_baseline
+        copy(place.record(record), folder)
         told = _called(who.called(record, folder), Path(temporary), timeout_s)
     if _stopped.wait(A_MOMENT_S if told["exit_code"] in INTERRUPTED else 0):
         return

@@ -198,11 +198,15 @@ def library() -> list[type[Effect]]:
 def told(case: Case, staged: Staged, found: Sequence[Size | None]) -> dict[str, Any]:
     """Return the truth of a record, in JSON's words."""
     causes = []
-    for cause, each, size in zip(case.causes, case.scene["causes"], found, strict=True):
+    always = [(0.0, 24.0 * case.measured.days)]
+    spans = staged.when or [None] * len(case.causes)
+    for cause, each, size, when in zip(case.causes, case.scene["causes"], found, spans, strict=True):
         measure = None if size is None else _rounded(asdict(size) | {"over": size.over})
         about = {"name": cause.name, "stages": list(cause.stages), "is_family": cause.is_family}
-        causes.append({**about, "values": each["values"], "size": measure})
-    return {**case.described(), "causes": causes, "about": dict(staged.about)}
+        acts = [list(span) for span in (always if when is None else when)]
+        causes.append({**about, "values": each["values"], "size": measure, "when": acts})
+    as_built = {"as_built": case.scene["as_built"]} if "as_built" in case.scene else {}
+    return {**case.described(), "causes": causes, "about": dict(staged.about), **as_built}
 
 
 def _rounded(values: Mapping[str, Any]) -> dict[str, Any]:

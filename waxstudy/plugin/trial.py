@@ -56,6 +56,8 @@ class Staged:
     effects: Sequence[Choice | None] = ()
     without: Sequence[Mapping[str, FloatArray]] = ()
     inputs: tuple[str, ...] = ("solar_gain_W", "internal_gain_W")  # channels that are assumed
+    # of each cause the hours since the record began in which it acts; all of them where nothing is said
+    when: Sequence[Sequence[tuple[float, float]] | None] = ()
     is_measured: bool = False  # the noise is in it already, and nobody has stated it
     about: Mapping[str, Any] = field(default_factory=dict)  # whatever the truth should tell besides
 
@@ -65,12 +67,14 @@ class Engine:
 
     `departs` names the stages where what is believed differs in form from what the engine does, whatever is put in. One
     that is kept takes part in judged runs only. A record that was measured is shown as it is: `is_measured`; then its
-    interval is `interval_s`. `days` are the fewest and the most that a record can have.
+    interval is `interval_s`. `days` are the fewest and the most that a record can have. One that `has_baselines` can
+    also draw a house that was not built as it is believed, with a healthy record of it from before.
     """
 
     name: ClassVar[str]
     is_kept: ClassVar[bool] = False
     is_measured: ClassVar[bool] = False
+    has_baselines: ClassVar[bool] = False
     interval_s: ClassVar[float | None] = None
     days: ClassVar[tuple[int, int]] = (3, 14)
     departs: ClassVar[tuple[str, ...]] = ()
@@ -94,6 +98,19 @@ class Engine:
         Raises `Unmakeable`.
         """
         raise NotImplementedError
+
+    @classmethod
+    def draw_built(cls, random: np.random.Generator, names: Sequence[str], days: int) -> Scene:
+        """Return a scene as `draw` does, of a house as it was built: `scene["as_built"]` says how it differs.
+
+        That is so whatever the causes are, and of its baseline as well; it is nobody's effect.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def baseline_of(cls, scene: Mapping[str, Any]) -> Scene | None:
+        """Return the scene of the same house when it was healthy, on other days before, None where there is none."""
+        return None
 
     @classmethod
     def make(cls, scene: Mapping[str, Any]) -> Staged:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from waxstudy_trials.as_built import AsBuilt
+
 
 class House(NamedTuple):
     """Thermostat, motor, valve, room; the last ones do nothing as they are. All chosen."""
@@ -36,6 +38,9 @@ class House(NamedTuple):
     leaks: float = 1.0
     gains: float = 1.0
     sun: float = 1.0
+    wall_U: float = 1.0
+    window_U: float = 1.0
+    exchange_m2K_W: float = 0.0  # between pipes and floor, besides what is believed
     # what may be wrong with it
     housing_s: float = 0.0  # a second lag of the thermostat
     bias_K: float = 0.0
@@ -60,3 +65,25 @@ class House(NamedTuple):
     mass: float = 1.0  # on all but the floor
     neighbour_W_K: float = 0.0
     stove_W: float = 0.0  # from 18 to 22 h while it is colder than -2 C
+
+
+def built(house: House, as_built: AsBuilt | None) -> House:
+    """Return a house as it was built, whatever is wrong with it besides; without a difference the same."""
+    if not as_built:
+        return house
+    return house._replace(
+        wall_U=house.wall_U * as_built["wall_U"],
+        window_U=house.window_U * as_built["window_U"],
+        sun=house.sun * as_built["sun"],
+        gains=house.gains * as_built["gains"],
+        gains_later_h=house.gains_later_h + as_built["gains_later_h"],
+        furniture=house.furniture * as_built["furniture"],
+        mass=house.mass * as_built["mass"],
+        leaks=house.leaks * as_built["leaks"],
+        flow=house.flow * as_built["flow"],
+        cover_m2K_W=house.cover_m2K_W + as_built["cover_m2K_W"],
+        exchange_m2K_W=house.exchange_m2K_W + as_built["exchange_m2K_W"],
+        supply_K=house.supply_K - as_built["supply_sensor_K"],
+        bias_K=house.bias_K + as_built["room_sensor_K"],
+        power=house.power * as_built["wax"],
+    )

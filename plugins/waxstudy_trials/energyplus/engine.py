@@ -11,17 +11,21 @@ import numpy as np
 
 from waxstudy.plugin import BackendMissing, FloatArray
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged
+from waxstudy_trials.as_built import as_built, earlier, healthy
 from waxstudy_trials.commissioning import fitted_valve
 from waxstudy_trials.energyplus.blocks import STEP_S, flow_fraction
 from waxstudy_trials.energyplus.causes import PUTS
-from waxstudy_trials.energyplus.description import House
+from waxstudy_trials.energyplus.description import House, built
 from waxstudy_trials.energyplus.drawn import drawn
 from waxstudy_trials.energyplus.happened import WARM_UP_DAYS, Happened, held, kept
 from waxstudy_trials.energyplus.room import WINDOW_M2, building
+from waxstudy_trials.plant.people import lived_in
 from waxstudy_trials.plant.weather import Weather, weather
 from waxstudy_trials.put import logged_puts, scene_of, with_all, with_causes
+from waxstudy_trials.when import whens
 
 FIRST = date(2023, 1, 8)
+SCATTERED = ("power", "furniture", "exchange", "leaks", "gains", "sun")  # otherwise, as built
 
 
 class EnergyPlusRoom(Engine):
@@ -29,6 +33,7 @@ class EnergyPlusRoom(Engine):
 
     name = "energyplus-room"
     departs = ("actuator", "valve", "emitter", "room")
+    has_baselines = True
 
     @classmethod
     def hindrance(cls) -> str:
@@ -53,12 +58,25 @@ class EnergyPlusRoom(Engine):
         return with_causes(scene, random, PUTS, names)
 
     @classmethod
+    def draw_built(cls, random: np.random.Generator, names: Sequence[str], days: int) -> Scene:
+        scene = scene_of(random, PUTS, names, days, gains_W=(40.0, 90.0))
+        house = drawn(random, names)
+        scene["house"] = {name: value for name, value in house.items() if name not in SCATTERED}
+        scene |= {"as_built": as_built(random), "baseline": earlier(random, scene["day"])}
+        return with_causes(scene, random, PUTS, names)
+
+    @classmethod
+    def baseline_of(cls, scene: Mapping[str, Any]) -> Scene | None:
+        return healthy(scene)
+
+    @classmethod
     def make(cls, scene: Mapping[str, Any]) -> Staged:
-        house = House(**scene["house"])
+        house, differs = House(**scene["house"]), scene.get("as_built")
         puts = [(PUTS[each["name"]], each["values"]) for each in scene["causes"]]
         assumed, setpoint_C = _weather(scene), scene["setpoint_C"]
-        happened = Happened(with_all(house, puts), assumed, setpoint_C)
-        rests = [with_all(house, [other for other in puts if other is not put]) for put in puts]
+        true = lived_in(assumed, scene["seed"]) if differs else assumed
+        happened = Happened(built(with_all(house, puts), differs), true, setpoint_C)
+        rests = [built(with_all(house, [other for other in puts if other is not put]), differs) for put in puts]
         still = [happened.without(put, rest) for (put, _), rest in zip(puts, rests, strict=True)]
         whole = {name: kept(values) for name, values in (happened.channels | _inputs(assumed, setpoint_C)).items()}
         channels, without = logged_puts(whole, STEP_S, puts, still)
@@ -72,6 +90,7 @@ class EnergyPlusRoom(Engine):
             },
             effects=[None] * len(puts),
             without=without,
+            when=whens(scene["causes"], channels, STEP_S),
         )
 
 

@@ -49,17 +49,19 @@ def building(full_flow_L_h: float) -> dict[str, Any]:
 
 
 @cache
-def known(full_flow_L_h: float) -> RoomDescription:
-    """Return the room as it is believed."""
+def known(full_flow_L_h: float, wall_U: float = 1.0, window_U: float = 1.0) -> RoomDescription:
+    """Return the room as it is believed, or with factors on its U-values."""
     from waxstudy_paper.room import NzebRoom
 
-    parameters, _ = NzebRoom.of_building(NzebRoom.Building(**building(full_flow_L_h)))
+    told = building(full_flow_L_h)
+    told |= {name: told[name] * f for name, f in (("wall_U_W_m2K", wall_U), ("window_U_W_m2K", window_U))}
+    parameters, _ = NzebRoom.of_building(NzebRoom.Building(**told))
     return NzebRoom.description(NzebRoom.Parameters(**parameters))
 
 
 def described(house: House) -> RoomDescription:
     """Return the room as it is."""
-    room = known(house.full_flow_L_h)
+    room = known(house.full_flow_L_h, house.wall_U, house.window_U)
     surfaces = {surface.name: surface for surface in room.surfaces}
     for name, surface in surfaces.items():
         layers = [
@@ -76,8 +78,20 @@ def described(house: House) -> RoomDescription:
         surfaces=tuple(surfaces.values()),
         heated_floor=changed(room.heated_floor, pipes_after_layer=after),
         air=changed(room.air, capacity_multiplier=multiplier),
-        circuit=changed(room.circuit, full_flow_L_h=house.flow * house.full_flow_L_h, exchange_factor=house.exchange),
+        circuit=changed(
+            room.circuit, full_flow_L_h=house.flow * house.full_flow_L_h, exchange_factor=_exchange(house, room)
+        ),
     )
+
+
+def _exchange(house: House, room: RoomDescription) -> float:
+    """Return the factor on the exchange of water and floor, that of a resistance besides at the full flow."""
+    from waxstudy_paper.room.hydronics import pipe_exchange_W_m2K
+
+    screed = room.floor.layers[room.heated_floor.pipes_after_layer - 1]
+    flow_L_s = np.array(house.full_flow_L_h / 3600.0)
+    exchange_W_m2K = float(pipe_exchange_W_m2K(room.circuit, screed.conductivity_W_mK, flow_L_s))
+    return house.exchange / (1.0 + house.exchange_m2K_W * exchange_W_m2K)
 
 
 def cover(resistance_m2K_W: float) -> Any:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from waxstudy_trials.as_built import AsBuilt
+
 WARM_UP_S = 3 * 86_400  # before a record begins
 
 
@@ -86,3 +88,24 @@ class Plant(NamedTuple):
     mass: float = 1.0  # on all but the floor
     neighbour_W_K: float = 0.0
     stove_W: float = 0.0  # from 18 to 22 h while it is colder than -2 C
+    exchange_m2K_W: float = 0.0  # between pipes and floor, besides what is believed
+
+
+def built(plant: Plant, as_built: AsBuilt | None) -> Plant:
+    """Return a plant as it was built, whatever is wrong with it besides; gains are no number of a plant."""
+    if not as_built:
+        return plant
+    return plant._replace(
+        wall_U_W_m2K=plant.wall_U_W_m2K * as_built["wall_U"],
+        window_U_W_m2K=plant.window_U_W_m2K * as_built["window_U"],
+        sun=plant.sun * as_built["sun"],
+        furniture_J_K=plant.furniture_J_K * as_built["furniture"],
+        mass=plant.mass * as_built["mass"],
+        leak_L_s=plant.leak_L_s * as_built["leaks"],
+        full_flow_L_h=plant.full_flow_L_h * as_built["flow"],
+        cover_m2K_W=plant.cover_m2K_W + as_built["cover_m2K_W"],
+        exchange_m2K_W=plant.exchange_m2K_W + as_built["exchange_m2K_W"],
+        supply_K=plant.supply_K - as_built["supply_sensor_K"],
+        bias_K=plant.bias_K + as_built["room_sensor_K"],
+        power_W=plant.power_W * as_built["wax"],
+    )

@@ -10,12 +10,15 @@ import numpy as np
 
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged, Unmakeable
+from waxstudy_trials.as_built import as_built, earlier, healthy
 from waxstudy_trials.commissioning import fitted_valve
 from waxstudy_trials.family import Channels
 from waxstudy_trials.plant.causes import PUTS
-from waxstudy_trials.plant.description import WARM_UP_S, Plant
+from waxstudy_trials.plant.description import WARM_UP_S, Plant, built
+from waxstudy_trials.plant.people import later, lived_in
 from waxstudy_trials.plant.weather import Weather, weather
 from waxstudy_trials.put import logged_puts, scene_of, with_all, with_causes
+from waxstudy_trials.when import whens
 
 STEP_S = 10  # of what is kept
 DAY_S = 86_400
@@ -31,6 +34,7 @@ SOURCES = {
     "floor_surface_C": "floor_surface_C",
     "return_C": "return_C",
 }
+SCATTERED = ("power_W", "furniture_J_K")  # otherwise, as built
 UNTOUCHED = 1e-9  # the least change that a cause makes of a channel
 
 
@@ -39,6 +43,7 @@ class OtherPlant(Engine):
 
     name = "other-plant"
     departs = ("actuator", "valve", "emitter", "room")
+    has_baselines = True
     base: ClassVar[Plant] = Plant()
     building: ClassVar[Mapping[str, Any]] = {
         "facade_m": {"south": 4.0, "west": 2.6},
@@ -57,6 +62,17 @@ class OtherPlant(Engine):
         scene["gains_factor"] = round(float(random.normal(1.0, 0.07)), 3)
         scene["sun_factor"] = round(float(random.normal(1.0, 0.06)), 3)
         return with_causes(scene, random, PUTS, names)
+
+    @classmethod
+    def draw_built(cls, random: np.random.Generator, names: Sequence[str], days: int) -> Scene:
+        scene = scene_of(random, PUTS, names, days, gains_W=(25.0, 60.0))
+        scene["plant"] = {name: value for name, value in cls._scatter(random).items() if name not in SCATTERED}
+        scene |= {"as_built": as_built(random), "baseline": earlier(random, scene["day"])}
+        return with_causes(scene, random, PUTS, names)
+
+    @classmethod
+    def baseline_of(cls, scene: Mapping[str, Any]) -> Scene | None:
+        return healthy(scene)
 
     @classmethod
     def _scatter(cls, random: np.random.Generator) -> dict[str, float]:
@@ -79,18 +95,16 @@ class OtherPlant(Engine):
 
         plant = cls.base._replace(**scene["plant"])
         puts = [(PUTS[each["name"]], each["values"]) for each in scene["causes"]]
-        assumed = cls._weather(scene)
-        true = assumed._replace(
-            sun_W=scene["sun_factor"] * assumed.sun_W, gains_W=scene["gains_factor"] * assumed.gains_W
-        )
-        found = simulate(with_all(plant, puts), true, scene["setpoint_C"])
+        assumed, differs = cls._weather(scene), scene.get("as_built")
+        true = _true(scene, assumed)
+        found = simulate(built(with_all(plant, puts), differs), true, scene["setpoint_C"])
         if not np.isfinite(found).all():
             raise Unmakeable("the plant does not settle")
         whole = _kept(found) | _inputs(assumed, scene["setpoint_C"])
         whole["signal"] = whole["output"]
         still = []
         for put in puts:
-            rest = with_all(plant, [other for other in puts if other is not put])
+            rest = built(with_all(plant, [other for other in puts if other is not put]), differs)
             is_logger = put[0].logger is not None
             still.append({} if is_logger else _changed(whole, simulate(rest, true, scene["setpoint_C"], found)))
         channels, without = logged_puts(whole, float(STEP_S), puts, still)
@@ -104,6 +118,7 @@ class OtherPlant(Engine):
             },
             effects=[None] * len(puts),
             without=without,
+            when=whens(scene["causes"], channels, float(STEP_S)),
         )
 
     @classmethod
@@ -195,6 +210,16 @@ class ThinFloorPlant(OtherPlant):
         "gypsum_m": 0.026,
         "partition_gypsum_m": 0.026,
     }
+
+
+def _true(scene: Mapping[str, Any], assumed: Weather) -> Weather:
+    """Return the weather as it was, with the people who were there."""
+    differs = scene.get("as_built")
+    if not differs:
+        factors = {"sun_W": scene["sun_factor"], "gains_W": scene["gains_factor"]}
+        return assumed._replace(**{name: factor * getattr(assumed, name) for name, factor in factors.items()})
+    people = lived_in(assumed, scene["seed"])
+    return people._replace(gains_W=differs["gains"] * later(people.gains_W, differs["gains_later_h"]))
 
 
 def _kept(found: FloatArray) -> dict[str, FloatArray]:

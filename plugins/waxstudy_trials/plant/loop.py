@@ -71,7 +71,7 @@ def _exchange_W_K(p: Any, flow_L_h: float) -> float:
     film = 165.0 * max(1.0, (flow_L_h / 45.0) ** 0.8) * math.pi * p.pipe_inner_m * p.pipe_m
     wall = 2.0 * math.pi * p.pipe_W_mK * p.pipe_m / math.log(p.pipe_outer_m / p.pipe_inner_m)
     slab = 2.0 * math.pi * p.screed_W_mK * p.pipe_m / math.log(p.spacing_m / (math.pi * p.pipe_outer_m))
-    return 1.0 / (1.0 / film + 1.0 / wall + 1.0 / slab)
+    return 1.0 / (1.0 / film + 1.0 / wall + 1.0 / slab + p.exchange_m2K_W / p.area_m2)
 
 
 @numba.njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]

@@ -16,6 +16,7 @@ from waxstudy.cli.output import Command, print_out
 WITH = "Diagnoser: ours, or a baseline (refit, forward, rules, random)."
 NAME = "Name that an external command's answers are kept under."
 LEAVE = "Ask ours again with each record's true effect taken out of its library; needs the key."
+WITHOUT = "Take the baseline out of the records that have one; kept under NAME-without-baselines."
 SHARE = "Only this share of the records."
 TIMEOUT = "Seconds after which a diagnoser is ended; that counts as a failure."
 FILE = Existing(dir_okay=False)
@@ -27,6 +28,7 @@ FILE = Existing(dir_okay=False)
 @click.option("--with", "who", metavar="NAME", help=WITH)
 @click.option("--name", metavar="NAME", default="external", show_default=True, help=NAME)
 @click.option("--leave-one-out", is_flag=True, help=LEAVE)
+@click.option("--without-baselines", is_flag=True, help=WITHOUT)
 @click.option("--key", "key_text", metavar="KEY", help="Key, for --leave-one-out.")
 @click.option("--key-file", type=FILE, metavar="FILE", help="File that holds the key.")
 @click.option("--share", type=click.FloatRange(0.0, 1.0, min_open=True), default=1.0, show_default=True, help=SHARE)
@@ -40,6 +42,7 @@ def command(
     who: str | None,
     name: str,
     leave_one_out: bool,
+    without_baselines: bool,
     key_text: str | None,
     key_file: Path | None,
     share: float,
@@ -55,6 +58,8 @@ def command(
     """
     if (who is not None) + bool(external) + leave_one_out != 1:
         raise CommandError("give --with NAME, or --leave-one-out, or -- and a command", USAGE)
+    if leave_one_out and without_baselines:
+        raise CommandError("--leave-one-out asks of records without a baseline: leave --without-baselines out", USAGE)
     with failures(folder), bar(quiet) as tick:
         from waxstudy.blind_test import solve
         from waxstudy.blind_test.make import Place
@@ -69,6 +74,8 @@ def command(
             diagnoser, names = solve.leaving_one_out(place, key)
         else:
             diagnoser = solve.diagnoser(who) if who else solve.external(name, external)
+            if without_baselines:
+                diagnoser, names = solve.without_baselines(place, diagnoser)
         names = solve.chosen(names, share)
         failed = solve.solve(place, diagnoser, names, workers, timeout_s, tick)
     said = {"diagnoser": diagnoser.name, "records": len(names), "failed": failed}

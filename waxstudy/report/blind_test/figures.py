@@ -15,6 +15,7 @@ from waxstudy.report.figures.plot import Lacking, drawing, one_panel, panels
 from waxstudy.report.figures.style import BLACK, legend_of, name_rows, series
 
 NOT_CAUSES = ("nothing", "none", "counted apart", "unknown", "untestable", "failed")
+NO_SHARES = ("mean size of right groups", "Brier score of the probabilities", "logarithmic score of the probabilities")
 SIZES = ("0 to 1", "1 to 2", "2 to 4", "4 to 10", "above 10")
 
 
@@ -26,7 +27,7 @@ SIZES = ("0 to 1", "1 to 2", "2 to 4", "4 to 10", "above 10")
 def figure_goals(score: Score) -> Figure:
     """Each goal's figure of everybody, with its 95 % interval, beside what is wanted."""
     names = ordered(score)
-    goals = [goal for goal in score["diagnosers"][names[0]]["goals"] if goal["name"] != "mean size of right groups"]
+    goals = [goal for goal in score["diagnosers"][names[0]]["goals"] if goal["name"] not in NO_SHARES]
     shown = [goal for goal in goals if goal["value"] is not None]
     if not shown:
         raise Lacking("no goal has a record")

@@ -11,7 +11,7 @@ from waxstudy.report.table import Column, Table, text
 
 Score = Mapping[str, Any]
 FIRST = "ours"
-WHERE = ("fast room", "other physics")
+WHERE = ("fast room", "other physics", "as built, with a baseline")
 OF_PARTS = {  # figures of parts of the records, and their headings
     "detection": "detected",
     "right_group": "right\ngroup",
@@ -29,7 +29,8 @@ def as_terminal(score: Score, width: int, colour: bool) -> str:
     goals = [goal_table(score, where) for where in WHERE]
     answered = [replace(table, rows=[row for row in table.rows if _is_answered(row)]) for table in goals]
     who = "".join(f"{_answers(name, score['diagnosers'][name])}\n" for name in ordered(score))
-    return f"{_head(score)}\n\n{terminal(answered, [], width, colour)}{who}"
+    shown = [*(table for table in answered if table.rows), *posterior_tables(score)]
+    return f"{_head(score)}\n\n{terminal(shown, [], width, colour)}{who}"
 
 
 def _is_answered(row: Mapping[str, Any]) -> bool:
@@ -94,6 +95,25 @@ def _wanted(goal: Mapping[str, Any]) -> str:
 
 def _value(name: str) -> Column[Mapping[str, Any]]:
     return Column(name, lambda row: number(row[name]["value"]))
+
+
+def posterior_tables(score: Score) -> list[Table[Mapping[str, Any]]]:
+    """Return what the probabilities that anybody stated are worth, a table for each who and where."""
+    every = [(name, score["diagnosers"][name].get("posterior", {})) for name in ordered(score)]
+    return [
+        _posterior_table(f"{name}, {where}", said[where]) for name, said in every for where in WHERE if where in said
+    ]
+
+
+def _posterior_table(title: str, said: Mapping[str, Any]) -> Table[Mapping[str, Any]]:
+    rows = [{**each, "first": first} for each, first in zip(said["every"], said["first"], strict=True)]
+    columns: list[Column[Mapping[str, Any]]] = [
+        text("probability stated", lambda row: f"{row['from']:.1f} to {row['to']:.1f}"),
+        Column("mean", lambda row: number(row["stated"])),
+        Column("share true", lambda row: interval(row["true"])),
+        Column("the likeliest: share true", lambda row: interval(row["first"]["true"])),
+    ]
+    return Table(f"{title}: probabilities of {said['answers']} answers", columns, rows)
 
 
 def split_table(title: str, split: Mapping[str, Mapping[str, Any]]) -> Table[tuple[str, Mapping[str, Any]]]:
