@@ -144,11 +144,17 @@ def _with_always(
             for effect in named
             if effect not in dict(found) and not effect.hindrance(belief) and (one := estimator.fit(effect, fitted))
         ]
-        best = max(tried, key=lambda each: each[0], default=(0.0, fitted))
+        possible = [each for each in tried if not _hinders(named, belief, problem.belief_of(each[1]))]
+        best = max(possible, key=lambda each: each[0], default=(0.0, fitted))
         if best[0] <= 0.0:
             return problem, fitted, found
         found += best[1].effects
         belief = problem.belief_of(best[1])
+
+
+def _hinders(effects: Effects, before: Belief, after: Belief) -> bool:
+    """Whether an effect cannot apply any more, and could be no change then."""
+    return any(effect.hindrance(after) and not effect.hindrance(before) for effect in effects)
 
 
 def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> float:

@@ -21,7 +21,7 @@ from waxstudy.plugin import FloatArray
 PRIOR_CHANGED = 0.25  # that something of a link changed at all
 PRICE = 3.0  # of a free parameter, in units of log likelihood
 UNKNOWN_PRICE = 5.0  # of leaving something to what is unknown
-SCATTER = 0.15  # of the logarithm of what healthy records leave
+SCATTER, OF_RETURN = 0.15, 0.5  # of the logarithm of what healthy records leave; of the return pulses' form counts
 LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
 FORM = 0.05  # of what an effect explains, that its form may leave
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
@@ -148,7 +148,8 @@ class Weighing:
         explained = max(0.0, none.loss() - residual.loss()) / count
         usual = float(np.sqrt(usual**2 + FORM**2 * explained))
         share = self.share.get(residual.channel, 1.0)
-        scatter = np.sqrt(SCATTER**2 + 0.5 * share / count + 0.5 * share / before)
+        own = OF_RETURN if residual.channel == "return_temperature_C" else SCATTER
+        scatter = np.sqrt(own**2 + 0.5 * share / count + 0.5 * share / before)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
 
 
@@ -165,7 +166,7 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
     best = max(found, key=score)
     logs: dict[str, float] = {}
     for each in found:
-        gain = each.gain / best.spread
+        gain = each.gain / (best.spread if best.names else each.spread)
         if not each.names:
             # days and cycles can speak against it only so much
             gain = max(gain, best.gain / best.spread - best.most) if best.names else gain
