@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from operator import mul
 from typing import Any
 
 from waxstudy.plugin import Belief, Block, Choice, Effect, NoState, Parameters, Prior, parameter
-from waxstudy_effects.wrapping import believed, is_wrapped, wrapped
+from waxstudy_effects.wrapping import believed, wrapped
 from waxstudy_paper.actuators import PRODUCTS, ConstantTimes, IdealActuator, VariableTimes, steady_times
 
 STEADY = "chosen: Table 2, product B, in the steady 15-15 min profile"
@@ -229,11 +230,11 @@ class SlowActuator(Effect):
         assert issubclass(component, Block)
         if component.State is NoState:
             return "the believed actuator takes no time"
-        return "the believed actuator is slowed already" if is_wrapped(actuator_of(belief), cls) else ""
+        return ""
 
     @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
-        return belief.with_block("actuator", wrapped(actuator_of(belief), cls, p, slowed, started_slowly))
+        return belief.with_block("actuator", wrapped(actuator_of(belief), cls, p, slowed, started_slowly, both=mul))
 
     @classmethod
     def sentence(cls, p: Any) -> str:
@@ -270,12 +271,8 @@ class LimitedTravel(Effect):
     priors = {"opening": Prior(0.05, 1.0, noticeable=0.05)}
 
     @classmethod
-    def hindrance(cls, belief: Belief) -> str:
-        return "the believed actuator is limited already" if is_wrapped(belief.blocks.get("actuator"), cls) else ""
-
-    @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
-        return belief.with_block("actuator", wrapped(actuator_of(belief), cls, p, limited))
+        return belief.with_block("actuator", wrapped(actuator_of(belief), cls, p, limited, both=min))
 
     @classmethod
     def sentence(cls, p: Any) -> str:

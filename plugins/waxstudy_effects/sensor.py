@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import add
 from typing import Any
 
 from waxstudy.plugin import Belief, Choice, Effect, Parameters, Prior, parameter
-from waxstudy_effects.wrapping import believed, is_wrapped, wrapped
+from waxstudy_effects.wrapping import believed, wrapped
 from waxstudy_paper.sensors import DelaySensor, IdealSensor
 
 COLDEST_C, WARMEST_C = -100.0, 150.0  # of a reading
@@ -97,12 +98,8 @@ class SensorLag(Effect):
     priors = {"time_constant_s": Prior(0.0, 3600.0, noticeable=20.0)}
 
     @classmethod
-    def hindrance(cls, belief: Belief) -> str:
-        return "the believed sensor has such a lag already" if is_wrapped(belief.blocks.get("sensor"), cls) else ""
-
-    @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
-        return belief.with_block("sensor", wrapped(sensor_of(belief), cls, p, lagging, memory=Lag))
+        return belief.with_block("sensor", wrapped(sensor_of(belief), cls, p, lagging, memory=Lag, both=add))
 
     @classmethod
     def sentence(cls, p: Any) -> str:
@@ -139,12 +136,8 @@ class SensorBias(Effect):
     priors = {"bias_K": Prior(-3.0, 3.0, noticeable=0.05, as_built=0.2)}
 
     @classmethod
-    def hindrance(cls, belief: Belief) -> str:
-        return "the believed sensor has such a bias already" if is_wrapped(belief.blocks.get("sensor"), cls) else ""
-
-    @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
-        return belief.with_block("sensor", wrapped(sensor_of(belief), cls, p, biased))
+        return belief.with_block("sensor", wrapped(sensor_of(belief), cls, p, biased, both=add))
 
     @classmethod
     def sentence(cls, p: Any) -> str:

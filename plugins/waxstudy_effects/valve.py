@@ -8,7 +8,7 @@ from typing import Any
 
 from waxstudy.plugin import Belief, Choice, Effect, Parameters, Prior, parameter
 from waxstudy_effects.description import changed_circuit, full_flow_L_h, room_hindrance
-from waxstudy_effects.wrapping import believed, is_wrapped, wrapped
+from waxstudy_effects.wrapping import believed, wrapped
 from waxstudy_paper.valves import LinearValve, QuickOpeningValve
 
 AUTHORITY = Prior(0.02, 1.0, noticeable=1.25, is_log=True)
@@ -158,13 +158,9 @@ class LetBy(Effect):
     priors = {"fraction": Prior(0.0, 0.3, noticeable=0.002)}
 
     @classmethod
-    def hindrance(cls, belief: Belief) -> str:
-        return "the believed valve lets flow by already" if is_wrapped(belief.blocks.get("valve"), cls) else ""
-
-    @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
         step = leaking_at_authority if belief.has("valve", "authority") else leaking
-        return belief.with_block("valve", wrapped(valve_of(belief), cls, p, step))
+        return belief.with_block("valve", wrapped(valve_of(belief), cls, p, step, both=max))
 
     @classmethod
     def sentence(cls, p: Any) -> str:
@@ -204,12 +200,8 @@ class StuckOpen(Effect):
     priors = {"opening": Prior(0.0, 0.8, noticeable=0.02)}
 
     @classmethod
-    def hindrance(cls, belief: Belief) -> str:
-        return "the believed valve sticks already" if is_wrapped(belief.blocks.get("valve"), cls) else ""
-
-    @classmethod
     def apply(cls, belief: Belief, p: Any) -> Belief:
-        return belief.with_block("valve", wrapped(valve_of(belief), cls, p, stuck))
+        return belief.with_block("valve", wrapped(valve_of(belief), cls, p, stuck, both=max))
 
     @classmethod
     def sentence(cls, p: Any) -> str:

@@ -19,6 +19,7 @@ from waxstudy.plugin import Block, Choice, Effect, NoState
 
 Step = Callable[[Any, Any, float, float, float], float]
 Start = Callable[[Any, float, Any], Any]
+Combine = Callable[[float, float], float]
 
 
 def believed(p: Any, x: Any, u: float, t: float, dt: float) -> float:
@@ -32,9 +33,15 @@ def started(p: Any, dt: float, block: Any) -> Any:
 
 
 def wrapped(
-    choice: Choice, effect: type[Effect], p: Any, step: Step, start: Start = started, memory: type = NoState
+    choice: Choice,
+    effect: type[Effect],
+    p: Any,
+    step: Step,
+    start: Start = started,
+    memory: type = NoState,
+    both: Combine | None = None,
 ) -> Choice:
-    """Return a block with an effect around it.
+    """Return a block with an effect around it; where it has it already, with `both(before, more)` of each parameter.
 
     The step reads the effect's parameters as `p.let_by_fraction`, for `fraction` of the effect `let-by`. What it
     remembers are the fields of the dataclass `memory`, beside those of the block's own state; each has a default.
@@ -43,6 +50,8 @@ def wrapped(
     assert issubclass(component, Block)
     make: Callable[..., type[Block]] = _wrapper  # a cached function takes hashable arguments, which classes are
     own = {parameter_name(effect, name): value for name, value in dict(p).items()}
+    if both and is_wrapped(choice, effect):
+        return choice.changed(**{name: both(getattr(choice.parameters, name), value) for name, value in own.items()})
     return Choice.of(make(component, effect, step, start, memory), {**dict(choice.parameters), **own})
 
 
@@ -51,10 +60,10 @@ def parameter_name(effect: type[Effect], name: str) -> str:
     return f"{effect.name.replace('-', '_')}_{name}"
 
 
-def is_wrapped(choice: Choice | None, effect: type[Effect]) -> bool:
+def is_wrapped(choice: Choice, effect: type[Effect]) -> bool:
     """Whether a block has this effect around it already."""
     first = parameter_name(effect, next(iter(effect.Parameters.model_fields)))
-    return choice is not None and first in type(choice.parameters).model_fields
+    return first in type(choice.parameters).model_fields
 
 
 @cache

@@ -15,6 +15,7 @@ from waxstudy.conformance import blocks
 from waxstudy.conformance.beliefs import difference, outcome, sample_inputs
 from waxstudy.conformance.stage import Subject
 from waxstudy.plugin import CHAIN, STAGES, Actuator, Belief, Choice, Effect, Parameters, Prior, Ring, delayed, parameter
+from waxstudy_effects.wrapping import parameter_name
 
 # section 9 of the design: name -> stage, parameters
 TABLE: Mapping[str, tuple[str, str]] = {
@@ -113,12 +114,24 @@ def test_a_hindrance_is_told_where_what_it_needs_is_missing(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["sensor-lag", "sensor-bias", "slow-actuator", "limited-travel", "let-by", "stuck-open"]
+    ("name", "parameter", "first", "more", "both"),
+    [
+        ("sensor-lag", "time_constant_s", 60.0, 30.0, 90.0),
+        ("sensor-bias", "bias_K", 0.2, -0.5, -0.3),
+        ("slow-actuator", "factor", 1.2, 1.5, 1.8),
+        ("limited-travel", "opening", 0.9, 0.6, 0.6),
+        ("let-by", "fraction", 0.01, 0.03, 0.03),
+        ("stuck-open", "opening", 0.1, 0.05, 0.1),
+    ],
 )
-def test_a_block_that_has_the_effect_already_does_not_get_it_twice(name: str) -> None:
+def test_a_block_that_has_the_effect_already_gets_both_in_one(
+    name: str, parameter: str, first: float, more: float, both: float
+) -> None:
     effect = EFFECTS[name]
-    once = effect.apply(belief(REAL), effect.Parameters())
-    assert "already" in effect.hindrance(once)
+    believed = belief(REAL)
+    for value in (first, more):
+        believed = effect.apply(believed, effect.Parameters(**{parameter: value}))
+    assert believed.value(effect.stage, parameter_name(effect, parameter)) == pytest.approx(both)
 
 
 # --- wrapped blocks --------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,6 +31,14 @@ ALWAYS = 8.0  # log likelihood that each of their parameters must gain
 Effects = Sequence[type[Effect]]
 
 
+class HealthyLeft(NamedTuple):
+    """What is left of a channel of the healthy record, over what it is weighed by; of so many samples and cycles."""
+
+    whitened: float
+    samples: int
+    cycles: int
+
+
 @dataclass(frozen=True)
 class Healthy:
     """A link of the healthy record, with nothing but what was so from the start."""
@@ -50,13 +59,14 @@ class Healthy:
     def whitened(self) -> Mapping[str, Discrepancy]:
         return self.problem.as_built.discrepancies if self.problem.as_built else {}
 
-    def left(self, channel: str) -> tuple[float, int] | None:
-        """Return what is left of a channel over what it is weighed by, and of how many samples."""
+    def left(self, channel: str) -> HealthyLeft | None:
+        """Return what is left of a channel, None where it shows nothing."""
         residual = next((each for each in self.fitted.residuals if each.channel == channel), None)
         count = int(residual.judged.sum()) if residual else 0
         if residual is None or not count:
             return None
-        return float(np.sqrt(residual.loss() / count)) / self.scale.get(channel, 1.0), count
+        whitened = float(np.sqrt(residual.loss() / count)) / self.scale.get(channel, 1.0)
+        return HealthyLeft(whitened, count, len(np.unique(residual.block[residual.judged])))
 
     def gain(self, effects: Edits) -> float:
         """Return by how much more likely the healthy record were with effects (logarithm), the rest fitted again."""

@@ -23,7 +23,7 @@ PRICE = 3.0  # of a free parameter, in units of log likelihood
 UNKNOWN_PRICE = 5.0  # of leaving something to what is unknown
 SCATTER, OF_RETURN = 0.15, 0.5  # of the logarithm of what healthy records leave; of the return pulses' form counts
 LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
-FORM = 0.05  # of what an effect explains, that its form may leave
+FORM = 0.1  # of what an effect explains, that its form may leave
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
 DEEPER = 3  # hypotheses that others are tried beside
 LIKELIER = 0.5
@@ -95,7 +95,16 @@ class Weighing:
         return Weighed(fitted, names, gain, always, self.misfit(fitted), price, spread, most)
 
     def _loss(self, fitted: Hypothesis) -> float:
-        return float(np.sum(self._missed(fitted) ** 2)) + self.estimator.strain(fitted)
+        """Return what a hypothesis misses; of a chain at least what a healthy record does."""
+        if self.problem.segment.with_room:
+            return float(np.sum(self._missed(fitted) ** 2)) + self.estimator.strain(fitted)
+        pairs = ((each.loss(), self._usual_loss(each)) for each in fitted.residuals)
+        shares = (self.share.get(each.channel, 1.0) for each in fitted.residuals)
+        return sum(max(pair) / share for pair, share in zip(pairs, shares, strict=True))
+
+    def _usual_loss(self, residual: Residual) -> float:
+        healthy = self.healthy.left(residual.channel)
+        return healthy.whitened**2 * int(residual.judged.sum()) if healthy else 0.0
 
     def _missed(self, fitted: Hypothesis) -> FloatArray:
         """Return whitened residuals (m,), weighed by how many of them count as one."""
@@ -142,11 +151,13 @@ class Weighing:
         healthy = self.healthy.left(residual.channel)
         if not count or healthy is None:
             return 0.0
-        left = float(np.sqrt(residual.loss() / count))
-        usual, before = healthy
-        usual = max(usual, LEAST_OFF if residual.unit == "s" else LEAST_LEFT)
+        usual = max(healthy.whitened, LEAST_OFF if residual.unit == "s" else LEAST_LEFT)
+        # a valve that moves more often is missed more often: of samples and cycles the ones that tell less
+        cycles = len(np.unique(residual.block[residual.judged]))
+        more = max(1.0, cycles / count * healthy.samples / healthy.cycles) if not self.problem.segment.with_room else 1.0
         explained = max(0.0, none.loss() - residual.loss()) / count
-        usual = float(np.sqrt(usual**2 + FORM**2 * explained))
+        usual = float(np.sqrt(more * usual**2 + FORM**2 * explained))
+        left, before = float(np.sqrt(residual.loss() / count)), healthy.samples
         share = self.share.get(residual.channel, 1.0)
         own = OF_RETURN if residual.channel == "return_temperature_C" else SCATTER
         scatter = np.sqrt(own**2 + 0.5 * share / count + 0.5 * share / before)
