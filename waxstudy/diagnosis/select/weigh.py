@@ -154,7 +154,8 @@ class Weighing:
         usual = max(healthy.whitened, LEAST_OFF if residual.unit == "s" else LEAST_LEFT)
         # a valve that moves more often is missed more often: of samples and cycles the ones that tell less
         cycles = len(np.unique(residual.block[residual.judged]))
-        more = max(1.0, cycles / count * healthy.samples / healthy.cycles) if not self.problem.segment.with_room else 1.0
+        is_room = self.problem.segment.with_room
+        more = 1.0 if is_room else max(1.0, cycles / count * healthy.samples / healthy.cycles)
         explained = max(0.0, none.loss() - residual.loss()) / count
         usual = float(np.sqrt(more * usual**2 + FORM**2 * explained))
         left, before = float(np.sqrt(residual.loss() / count)), healthy.samples
