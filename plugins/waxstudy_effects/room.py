@@ -8,7 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import Belief, Effect, FloatArray, Inputs, Parameters, Prior, changed, parameter
+from waxstudy.plugin import (
+    Belief,
+    Effect,
+    FloatArray,
+    Inputs,
+    Parameters,
+    Prior,
+    changed,
+    clock,
+    open_share,
+    parameter,
+)
 from waxstudy_effects.description import changed_room, description, room_hindrance
 from waxstudy_effects.emitter import NO_RECORD
 from waxstudy_paper.room.assembly import AIR_J_L_K
@@ -134,29 +145,6 @@ class WindowOpening(Effect):
         hours += [(6.0 * quarter, 8.0) for quarter in range(4)]
         starts = [{"flow_L_s": 10.0, "from_h": from_h, "to_h": (from_h + h) % DAY_H} for from_h, h in hours]
         return [*starts, {"flow_L_s": 1.0, "from_h": 0.0, "to_h": 0.999 * DAY_H}]  # open all day
-
-
-def open_share(inputs: Inputs, from_h: float, to_h: float) -> FloatArray:
-    """Return the share of each interval between two hours of the day (n,)."""
-    half_h = inputs.interval_s / 7200.0
-    length_h = (to_h - from_h) % DAY_H
-    # hours since it was opened, at the middle of an interval; the window of the day before and after reach over it
-    since_h = (inputs.hour - from_h) % DAY_H
-    overlap_h = np.zeros(len(since_h))
-    for day_h in (-DAY_H, 0.0, DAY_H):
-        begin, end = since_h + day_h - half_h, since_h + day_h + half_h
-        overlap_h += np.clip(np.minimum(end, length_h) - np.maximum(begin, 0.0), 0.0, None)
-    return np.asarray(overlap_h / (2.0 * half_h))
-
-
-def clock(hour: float) -> str:
-    """Return an hour of the day as on a clock.
-
-    >>> clock(7.5)
-    '07:30'
-    """
-    minutes = round(hour * 60.0)
-    return f"{minutes // 60 % 24:02d}:{minutes % 60:02d}"
 
 
 class SolarFactorParameters(Parameters):

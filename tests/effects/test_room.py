@@ -10,10 +10,9 @@ from hypothesis import strategies as st
 from tests.effects.believed import EFFECTS, belief, choice, day, response, with_effect, with_inputs
 from tests.effects.hut import Hut, Lodge
 from waxstudy.conformance import check
-from waxstudy.plugin import Belief, Choice, FloatArray, LinearRoom, Room
+from waxstudy.plugin import Belief, Choice, FloatArray, LinearRoom, Room, open_share
 from waxstudy_effects.description import description
 from waxstudy_effects.emitter import after_pipe_C
-from waxstudy_effects.room import open_share
 
 HOUR = (np.arange(1440) + 0.5) / 60.0
 

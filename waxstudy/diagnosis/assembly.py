@@ -17,7 +17,7 @@ from waxstudy.diagnosis.consequence.closed_loop import closed_loop
 from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.regimes import regimes
 from waxstudy.diagnosis.consequence.times import when
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
@@ -35,11 +35,12 @@ from waxstudy.diagnosis.result import (
     Unexplained,
     Untestable,
     Verdict,
+    When,
 )
 from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.diagnosis.select.changed import joint
 from waxstudy.diagnosis.select.intervals import shrink
-from waxstudy.diagnosis.select.search import Selection
+from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import stage_of, unexplained
 from waxstudy.diagnosis.sentences import filled_in, logged, needless, summary, warned, why_not
@@ -140,8 +141,14 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             is_held_out=bool((before.part == SHRINK).any()),
             alternatives=[_alternative(each) for each in found.others],
             probability=found.inclusion if selection.posterior else nan,
-            when=when(found.effect, values, selection.problem.record),
+            when=_when(found, values, selection.problem.record),
         )
+
+
+def _when(found: Found, values: Values, record: Record) -> When:
+    if found.pattern is None:
+        return when(found.effect, values, record)
+    return When(found.pattern.words, list(found.pattern.spans_h))
 
 
 def _alternative(candidate: Candidate) -> Alternative:

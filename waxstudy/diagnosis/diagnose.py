@@ -54,7 +54,8 @@ def diagnose(
     belief = dataset.believed(record.inputs if record.has_inputs else None)
     belief = calibration.as_built.believed(belief) if calibration else belief
     work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, calibration)
-    cut = segments(record, belief)
+    # the heating curve is of the documents: how far it was off from the start is no change
+    cut = [segment for segment in segments(record, belief) if not (calibration and segment.is_supply)]
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
     judged = [segment for segment in cut if segment not in short]
     selections = list(_selections(work, judged, tick or (lambda what, share: None)))

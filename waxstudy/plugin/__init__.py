@@ -37,6 +37,7 @@ from waxstudy.plugin.contracts import (
 )
 from waxstudy.plugin.effect import STAGES, Belief, Effect, Inputs, Prior
 from waxstudy.plugin.hook import hookimpl
+from waxstudy.plugin.hours import clock, open_share
 from waxstudy.plugin.model_error import ModelError
 from waxstudy.plugin.outside import TRACE, Advance, BackendMissing, OutsideRoom, SimulationError, Stopped
 from waxstudy.plugin.parameters import Parameters, changed, parameter
@@ -90,7 +91,9 @@ __all__ = [
     "Weather",
     "WeatherRecord",
     "changed",
+    "clock",
     "delayed",
     "hookimpl",
+    "open_share",
     "parameter",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import When
+from waxstudy.plugin import clock
 
 DAY_H = 24.0
 
@@ -20,10 +21,5 @@ def when(effect: EffectType, values: Values, record: Record) -> When:
     first_h = from_h - record.start_s / 3600.0
     starts = (first_h + DAY_H * day for day in range(-1, int(length_h // DAY_H) + 2))
     spans = [(max(0.0, start), min(length_h, start + open_h)) for start in starts]
-    words = f"every day from {_clock(from_h)} to {_clock(to_h)}"
+    words = f"every day from {clock(from_h)} to {clock(to_h)}"
     return When(words, [(start, end) for start, end in spans if start < end])
-
-
-def _clock(hour: float) -> str:
-    minutes = round(60.0 * hour) % 1440
-    return f"{minutes // 60:02d}:{minutes % 60:02d}"

@@ -91,7 +91,7 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
     first = [group[0] for group in choice.groups]
     if not first:
         return []
-    best = max((each for each in weighed if set(first) <= set(each.names)), key=lambda e: (-len(e.names), score(e)))
+    best = best_of(weighed, first)
     values = {effect.name: (effect, each) for effect, each in best.fitted.effects}
     current, found = search.estimator.base, []
     for group in choice.groups:
@@ -100,9 +100,15 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
         candidate = search.judged(current, [(values[group[0]][0], fitted)])[0]
         others = [_alone(search, weighed, name) for name in group[1:]]
         often = sum(p for name, p in beliefs.items() if set(group) & set(name.split("+")))
-        found.append(Found(candidate, group, often, tuple(each for each in others if each)))
+        pattern = best.pattern if len(choice.groups) == 1 else None
+        found.append(Found(candidate, group, often, tuple(each for each in others if each), pattern))
         current = fitted
     return found
+
+
+def best_of(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
+    """Return the best hypothesis with at least these effects, and as few others as there are."""
+    return max((e for e in weighed if set(names) <= set(e.names)), key=lambda e: (-len(e.names), score(e)))
 
 
 def _alone(search: Search, weighed: Sequence[Weighed], name: str) -> Candidate | None:

@@ -34,6 +34,7 @@ from waxstudy.diagnosis.select.evidence import (
 )
 from waxstudy.diagnosis.select.intervals import parameter_intervals
 from waxstudy.diagnosis.select.null import inclusion, null
+from waxstudy.diagnosis.select.patterns import Pattern
 
 MOST_EFFECTS = 3
 PAIRED = 2  # effects that others are tried beside, where none is enough alone
@@ -54,6 +55,7 @@ class Found:
     group: tuple[str, ...]
     inclusion: float
     others: tuple[Candidate, ...] = ()  # of its group
+    pattern: Pattern | None = None  # where it does not act always
 
     @property
     def effect(self) -> EffectType:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,19 +14,23 @@ from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.evidence import departure
+from waxstudy.diagnosis.select.patterns import Pattern, patterns
 from waxstudy.diagnosis.select.superposed import Superposed
+from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.plugin import FloatArray
 
 # constants of the posterior
 PRIOR_CHANGED = 0.25  # that something of a link changed at all
 PRICE = 3.0  # of a free parameter, in units of log likelihood
 UNKNOWN_PRICE = 5.0  # of leaving something to what is unknown
-SCATTER, OF_RETURN = 0.15, 0.5  # of the logarithm of what healthy records leave; of the return pulses' form counts
+SCATTER, OF_RETURN = 0.25, 0.5  # of the logarithm of what healthy records leave; of the return pulses' form counts
 LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
 FORM = 0.1  # of what an effect explains, that its form may leave
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
 DEEPER = 3  # hypotheses that others are tried beside
 LIKELIER = 0.5
+NOTABLE_OF_ROOM = 0.3  # noticeable steps: how much it matters is another question than whether it is there
+STRONGEST = 4.0  # times what an effect does always, that it may do at times
 UNKNOWN = "unknown"
 NONE = "none"
 Tick = Callable[[str], None]
@@ -44,6 +48,7 @@ class Weighed:
     price: float  # of its parameters, and that anything of the kind happens
     spread: float  # variance of the gain from day to day or cycle to cycle, over that which independent errors have
     most: float  # gain that so many days or cycles can tell at all
+    pattern: Pattern | None = None  # where it does not act always
 
 
 class Weighing:
@@ -62,6 +67,9 @@ class Weighing:
         self.healthy: Healthy = calibration.healthy[problem.segment.name]
         self.effects = [effect for effect in effects if not effect.hindrance(problem.belief)]
         self.share = {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.residuals}
+        if problem.segment.with_room:
+            make: Callable[..., EffectType] = timed  # a cached function takes hashable arguments, which classes are
+            self.effects += [make(effect) for effect in self.effects if can_be_timed(effect, problem.belief)]
         self.none = self.estimator.settled(self.estimator.base)
 
     def weighed(self) -> list[Weighed]:
@@ -71,9 +79,10 @@ class Weighing:
         found += [self.of(each) for each in one_more(self.effects, self.none, self.tick)]
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
         if best and score(best[0]) > score(found[0]):
+            found += list(self._patterned(best))
             for each in best:
                 others = [effect for effect in self.effects if effect.name not in each.fitted.names]
-                found += [self.of(pair) for pair in one_more(others, each.fitted, self.tick)]
+                found += [self._beside(each, pair) for pair in one_more(others, each.fitted, self.tick)]
         return found
 
     def _fits(self, effects: Sequence[EffectType], given: Hypothesis, tick: Tick) -> Iterator[Hypothesis]:
@@ -82,6 +91,51 @@ class Weighing:
             fitted = self.estimator.fit(effect, given, ALL)
             if fitted is not None:
                 yield fitted
+
+    def _patterned(self, best: Sequence[Weighed]) -> Iterator[Weighed]:
+        """Yield effects of the chain that act at certain times, where that tells much more than that they act always.
+
+        What an effect does to each sample is taken times its strength there: what it does later is left out.
+        """
+        if self.problem.segment.with_room:
+            return
+        tried = list(patterns(self.problem.record))
+        for each in best:
+            if each.misfit <= 1.0:
+                continue  # nothing is left for a pattern to tell
+            made = [(self._with_pattern(each.fitted, pattern), pattern) for pattern in tried]
+            fitted, pattern = min(made, key=lambda pair: self._loss(pair[0]))
+            weighed = self.of(fitted)
+            price = weighed.price + PRICE + float(np.log(len(tried)))
+            yield replace(weighed, price=price, pattern=pattern)
+
+    def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> Hypothesis:
+        """Return a hypothesis whose effect has a course, at the strength that suits the record best."""
+        pairs = list(zip(self.none.residuals, fitted.residuals, strict=True))
+        courses = [pattern.strength[new.sample] for _, new in pairs]
+        before = np.concatenate([old.whitened / self.share.get(old.channel, 1.0) ** 0.5 for old, _ in pairs])
+        parts = zip(pairs, courses, strict=True)
+        change = np.concatenate(
+            [g * (new.whitened - old.whitened) / self.share.get(old.channel, 1.0) ** 0.5 for (old, new), g in parts]
+        )
+        strength = float(np.clip(-(before @ change) / max(float(change @ change), 1e-12), 0.0, STRONGEST))
+        return replace(
+            fitted,
+            residuals=[
+                replace(
+                    new,
+                    error=old.error + strength * g * (new.error - old.error),
+                    whitened=old.whitened + strength * g * (new.whitened - old.whitened),
+                )
+                for (old, new), g in zip(pairs, courses, strict=True)
+            ],
+        )
+
+    def _beside(self, given: Weighed, fitted: Hypothesis) -> Weighed:
+        """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
+        weighed, more = self.of(fitted), 0.5 * (self._loss(given.fitted) - self._loss(fitted))
+        spread, most = self._spread(fitted, given.fitted)
+        return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
 
     def of(self, fitted: Hypothesis) -> Weighed:
         """Return a hypothesis with what speaks for it."""
@@ -110,13 +164,13 @@ class Weighing:
         """Return whitened residuals (m,), weighed by how many of them count as one."""
         return np.concatenate([each.whitened / self.share.get(each.channel, 1.0) ** 0.5 for each in fitted.residuals])
 
-    def _spread(self, fitted: Hypothesis) -> tuple[float, float]:
+    def _spread(self, fitted: Hypothesis, given: Hypothesis | None = None) -> tuple[float, float]:
         """Return how much more than independent errors a gain varies over days or cycles, and the most they can tell.
 
         A gain that only few of them give is no effect's: the sandwich variance of its size (White 1980,
         doi:10.2307/1912934), and the logarithm of Student's t that so many give.
         """
-        missed = self._missed(self.none)
+        missed = self._missed(given or self.none)
         change = missed - self._missed(fitted)
         _, block = np.unique(np.concatenate([self._block(each) for each in fitted.residuals]), return_inverse=True)
         along, power = np.bincount(block, missed * change), np.bincount(block, change * change)
@@ -136,9 +190,10 @@ class Weighing:
 
     def _notable(self, fitted: Hypothesis) -> Iterator[str]:
         """Yield the names of effects that depart by more than is worth a name."""
+        least = NOTABLE_OF_ROOM if self.problem.segment.with_room else 1.0
         for effect, values in fitted.effects:
             rest = [each for each in fitted.effects if each[0] is not effect]
-            if departure(effect, values, self.problem.edited(rest, fitted.departures)) > 1.0:
+            if departure(effect, values, self.problem.edited(rest, fitted.departures)) > least:
                 yield effect.name
 
     def misfit(self, fitted: Hypothesis) -> float:

@@ -1,0 +1,50 @@
+"""When an effect of the chain acts: its strength over time, where it is not always the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.plugin import FloatArray
+
+DAY_H = 24.0
+LENGTHS_H = (2.0, 4.0, 6.0, 8.0, 12.0)
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """A course of an effect's strength over a record (n,), in words; the hours in which it acts."""
+
+    words: str
+    strength: FloatArray
+    spans_h: tuple[tuple[float, float], ...]
+
+
+def patterns(record: Record) -> Iterator[Pattern]:
+    """Yield the courses that are tried: growing, from a day on, up to one, between hours, on every other day."""
+    interval_h, count = record.interval_s / 3600.0, len(record)
+    time_h = (np.arange(count) + 0.5) * interval_h
+    length_h = count * interval_h
+    yield Pattern("growing", np.asarray(2.0 * time_h / length_h), ((0.0, length_h),))
+    first_h = record.start_s / 3600.0
+    clock_h = (time_h + first_h) % DAY_H
+    days = int(record.day.max())
+    for day in range(1, days + 1):
+        begin_h = day * DAY_H - first_h
+        yield _pattern(f"from day {day + 1} on", time_h >= begin_h, interval_h)
+        yield _pattern(f"up to day {day}", time_h < begin_h, interval_h)
+    for hour in range(24):
+        for hours in LENGTHS_H:
+            words = f"every day from {hour:02d}:00 to {int(hour + hours) % 24:02d}:00"
+            yield _pattern(words, (clock_h - hour) % DAY_H < hours, interval_h)
+    for rest in (0, 1):
+        yield _pattern("every other day", record.day % 2 == rest, interval_h)
+
+
+def _pattern(words: str, acts: np.ndarray, interval_h: float) -> Pattern:
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], acts, [False]))))
+    starts, ends = edges[::2] * interval_h, edges[1::2] * interval_h
+    return Pattern(words, acts.astype(float), tuple(zip(starts.tolist(), ends.tolist(), strict=True)))
