@@ -34,10 +34,9 @@ def can_be_timed(effect: EffectType, belief: Belief) -> bool:
 @cache
 def timed(effect: EffectType) -> EffectType:
     """Return the effect with two more parameters, the hours of the day from and to which it acts."""
-    hours: dict[str, Any] = {name: (float, _hour(name)) for name in ("from_h", "to_h")}
-    parameters: type[Parameters] = create_model(
-        f"Timed{effect.__name__}Parameters", __base__=effect.Parameters, **hours
-    )
+    hours: dict[str, Any] = {each: (float, _hour(each)) for each in ("from_h", "to_h")}
+    name = f"Timed{effect.__name__}"
+    parameters: type[Parameters] = create_model(f"{name}Parameters", __base__=effect.Parameters, **hours)
 
     class Timed(effect):  # type: ignore[misc, valid-type]
         Parameters = parameters
