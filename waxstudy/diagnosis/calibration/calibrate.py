@@ -24,7 +24,7 @@ from waxstudy.plugin import Belief, Effect, FloatArray
 
 WIDER = 2.5  # than what nobody knows of a room that was built as drawn
 EARLY = 0.6  # of a record, that the rest is predicted from
-MOST_WIDER = 3.0  # times what a fit leaves, that it may leave of days that it has not seen
+MOST_WIDER = 1.5  # times what a fit leaves, that it may leave of days that it has not seen
 ROUNDS = 2
 MOST_ALWAYS = 2  # effects of a link that may have been there from the start
 ALWAYS = 8.0  # log likelihood that each of their parameters must gain

@@ -9,6 +9,7 @@ import numpy as np
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import FloatArray
@@ -25,7 +26,7 @@ class Superposed:
         self.estimator, self.problem, self.none = estimator, estimator.problem, none
         self.slopes = estimator.slopes_at(none)
         sd = self.problem.sd
-        self.basis, _ = np.linalg.qr(np.vstack((self.slopes, self.problem.prior / sd)))
+        self.basis, self.triangle = np.linalg.qr(np.vstack((self.slopes, self.problem.prior / sd)))
         self.looked: dict[EffectType, tuple[list[Values], FloatArray]] = {}
 
     def fits(
@@ -41,34 +42,34 @@ class Superposed:
         found = self._start(effect, given)
         if found is None:
             return None
-        values, gain = found
+        values, departures, gain = found
         effects = (*given.effects, (effect, values))
         if gain < PROMISING:
             # with more than one there is nothing to tell; alone it is told what it comes to
-            return None if given.effects else self._at(effects, given)
-        rough = self.estimator.nuisance_fit(effects, given.departures, given.convention, ALL, self.slopes)
-        if rough is None or self.estimator.score(given, ALL) - self.estimator.score(rough, ALL) < 2.0 * PROMISING:
-            return rough
-        return self.estimator.nuisance_fit(rough.effects, rough.departures, rough.convention, ALL)
+            return None if given.effects else self.problem.at(effects, departures, given.convention)
+        fitted = self.estimator.nuisance_fit(effects, departures, given.convention, ALL)
+        if fitted is None or self.estimator.score(given, ALL) - self.estimator.score(fitted, ALL) < 2.0 * PROMISING:
+            return fitted
+        return self.estimator.nuisance_fit(fitted.effects, fitted.departures, fitted.convention, ALL)
 
-    def _at(self, effects: Sequence[tuple[EffectType, Values]], given: Hypothesis) -> Hypothesis | None:
-        return self.estimator.nuisance_fit(effects, given.departures, given.convention, ALL, self.slopes, most=2)
-
-    def _start(self, effect: EffectType, given: Hypothesis) -> tuple[Values, float] | None:
-        """Return the best values to start from, and the log likelihood that they gain where all is straight."""
+    def _start(self, effect: EffectType, given: Hypothesis) -> tuple[Values, FloatArray, float] | None:
+        """Return the best values and departures to start from, and the log likelihood gained where all is straight."""
         tried, changes = self._looks(effect)
         if not tried:
             return None
-        before = self._free(np.concatenate((given.whitened, self._pulled(given))))
+        missed = np.concatenate((given.whitened, self._pulled(given)))
+        before = self._free(missed)
         ways = changes - self.basis @ (self.basis.T @ changes)
-        power = np.maximum(np.sum(ways**2, axis=0), TINY)
+        power: FloatArray = np.maximum(np.sum(ways**2, axis=0), TINY)
         neutral = effect.neutral(self.problem.belief)
         most = STRONGEST if neutral else 1.0
         strength = np.clip(-(before @ ways) / power, 0.0 if neutral else 1.0, most)
         gains = -(strength * (before @ ways)) - 0.5 * strength**2 * power
         best = int(np.argmax(gains))
-        values = tried[best]
-        return (Space(effect).scaled(values, neutral, float(strength[best])) if neutral else values), float(gains[best])
+        values = Space(effect).scaled(tried[best], neutral, float(strength[best])) if neutral else tried[best]
+        step = np.linalg.solve(self.triangle, -self.basis.T @ (missed + strength[best] * changes[:, best]))
+        most = MOST_SD * self.problem.sd
+        return values, np.clip(given.departures + step, -most, most), float(gains[best])
 
     def _looks(self, effect: EffectType) -> tuple[list[Values], FloatArray]:
         """Return points all over an effect's parameters, and the change that each makes (m, points)."""

@@ -42,7 +42,8 @@ class Weighed:
 
     fitted: Hypothesis
     names: tuple[str, ...]  # of its effects that are large enough to be worth a name, in alphabetical order
-    gain: float  # of likelihood over that of nothing
+    gain: float  # of likelihood over that of nothing, by what is missed
+    ease: float  # the same by how far the room need not depart
     always: float  # how much likelier the healthy record would be, had it been so from the start
     misfit: float  # what it leaves beyond what healthy records do, in standard deviations
     price: float  # of its parameters, and that anything of the kind happens
@@ -75,8 +76,9 @@ class Weighing:
     def weighed(self) -> list[Weighed]:
         """Return the hypotheses: none, each effect, and the best few with every other."""
         one_more = Superposed(self.estimator, self.none).fits if len(self.problem.sd) else self._fits
-        found = [self.of(self.none)]
-        found += [self.of(each) for each in one_more(self.effects, self.none, self.tick)]
+        singles = list(one_more(self.effects, self.none, self.tick))
+        self._settle(singles)
+        found = [self.of(each) for each in (self.none, *singles)]
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
         if best and score(best[0]) > score(found[0]):
             found += list(self._patterned(best))
@@ -84,6 +86,13 @@ class Weighing:
                 others = [effect for effect in self.effects if effect.name not in each.fitted.names]
                 found += [self._beside(each, pair) for pair in one_more(others, each.fitted, self.tick)]
         return found
+
+    def _settle(self, singles: Sequence[Hypothesis]) -> None:
+        """Look for a better fit of nothing where the best effects led the room: else they gain what it had left."""
+        if len(self.problem.sd):
+            near = sorted(singles, key=self._loss)[:DEEPER]
+            again = [self.estimator.nuisance_fit((), each.departures, each.convention, ALL) for each in near]
+            self.none = min([self.none, *(each for each in again if each)], key=self._loss)
 
     def _fits(self, effects: Sequence[EffectType], given: Hypothesis, tick: Tick) -> Iterator[Hypothesis]:
         for effect in effects:
@@ -133,28 +142,30 @@ class Weighing:
 
     def _beside(self, given: Weighed, fitted: Hypothesis) -> Weighed:
         """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
-        weighed, more = self.of(fitted), 0.5 * (self._loss(given.fitted) - self._loss(fitted))
-        spread, most = self._spread(fitted, given.fitted)
+        weighed = self.of(fitted)
+        more, (spread, most) = weighed.gain - given.gain, self._spread(fitted, given.fitted)
         return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
 
     def of(self, fitted: Hypothesis) -> Weighed:
         """Return a hypothesis with what speaks for it."""
         parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
         prior = np.log(PRIOR_CHANGED / max(1, len(self.effects))) * len(fitted.effects)
-        gain = 0.5 * (self._loss(self.none) - self._loss(fitted))
+        ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
+        gain = 0.5 * (self._loss(self.none) - self._loss(fitted)) - ease
         always = self.healthy.gain(fitted.effects) if fitted.effects else 0.0
         spread, most = self._spread(fitted)
         price = PRICE * parameters - float(prior if fitted.effects else np.log(1.0 - PRIOR_CHANGED))
         names = tuple(sorted(self._notable(fitted)))
-        return Weighed(fitted, names, gain, always, self.misfit(fitted), price, spread, most)
+        return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), price, spread, most)
 
     def _loss(self, fitted: Hypothesis) -> float:
         """Return what a hypothesis misses; of a chain at least what a healthy record does."""
+        strain = self.estimator.strain(fitted)
         if self.problem.segment.with_room:
-            return float(np.sum(self._missed(fitted) ** 2)) + self.estimator.strain(fitted)
+            return float(np.sum(self._missed(fitted) ** 2)) + strain
         pairs = ((each.loss(), self._usual_loss(each)) for each in fitted.residuals)
         shares = (self.share.get(each.channel, 1.0) for each in fitted.residuals)
-        return sum(max(pair) / share for pair, share in zip(pairs, shares, strict=True))
+        return strain + sum(max(pair) / share for pair, share in zip(pairs, shares, strict=True))
 
     def _usual_loss(self, residual: Residual) -> float:
         healthy = self.healthy.left(residual.channel)
@@ -222,7 +233,13 @@ class Weighing:
 
 def score(weighed: Weighed) -> float:
     """Return the logarithm of what speaks for a hypothesis by itself, with nothing unknown beside it."""
-    return weighed.gain / weighed.spread - max(0.0, weighed.always) - 0.5 * weighed.misfit**2 - weighed.price
+    return (
+        weighed.gain / weighed.spread
+        + weighed.ease
+        - max(0.0, weighed.always)
+        - 0.5 * weighed.misfit**2
+        - weighed.price
+    )
 
 
 def posterior(found: Sequence[Weighed]) -> dict[str, float]:
@@ -233,7 +250,7 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
     best = max(found, key=score)
     logs: dict[str, float] = {}
     for each in found:
-        gain = each.gain / (best.spread if best.names else each.spread)
+        gain = each.gain / (best.spread if best.names else each.spread) + each.ease
         if not each.names:
             # days and cycles can speak against it only so much
             gain = max(gain, best.gain / best.spread - best.most) if best.names else gain
