@@ -58,6 +58,11 @@ class Work:
     thorough: float
     calibration: Calibration | None = None
 
+    @property
+    def documented(self) -> Belief:
+        """What the documents say, where a healthy record says otherwise."""
+        return self.dataset.believed(self.record.inputs if self.record.has_inputs else None)
+
 
 def of_segment(segment: Segment, effects: Sequence[EffectType]) -> list[EffectType]:
     return [effect for effect in effects if effect.stage in segment.stages]
@@ -100,7 +105,7 @@ def assembled(
         parts=_parts(work, selections),
         seed=work.seed,
         is_quick=quick,
-        as_built=list(calibrated(work.calibration)) if work.calibration else [],
+        as_built=list(calibrated(work.calibration, work.documented)) if work.calibration else [],
         baseline=list(fits(work.calibration)) if work.calibration else [],
         posterior=joint([selection.posterior for selection in selections if selection.posterior]),
         traces=_traces(work, selections),

@@ -2,52 +2,104 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from math import nan
+from collections.abc import Iterator, Mapping
+from math import exp, log, nan
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import Calibration
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
+from waxstudy.diagnosis.calibration.calibrate import WIDER, Calibration
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.nuisance import Nuisance
-from waxstudy.diagnosis.result import BaselineFit, Calibrated, Interval
+from waxstudy.diagnosis.result import BaselineFit, Calibrated, Interval, Part
+from waxstudy.plugin import Belief, Prior, Room
 
 NORMAL = 1.96
 FAR = 3.0  # standard deviations of what is usual, from which on a healthy loop is doubted
+CLEAR = 2.0  # of what the room says of itself, from which on a departure is worth a word
+FACTOR, ADDED = "log of the factor on ", "added to "  # how descriptions of what is uncertain begin
 
 
-def calibrated(calibration: Calibration) -> Iterator[Calibrated]:
+def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibrated]:
     """Yield what differs from the documents, of the whole loop."""
     known = calibration.as_built
     sd = np.sqrt(np.diag(known.covariance)).tolist()
-    for knob, departure, each in zip(known.knobs, known.departures.tolist(), sd, strict=True):
-        yield _of(knob, departure, each)
-    for knob, departure in known.chain:
-        yield _of(knob, departure, nan)
-    for effect, values in known.always:
-        yield from _always(effect, values)
+    of_loop = [*zip(known.knobs, known.departures.tolist(), sd, strict=True), *((*each, nan) for each in known.chain)]
+    chain = {knob.name for knob, _ in known.chain}
+    said = _descriptions(documented)
+    for knob, departure, each in of_loop:
+        part: Part = "chain" if knob.name in chain else "room" if _is_of_room(knob, documented) else "drives"
+        if isinstance(knob, Knob):
+            values = {
+                other.parameter: other.values(at)[other.parameter]
+                for other, at, _ in of_loop
+                if isinstance(other, Knob) and other.effect is knob.effect
+            }
+            yield _of_effect(knob, departure, each, part, {**knob.neutral, **values})
+        else:
+            yield _of_room(knob, departure, each, part, said.get(knob.name, ""))
+    for effect, found in known.always:
+        sentence, still = effect.sentence(effect.Parameters(**found)), effect.neutral(documented) or {}
+        for name, value in found.items():
+            interval = Interval(value, nan, nan)
+            yield Calibrated(f"{effect.name} {name}", interval, still.get(name, nan), sentence, "chain", is_clear=True)
 
 
-def _of(knob: Nuisance, departure: float, sd: float) -> Calibrated:
-    ends = [departure + way * NORMAL * sd for way in (-1.0, 1.0)]
-    if not isinstance(knob, Knob):
-        sentence = f"{knob.name} departs by {departure:.2g} from what the room says ({_deviations(knob, departure)})."
-        return Calibrated(knob.name, Interval(departure, *ends), 0.0, sentence)
-    value, low, high = (knob.values(each)[knob.parameter] for each in (departure, *(ends if sd == sd else (0.0, 0.0))))
-    interval = Interval(value, low, high) if sd == sd else Interval(value, nan, nan)
-    sentence = knob.effect.sentence(knob.effect.Parameters(**knob.values(departure)))
-    return Calibrated(knob.name, interval, knob.neutral[knob.parameter], sentence)
+def _is_of_room(knob: Nuisance, documented: Belief) -> bool:
+    """Whether it changes the room itself, and not what drives it."""
+    return knob.apply(documented, knob.sd).room != documented.room
+
+
+def _descriptions(documented: Belief) -> dict[str, str]:
+    if documented.room is None:
+        return {}
+    assert issubclass(documented.room.component, Room)
+    return {each.name: each.description for each in documented.room.component.uncertainties(documented.room.parameters)}
+
+
+def _of_effect(knob: Knob, departure: float, sd: float, part: Part, values: Mapping[str, float]) -> Calibrated:
+    value, still = knob.values(departure)[knob.parameter], knob.neutral[knob.parameter]
+    interval = Interval(value, nan, nan)
+    if sd == sd:
+        interval = Interval(value, *(knob.values(departure + way * NORMAL * sd)[knob.parameter] for way in (-1, 1)))
+    is_clear = _is_noticeable(knob.effect.priors[knob.parameter], value, still) and _leaves_out(interval, still)
+    sentence = knob.effect.sentence(knob.effect.Parameters(**values))
+    return Calibrated(knob.name, interval, still, sentence, part, is_clear)
+
+
+def _is_noticeable(prior: Prior, value: float, still: float) -> bool:
+    if prior.is_log:
+        return abs(log(value / still)) > log(prior.noticeable)
+    return abs(value - still) > prior.noticeable
+
+
+def _leaves_out(interval: Interval, still: float) -> bool:
+    """Whether an interval, if there is one, leaves out what the documents say."""
+    return not interval.low <= still <= interval.high
+
+
+def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, description: str) -> Calibrated:
+    interval = Interval(departure, departure - NORMAL * sd, departure + NORMAL * sd)
+    is_clear = abs(departure) > CLEAR * knob.sd / WIDER and _leaves_out(interval, 0.0)
+    return Calibrated(knob.name, interval, 0.0, _in_words(knob, departure, description), part, is_clear)
+
+
+def _in_words(knob: Nuisance, departure: float, description: str) -> str:
+    """Return a departure as a sentence, by how the room describes it.
+
+    >>> film = Nuisance("film", 0.7, lambda belief, departure: belief)
+    >>> _in_words(film, -0.9, "log of the factor on the floor's film"), _in_words(film, 0.1, "added to the sun's share")
+    ("0.41 times the floor's film.", "+0.1 added to the sun's share.")
+    """
+    if description.startswith(FACTOR):
+        return f"{exp(departure):.2g} times {description.removeprefix(FACTOR)}."
+    if description.startswith(ADDED):
+        return f"{departure:+.2g} {description}."
+    about = f" ({description})" if description else ""
+    return f"{knob.name}{about} departs by {departure:.2g}, {_deviations(knob, departure)}."
 
 
 def _deviations(knob: Nuisance, departure: float) -> str:
     return f"{abs(departure) / knob.sd:.1f} standard deviations"
-
-
-def _always(effect: EffectType, values: Values) -> Iterator[Calibrated]:
-    sentence = effect.sentence(effect.Parameters(**values))
-    for name, value in values.items():
-        yield Calibrated(f"{effect.name} {name}", Interval(value, nan, nan), nan, sentence)
 
 
 def fits(calibration: Calibration) -> Iterator[BaselineFit]:
