@@ -57,7 +57,7 @@ def diagnose(
     calibration = calibrated(baseline, effects) if baseline else None
     belief = _documented(dataset, record)
     belief = calibration.as_built.believed(belief) if calibration else belief
-    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, calibration)
+    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, calibration, baseline)
     cut = segments(record, belief)
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
     judged = [segment for segment in cut if segment not in short]

@@ -149,6 +149,7 @@ class Unexplained:
     is_covered: bool = False  # within what the believed model's published uncertainty covers
     is_of_drives: bool = False  # as little as what drives the room and was not recorded could make
     channel: str = ""  # that it is judged by
+    probability: float = nan  # that something unknown is there; where a healthy record is known
 
     @property
     def is_finding(self) -> bool:
@@ -184,6 +185,7 @@ class Tried:
     share: float  # of the gap above the noise floor
     channel: str = ""  # of which
     why: str = ""  # it is not named; empty of what was found and of its group
+    probability: float = nan  # that it is there, alone or beside others; where a healthy record is known
 
 
 @dataclass(frozen=True)
@@ -236,6 +238,7 @@ class Diagnosis:
     is_quick: bool
     # probability of each hypothesis: names joined by "+", "none", "unknown"; empty without a healthy record
     posterior: Mapping[str, float] = field(default_factory=dict)
+    compared_with: str = ""  # the healthy record, with its days; empty without one
     as_built: Sequence[Calibrated] = ()
     baseline: Sequence[BaselineFit] = ()
     # measured, before and after of each judged channel (columns channel + "_measured", "_before", "_after"), by time

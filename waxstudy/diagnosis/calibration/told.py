@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import exp, log, nan
+from math import log, nan
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from waxstudy.plugin import Belief, Prior, Room
 NORMAL = 1.96
 FAR = 3.0  # standard deviations of what is usual, from which on a healthy loop is doubted
 CLEAR = 2.0  # of what the room says of itself, from which on a departure is worth a word
-FACTOR, ADDED = "log of the factor on ", "added to "  # how descriptions of what is uncertain begin
 
 
 def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibrated]:
@@ -84,18 +83,13 @@ def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, descriptio
 
 
 def _in_words(knob: Nuisance, departure: float, description: str) -> str:
-    """Return a departure as a sentence, by how the room describes it.
+    """Return a departure as a sentence.
 
-    >>> film = Nuisance("film", 0.7, lambda belief, departure: belief)
-    >>> _in_words(film, -0.9, "log of the factor on the floor's film"), _in_words(film, 0.1, "added to the sun's share")
-    ("0.41 times the floor's film.", "+0.1 added to the sun's share.")
+    >>> _in_words(Nuisance("film", 0.5, lambda belief, departure: belief), -0.9, "log of the factor on the film")
+    'film departs by -0.9 (log of the factor on the film), 1.8 standard deviations of what is usual.'
     """
-    if description.startswith(FACTOR):
-        return f"{exp(departure):.2g} times {description.removeprefix(FACTOR)}."
-    if description.startswith(ADDED):
-        return f"{departure:+.2g} {description}."
     about = f" ({description})" if description else ""
-    return f"{knob.name}{about} departs by {departure:.2g}, {_deviations(knob, departure)}."
+    return f"{knob.name} departs by {departure:.2g}{about}, {_deviations(knob, departure)} of what is usual."
 
 
 def _deviations(knob: Nuisance, departure: float) -> str:

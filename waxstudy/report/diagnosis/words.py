@@ -88,6 +88,25 @@ def percent(share: float) -> str:
     return f"{100.0 * share:z.0f} %" if math.isfinite(share) else ""
 
 
+def chance(probability: float) -> str:
+    """
+    >>> chance(0.701), chance(0.0012), chance(0.9991), chance(math.nan)
+    ('70 %', 'below 1 %', 'over 99 %', '')
+    """
+    if probability < 0.005:
+        return "below 1 %"
+    return "over 99 %" if probability > 0.995 else percent(probability)
+
+
+def hypothesis(names: str) -> str:
+    """
+    >>> hypothesis("none"), hypothesis("let-by+unknown")
+    ('nothing changed', 'let-by and something unknown')
+    """
+    told = {"none": "nothing changed", "unknown": "something unknown"}
+    return " and ".join(told.get(name, name) for name in names.split("+"))
+
+
 def percent_interval(value: Interval) -> str:
     """
     >>> percent_interval(Interval(0.92, 0.88, 0.954))
