@@ -136,7 +136,7 @@ def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
     """Yield what is to be said of the healthy record."""
     if work.calibration is None:
         return
-    yield from doubts(work.calibration)
+    yield from doubts(work.calibration, work.documented)
     for segment in cut:
         if not segment.is_supply and segment.name not in work.calibration.healthy:
             yield f"the baseline has no link {segment.name}: there what is believed is compared, not what was healthy"

@@ -32,7 +32,7 @@ class CalibratedRoom:
         room = calibration.as_built.believed(documented).room
         assert room
         told = list(calibrated(calibration, documented))
-        return cls(dataset, origin, days, room, told, list(fits(calibration)), list(doubts(calibration)))
+        return cls(dataset, origin, days, room, told, list(fits(calibration)), list(doubts(calibration, documented)))
 
     @property
     def is_simulated(self) -> bool:

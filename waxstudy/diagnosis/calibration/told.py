@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import log, nan
+from math import isfinite, log, nan
 
 import numpy as np
 
 from waxstudy.diagnosis.calibration.calibrate import WIDER, Calibration
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.nuisance import Nuisance
 from waxstudy.diagnosis.result import BaselineFit, Calibrated, Interval, Part
@@ -15,7 +16,7 @@ from waxstudy.plugin import Belief, Prior, Room
 
 NORMAL = 1.96
 FAR = 3.0  # standard deviations of what is usual, from which on a healthy loop is doubted
-CLEAR = 2.0  # of what the room says of itself, from which on a departure is worth a word
+CLEAR = 3.0  # of what the room says of itself, from which on a departure is worth a word
 
 
 def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibrated]:
@@ -23,24 +24,48 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
     known = calibration.as_built
     sd = np.sqrt(np.diag(known.covariance)).tolist()
     of_loop = [*zip(known.knobs, known.departures.tolist(), sd, strict=True), *((*each, nan) for each in known.chain)]
-    chain = {knob.name for knob, _ in known.chain}
-    said = _descriptions(documented)
+    chain, always, said = (
+        {knob.name for knob, _ in known.chain},
+        _always(calibration, documented),
+        _descriptions(documented),
+    )
     for knob, departure, each in of_loop:
         part: Part = "chain" if knob.name in chain else "room" if _is_of_room(knob, documented) else "drives"
-        if isinstance(knob, Knob):
+        if not isinstance(knob, Knob):
+            yield _of_room(knob, departure, each, part, said.get(knob.name, ""))
+        elif knob.effect not in always:
             values = {
                 other.parameter: other.values(at)[other.parameter]
                 for other, at, _ in of_loop
                 if isinstance(other, Knob) and other.effect is knob.effect
             }
             yield _of_effect(knob, departure, each, part, {**knob.neutral, **values})
-        else:
-            yield _of_room(knob, departure, each, part, said.get(knob.name, ""))
-    for effect, found in known.always:
+    for effect, found in always.items():
         sentence, still = effect.sentence(effect.Parameters(**found)), effect.neutral(documented) or {}
         for name, value in found.items():
-            interval = Interval(value, nan, nan)
-            yield Calibrated(f"{effect.name} {name}", interval, still.get(name, nan), sentence, "chain", is_clear=True)
+            before = still.get(name, nan)
+            is_clear = (
+                not isfinite(before) or name not in effect.priors or _is_noticeable(effect.priors[name], value, before)
+            )
+            yield Calibrated(f"{effect.name} {name}", Interval(value, nan, nan), before, sentence, "chain", is_clear)
+
+
+def _always(calibration: Calibration, documented: Belief) -> dict[EffectType, Values]:
+    """Return effects that were there from the start, as they come to with what differs usually."""
+    found: dict[EffectType, Values] = {}
+    for effect, values in calibration.as_built.always:
+        still, whole = effect.neutral(documented) or {}, dict(values)
+        for knob, departure in calibration.as_built.chain:
+            if isinstance(knob, Knob) and knob.effect is effect:
+                name = knob.parameter
+                usual = knob.values(departure)[name]
+                whole[name] = (
+                    whole[name] * usual / still[name]
+                    if effect.priors[name].is_log
+                    else whole[name] + usual - still[name]
+                )
+        found[effect] = whole
+    return found
 
 
 def _is_of_room(knob: Nuisance, documented: Belief) -> bool:
@@ -108,13 +133,13 @@ def fits(calibration: Calibration) -> Iterator[BaselineFit]:
             yield BaselineFit(residual.channel, residual.unit, residual.gap(), 100.0 * residual.gap() / mean, off)
 
 
-def doubts(calibration: Calibration) -> Iterator[str]:
+def doubts(calibration: Calibration, documented: Belief) -> Iterator[str]:
     """Yield what of the healthy record makes one doubt that it is healthy."""
     known = calibration.as_built
     for knob, departure in (*zip(known.knobs, known.departures.tolist(), strict=True), *known.chain):
         if abs(departure) > FAR * knob.sd:
             usual = _deviations(knob, departure)
             yield f"the baseline itself: {knob.name} lies {usual} from the documents; is it healthy?"
-    for effect, values in known.always:
+    for effect, values in _always(calibration, documented).items():
         sentence = effect.sentence(effect.Parameters(**values))
-        yield f"the baseline shows {effect.name} as well, so it counts as there from the start: {sentence}"
+        yield f"the baseline shows {effect.name} as well: it counts as there from the start; is it healthy? {sentence}"

@@ -57,8 +57,14 @@ def clear_words(told: Iterable[Calibrated]) -> list[str]:
         if each.is_clear:
             values = found.setdefault(each.sentence, [])
             if isfinite(each.value.low + each.value.high):
-                values.append(f"{words.named(each.name)[0]} {words.interval(each.value, words.named(each.name)[1])}")
+                values.append(_range(each))
     return [_with(sentence, values) for sentence, values in found.items()]
+
+
+def _range(each: Calibrated) -> str:
+    """Return an interval with the parameter's name, without the effect's."""
+    name, unit = words.named(each.name.partition(" ")[2])
+    return words.with_unit(f"{name} {' to '.join(words.ends(each.value))}".strip(), unit)
 
 
 def _with(sentence: str, values: Sequence[str]) -> str:

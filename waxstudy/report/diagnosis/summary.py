@@ -44,6 +44,7 @@ QUICK = "not all alternatives were compared: another effect may explain as much;
 Line = tuple[str, str]  # label, text
 MOST_NAMES = 3
 MOST_LINES = 3  # of one label
+MOST_BUILT = 5  # things that were so from the start
 MOST_LIKELY, LEAST_LIKELY = 4, 0.01  # hypotheses that are told, and how likely they are at least
 
 
@@ -58,7 +59,7 @@ def lines(diagnosis: Diagnosis) -> list[Line]:
 def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "quick look", [QUICK] if diagnosis.is_quick else []
     yield "compared with", [_compared(diagnosis)] if diagnosis.compared_with else []
-    yield "as calibrated", _few(clear_words(diagnosis.as_built))
+    yield "as calibrated", _few(clear_words(diagnosis.as_built), MOST_BUILT)
     yield "where", [*(_where(diagnosis, stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
     yield "likely", [_likely(diagnosis)] if diagnosis.posterior else []
@@ -70,10 +71,10 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "warnings", _few(list(diagnosis.warnings))
 
 
-def _few(texts: Sequence[str]) -> list[str]:
-    if len(texts) <= MOST_LINES:
+def _few(texts: Sequence[str], most: int = MOST_LINES) -> list[str]:
+    if len(texts) <= most:
         return list(texts)
-    return [*texts[: MOST_LINES - 1], f"and {len(texts) - MOST_LINES + 1} more"]
+    return [*texts[: most - 1], f"and {len(texts) - most + 1} more"]
 
 
 def _compared(diagnosis: Diagnosis) -> str:
@@ -149,8 +150,9 @@ def how_sure(effect: FoundEffect) -> str:
 
 def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     before, after, floor = (number(v) for v in (effect.gap_before, effect.gap_after, effect.noise_floor))
+    share = percent_interval(effect.shrink) or "a share that nobody can tell"
     return (
-        f"{effect.name} takes away {percent_interval(effect.shrink)} of the gap of {channel_words(effect.channel)} "
+        f"{effect.name} takes away {share} of the gap of {channel_words(effect.channel)} "
         f"{held_out([effect])}; in all {before} → {with_unit(after, unit_of(diagnosis, effect))}, floor {floor}"
     )
 

@@ -30,7 +30,12 @@ STAGE: Column[Any] = text("stage", lambda each: words.stage_words(each.stage))
 CHANNEL: Column[Any] = text("channel", lambda each: words.channel_words(each.channel))
 JUDGED_BY: Column[Any] = text("judged by", CHANNEL.value)
 P: Column[Any] = Column("p", lambda each: words.probability(each.p))
-PROBABILITY: Column[Any] = Column("probability", lambda each: words.chance(each.probability))
+PROBABILITY: Column[Any] = Column("probability", lambda each: words.chance(each.probability) or _p(each))
+
+
+def _p(each: Any) -> str:
+    """Of a link that the healthy record does not have there is no probability."""
+    return f"p = {words.probability(each.p)}"
 
 
 def sure(diagnosis: Diagnosis) -> Column[Any]:
