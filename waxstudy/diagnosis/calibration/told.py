@@ -30,7 +30,8 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
         _descriptions(documented),
     )
     for knob, departure, each in of_loop:
-        part: Part = "chain" if knob.name in chain else "room" if _is_of_room(knob, documented) else "drives"
+        is_of_room = knob.apply(documented, knob.sd).room != documented.room
+        part: Part = "room" if is_of_room else "chain" if knob.name in chain else "drives"
         if not isinstance(knob, Knob):
             yield _of_room(knob, departure, each, part, said.get(knob.name, ""))
         elif knob.effect not in always:
@@ -42,12 +43,20 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
             yield _of_effect(knob, departure, each, part, {**knob.neutral, **values})
     for effect, found in always.items():
         sentence, still = effect.sentence(effect.Parameters(**found)), effect.neutral(documented) or {}
+        is_of_room = effect.apply(documented, effect.Parameters(**found)).room != documented.room
         for name, value in found.items():
             before = still.get(name, nan)
             is_clear = (
                 not isfinite(before) or name not in effect.priors or _is_noticeable(effect.priors[name], value, before)
             )
-            yield Calibrated(f"{effect.name} {name}", Interval(value, nan, nan), before, sentence, "chain", is_clear)
+            yield Calibrated(
+                f"{effect.name} {name}",
+                Interval(value, nan, nan),
+                before,
+                sentence,
+                "room" if is_of_room else "chain",
+                is_clear,
+            )
 
 
 def _always(calibration: Calibration, documented: Belief) -> dict[EffectType, Values]:
@@ -66,11 +75,6 @@ def _always(calibration: Calibration, documented: Belief) -> dict[EffectType, Va
                 )
         found[effect] = whole
     return found
-
-
-def _is_of_room(knob: Nuisance, documented: Belief) -> bool:
-    """Whether it changes the room itself, and not what drives it."""
-    return knob.apply(documented, knob.sd).room != documented.room
 
 
 def _descriptions(documented: Belief) -> dict[str, str]:

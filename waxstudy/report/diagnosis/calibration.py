@@ -32,7 +32,7 @@ def as_built(each: Sequence[Calibrated]) -> Table[Calibrated]:
     columns: list[Column[Calibrated]] = [
         text("of", lambda one: words.named(one.name)[0]),
         text("part"),
-        Column("documents", lambda one: words.number(one.documented)),
+        Column("documents", lambda one: words.quantity(one.documented, words.named(one.name)[1])),
         Column("as calibrated", lambda one: words.interval(one.value, words.named(one.name)[1])),
         text("in words", lambda one: one.sentence if one.is_clear else "", kind="prose"),
     ]
