@@ -247,3 +247,10 @@ def test_a_place_that_cannot_be_written_is_told_before_the_work(loop: Path, entr
     done = entry("calibrate", loop / "before", "--out", out)
     assert (done.code, done.stdout) == (USAGE, "")
     assert out in done.stderr
+
+
+def test_what_is_read_is_never_written_over(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    place = shutil.copytree(loop / "before", tmp_path / "before")
+    done = entry("calibrate", place, "--out", place / "dataset.toml")
+    assert done.code == USAGE
+    assert "this file is read; choose another name with --out" in done.stderr

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.bar import bar
-from waxstudy.cli.errors import INVALID, PLUGIN, CommandError
+from waxstudy.cli.errors import INTERRUPTED, INVALID, PLUGIN, CommandError
 from waxstudy.cli.existing import Existing
-from waxstudy.cli.fit.common import printed, refuse_unwritable, write
+from waxstudy.cli.fit.common import printed, refuse_targets, refuse_unwritable, write
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures
 from waxstudy.simulation.threads import use_one_thread
@@ -35,9 +35,14 @@ def command(dataset: Path, out: Path, as_json: bool, quiet: bool) -> None:
     """
     use_one_thread()
     refuse_unwritable(out)
-    with bar(quiet) as tick:
-        tick("calibrating", 0.0)
-        found = _calibrated(dataset)
+    refuse_targets((out,), (dataset / "dataset.toml",))
+    try:
+        with bar(quiet) as tick:
+            tick("calibrating", 0.0)
+            found = _calibrated(dataset)
+    except KeyboardInterrupt:
+        message = "interrupted; no file is half written, the same command begins anew"
+        raise CommandError(message, INTERRUPTED, label="") from None
     write({out: _fragment(found)})
     print_out(_json(found) if as_json else f"{_summary(found)}{out}\n")
 
