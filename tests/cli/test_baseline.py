@@ -160,6 +160,7 @@ def test_a_folder_without_a_dataset_is_told_where_it_was_looked_for(loop: Path, 
 # --- taken, with a warning ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_link_that_only_the_record_shows_is_told(loop: Path, entry: Entry, tmp_path: Path) -> None:
     record = chain_alone(loop / "loop", tmp_path / "record")
     blind = chain_alone(loop / "loop", tmp_path / "blind", without=("displacement",))
@@ -174,6 +175,7 @@ def test_a_link_that_only_the_record_shows_is_told(loop: Path, entry: Entry, tmp
         assert said in warnings
 
 
+@pytest.mark.slow
 def test_a_baseline_that_is_itself_faulty_is_doubted(loop: Path, entry: Entry, tmp_path: Path) -> None:
     record = chain_alone(loop / "loop", tmp_path / "record")
     faulty = chain_alone(loop / "before", tmp_path / "faulty", flow_L_h=0.5)
@@ -191,6 +193,7 @@ def test_a_baseline_that_is_itself_faulty_is_doubted(loop: Path, entry: Entry, t
 # --- what a baseline says ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of", ["a folder", "its first days"])
 def test_a_loop_that_is_as_it_was_has_no_effect_and_every_figure_is_traced(
     loop: Path, entry: Entry, tmp_path: Path, of: str
