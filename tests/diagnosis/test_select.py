@@ -21,7 +21,7 @@ from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.select.candidate import Candidate, best_of
 from waxstudy.diagnosis.select.evidence import explained
-from waxstudy.diagnosis.select.search import Found, Selection, _Search, select
+from waxstudy.diagnosis.select.search import Found, Search, Selection, select
 from waxstudy.diagnosis.sentences import why_not
 from waxstudy.plugin import Belief, Effect, hookimpl
 from waxstudy.plugin.registry import Registry, _register
@@ -94,7 +94,7 @@ def test_a_motor_is_claimed_by_more_where_its_pulses_or_its_path_are_not_known(
     fitter, slow = estimator(segment, seen, believed), EFFECTS["slow-actuator"]
     slower = fitter.problem.at([(slow, {"factor": 2.0})], fitter.base.departures, fitter.base.convention)
     assert slower
-    search = _Search(fitter, [slow], np.random.default_rng(1), lambda name: None)
+    search = Search(fitter, [slow], np.random.default_rng(1), lambda name: None)
     (candidate,) = search.judged(fitter.base, [(slow, slower)])
     evidence = replace(candidate.evidence, channel="displacement")
     assert limit(Question.CLAIM, "over", evidence) == least
@@ -220,7 +220,7 @@ def test_one_of_a_pair_that_is_enough_only_together_is_no_other_name_of_the_othe
     segment = segment_at("valve", cut)
     made = planted(segment, seen, believed, effects(let_by={"fraction": 0.03}, max_flow={"factor": 0.8}))
     fitter = estimator(segment, made, believed)
-    search = _Search(fitter, [EFFECTS["let-by"], EFFECTS["max-flow"]], np.random.default_rng(1), lambda name: None)
+    search = Search(fitter, [EFFECTS["let-by"], EFFECTS["max-flow"]], np.random.default_rng(1), lambda name: None)
     alone = search.tried(fitter.base)
     first = next(each for each in alone if each.effect.name == "let-by")
     (second,) = search.tried(first.fitted)

@@ -10,7 +10,9 @@ import pandas as pd
 
 from waxstudy.diagnosis.result import (
     Alternative,
+    BaselineFit,
     BeforeAfter,
+    Calibrated,
     Diagnosis,
     FoundEffect,
     Interval,
@@ -22,6 +24,7 @@ from waxstudy.diagnosis.result import (
     Tried,
     Unexplained,
     Untestable,
+    When,
 )
 
 DAYS, PER_DAY = 4, 1440
@@ -286,4 +289,52 @@ UNTESTABLE = replace(
     warnings=("The record lasts 22 hours; two weeks are needed to tell effects apart.",),
     traces=pd.DataFrame(),
 )
-ALL = {each.verdict: each for each in (EFFECT, GROUP, UNKNOWN, NONE, UNTESTABLE)}
+POSTERIOR = {"let-by": 0.7012, "neighbour-heat": 0.2034, "none": 0.0611, "let-by+unknown": 0.0302, "unknown": 0.0041}
+CHANGED = replace(
+    EFFECT,
+    stages=tuple(replace(stage, posterior=POSTERIOR if stage is VALVE else {}) for stage in EFFECT.stages),
+    effects=(
+        replace(LET_BY, probability=0.7314, when=When("every day from 22:00 to 06:30", ((21.5, 30.0), (45.5, 54.0)))),
+    ),
+    unexplained=(replace(EFFECT.unexplained[0], probability=0.0343),),
+    tried=tuple(replace(each, probability=POSTERIOR.get(each.name, 0.0)) for each in EFFECT.tried),
+    posterior=POSTERIOR,
+    compared_with="room-7-before, 2023-12-01 to 2023-12-14",
+    as_built=(
+        Calibrated(
+            "floor-cover resistance_m2K_W",
+            Interval(0.0241, 0.0181, 0.0319),
+            0.0,
+            "Something with a thermal resistance of 0.024 m2 K/W lies on the floor.",
+            "room",
+            is_clear=True,
+        ),
+        Calibrated(
+            "gain-shift factor",
+            Interval(0.972, 0.851, 1.113),
+            1.0,
+            "People and appliances heat the room 0.0 h later than believed and 0.97 times as much.",
+            "drives",
+        ),
+        Calibrated(
+            "film-walls",
+            Interval(-0.612, -0.893, -0.331),
+            0.0,
+            "film-walls departs by -0.61 (log of a factor), 0.3 standard deviations of what is usual.",
+            "room",
+        ),
+        Calibrated(
+            "sensor-delay delay_s",
+            Interval(65.0, math.nan, math.nan),
+            120.0,
+            "The controller reads the temperature of 65 s ago.",
+            "chain",
+            is_clear=True,
+        ),
+    ),
+    baseline=(
+        BaselineFit("air_temperature_C", "K", 0.1751, 0.798, 0.0947),
+        BaselineFit("flow_L_h", "L/h", 0.5446, 3.828, -0.0516),
+    ),
+)
+ALL = {each.verdict: each for each in (EFFECT, GROUP, UNKNOWN, NONE, UNTESTABLE)} | {"changed": CHANGED}

@@ -18,6 +18,7 @@ import pytest
 from tests.conftest import ROOT
 from tests.report.diagnoses import (
     ALL,
+    CHANGED,
     EFFECT,
     GROUP,
     LET_BY,
@@ -43,7 +44,7 @@ from waxstudy.report.formats import json_text
 
 VERDICTS = pytest.mark.parametrize("diagnosis", ALL.values(), ids=ALL)
 FIGURE = re.compile(r"(?<![\w.-])[-+]?\d+(?:\.\d+)?(?![\w.]|-\d)")
-COUNTED = re.compile(r"\d+ (?:more|other) ?")  # how many of a list are not shown
+COUNTED = re.compile(r"\d+ (?:more|other) ?|(?:below 1|over 99) %")  # how many of a list are not shown, and bounds
 COLOURS = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -135,7 +136,8 @@ def flat(diagnosis: Diagnosis) -> str:
 @VERDICTS
 def test_the_summary_takes_about_ten_lines_within_the_terminal(diagnosis: Diagnosis) -> None:
     shown = as_terminal(diagnosis, 120, colour=False).splitlines()
-    assert len(lines(diagnosis)) <= 10 + 3 * max(0, len(diagnosis.effects) - 1)
+    more = 4 if diagnosis.posterior else 0  # what it was compared with, what was so from the start, what else is likely
+    assert len(lines(diagnosis)) <= 10 + 3 * max(0, len(diagnosis.effects) - 1) + more
     assert max(map(len, shown)) <= 120
     narrow = as_terminal(diagnosis, 60, colour=False).splitlines()
     assert max(map(len, narrow)) <= 60
@@ -166,6 +168,40 @@ def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> No
         "flow_L_h: 0.3 % of the samples are missing.",
     ):
         assert part in flat(EFFECT)
+
+
+def test_with_a_baseline_it_says_what_changed_since_how_likely_and_when() -> None:
+    told = flat(CHANGED)
+    assert (
+        "compared with room-7-before, 2023-12-01 to 2023-12-14, taken as healthy; its air is followed to 0.175 K"
+        in told
+    )
+    assert "lies on the floor (resistance 0.0181 to 0.0319 m²K/W)." in told
+    assert "The controller reads the temperature of 65 s ago." in told
+    assert "film-walls" not in told
+    assert "let-by: fraction 0.0712 (0.0688 to 0.0741). Probability 73 %; every day from 22:00 to 06:30." in told
+    likely = "likely 70 % let-by, 20 % neighbour-heat, 6 % nothing changed, 3 % let-by and something unknown how far"
+    assert likely in told
+    assert "something unknown 3 % probable" in told
+
+
+def test_with_a_baseline_nothing_is_told_by_a_p() -> None:
+    assert "p = " not in flat(CHANGED)
+    text = page_text(as_html(CHANGED))
+    assert "p = " not in text
+    assert "found again" not in text
+
+
+def test_the_page_has_the_baseline_with_its_fit_and_what_was_so_from_the_start() -> None:
+    page = Page(as_html(CHANGED))
+    rows = [tuple(row) for row in page.texts]
+    assert "Baseline" in page.headings
+    assert ("air temperature", "0.175 K", "0.80 %", "0.09 %") in rows
+    assert ("film-walls", "room", "0", "-0.612 (-0.893 to -0.331)", "") in rows
+    delay = ("sensor-delay delay", "chain", "120 s", "65 s", "The controller reads the temperature of 65 s ago.")
+    assert delay in rows
+    assert ("let-by and something unknown", "3 %") in rows
+    assert "Baseline" not in Page(as_html(EFFECT)).headings
 
 
 def test_members_of_a_group_are_told_as_such() -> None:
@@ -333,8 +369,9 @@ DRAWN = {"effect": 5, "group": 5, "unknown": 4, "none": 4, "untestable": 0}
 @VERDICTS
 def test_what_can_be_drawn_is_drawn_and_the_rest_gives_its_reason(diagnosis: Diagnosis) -> None:
     text = as_html(diagnosis)
-    assert text.count("<svg") == DRAWN[diagnosis.verdict]
-    assert len(re.findall(r"Not drawn: [a-z][^<]+\.</p>", text)) == 5 - DRAWN[diagnosis.verdict]
+    drawn = DRAWN[diagnosis.verdict] + bool(diagnosis.posterior)
+    assert text.count("<svg") == drawn
+    assert len(re.findall(r"Not drawn: [a-z][^<]+\.</p>", text)) == 5 + bool(diagnosis.posterior) - drawn
 
 
 def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
@@ -410,7 +447,7 @@ def test_the_page_never_scrolls_sideways(width: int, tmp_path: Path) -> None:
 @pytest.mark.parametrize("module", [words])
 def test_the_examples_of_how_figures_are_written_hold(module: ModuleType) -> None:
     tried = doctest.testmod(module)
-    assert tried.attempted == 10
+    assert tried.attempted == 13
     assert tried.failed == 0
 
 
@@ -426,6 +463,8 @@ def keys(value: Any) -> Iterator[str]:
 def test_the_page_on_diagnoses_names_every_key_of_the_json_and_every_verdict() -> None:
     page = (ROOT / "docs" / "diagnose.md").read_text(encoding="utf-8")
     free = {*EFFECT.departures, *EFFECT.closed_loop, *LET_BY.parameters, *MOTOR_FOUND.parameters, *STUCK.parameters}
-    data = json.loads(json_text(GROUP.described()))
+    free |= {*CHANGED.posterior, *(channel for stage in CHANGED.stages for channel in stage.posterior)}
+    data = {**json.loads(json_text(CHANGED.described())), "group": json.loads(json_text(GROUP.described()))}
+    free |= {"group"}
     assert [key for key in dict.fromkeys(keys(data)) if key not in free and f"`{key}`" not in page] == []
     assert all(f"| `{verdict}` | {words} |" in page for verdict, words in VERDICT_WORDS.items())

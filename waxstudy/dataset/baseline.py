@@ -86,6 +86,12 @@ def _overlap(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
         yield f"it overlaps with the record, from {first} to {last}: a baseline is from another time"
 
 
+def refuse_too_short(dataset: Dataset) -> None:
+    """Raise `StudyError` where a record is too short to say how a loop is when healthy."""
+    if problem := next(_too_short(dataset), ""):
+        raise StudyError([Problem(str(dataset.folder / "dataset.toml"), 0, "", "", "", problem)])
+
+
 def _too_short(baseline: Dataset) -> Iterator[str]:
     days = len(baseline.time) * baseline.interval_s / 86_400.0
     if days < LEAST_DAYS:

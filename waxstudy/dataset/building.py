@@ -9,6 +9,7 @@ from waxstudy.dataset.notes import Notes
 from waxstudy.plugin import Component, OutsideRoom, Parameters, Room
 from waxstudy.plugin.registry import PluginError, Registry, hint, nearest, told
 from waxstudy.study.check import Check
+from waxstudy.study.fragment import table_of
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import listed
 from waxstudy.study.spots import RawTable, Spot, Written
@@ -24,7 +25,8 @@ def read_room(check: Check, notes: Notes) -> Choice | None:
         check.problem(BUILDING, "there is [room] already: tell the room in one of them")
         return None
     if room:
-        return check.choice("room", RawTable.of(room, ROOM))
+        table = table_of(check, "room", room, ROOM)
+        return check.choice("room", table) if table else None
     return _built(check, building, notes) if building else None
 
 

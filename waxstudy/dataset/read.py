@@ -48,6 +48,7 @@ class Dataset:
     assumptions: tuple[str, ...]  # what was assumed, one sentence each
     room_error_factor: float = 1.0  # on the error that the room states of its model
     baseline: Path | None = None  # folder of a record of the same loop when it was healthy
+    origin: str = ""  # where the record comes from, in words
 
     def believed(self, inputs: Inputs | None) -> Belief:
         """Return what the modeller believes, with what drove the room."""
@@ -94,6 +95,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         assumptions=tuple(dict.fromkeys(notes.assumptions)),
         room_error_factor=described.about.room_error_factor,
         baseline=baseline,
+        origin=described.about.origin or "",
     )
 
 

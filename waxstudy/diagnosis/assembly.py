@@ -43,6 +43,7 @@ from waxstudy.diagnosis.select.intervals import shrink
 from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import stage_of, unexplained
+from waxstudy.diagnosis.select.weigh import UNKNOWN
 from waxstudy.diagnosis.sentences import filled_in, logged, needless, summary, warned, why_not
 from waxstudy.plugin import STAGES, Belief
 
@@ -58,6 +59,12 @@ class Work:
     seed: int
     thorough: float
     calibration: Calibration | None = None
+    baseline: Dataset | None = None  # that it was calibrated on
+
+    @property
+    def documented(self) -> Belief:
+        """What the documents say, where a healthy record says otherwise."""
+        return self.dataset.believed(self.record.inputs if self.record.has_inputs else None)
 
 
 def of_segment(segment: Segment, effects: Sequence[EffectType]) -> list[EffectType]:
@@ -69,14 +76,14 @@ def assembled(
 ) -> Diagnosis:
     several = {each.name: each for selection in reversed(selections) for each in _found(selection, work.seed)}
     found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
-    remains = [each for selection in selections for each in unexplained(selection, work.seed)]
+    remains = [each for selection in selections for each in _unexplained(selection, work.seed)]
     untestable = list(_untestable(work, cut, short, selections))
     verdict = _verdict(found, remains, selections, untestable)
     stages = {effect.name: effect.stage for effect in work.effects}
     return Diagnosis(
         dataset=work.dataset.name,
         verdict=verdict,
-        summary=summary(verdict, found, remains, untestable),
+        summary=summary(verdict, found, remains, untestable, since="the baseline" if work.calibration else ""),
         stages=[stage for selection in selections for stage in _stages(work, selection, selections)],
         effects=found,
         unexplained=remains,
@@ -101,18 +108,36 @@ def assembled(
         parts=_parts(work, selections),
         seed=work.seed,
         is_quick=quick,
-        as_built=list(calibrated(work.calibration)) if work.calibration else [],
+        compared_with=_days(work.baseline) if work.baseline else "",
+        as_built=list(calibrated(work.calibration, work.documented)) if work.calibration else [],
         baseline=list(fits(work.calibration)) if work.calibration else [],
         posterior=joint([selection.posterior for selection in selections if selection.posterior]),
         traces=_traces(work, selections),
     )
 
 
+def _days(baseline: Dataset) -> str:
+    first, last = (baseline.time[[0, -1]] - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")
+    return f"{baseline.name}, {first} to {last}"
+
+
+def _unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
+    for each in unexplained(selection, seed):
+        yield replace(each, probability=_held(selection, UNKNOWN))
+
+
+def _held(selection: Selection, name: str) -> float:
+    """Return how probable an effect, or something unknown, is at a link; no number where nothing is known of it."""
+    if not selection.posterior:
+        return nan
+    return sum(probability for names, probability in selection.posterior.items() if name in names.split("+"))
+
+
 def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
     """Yield what is to be said of the healthy record."""
     if work.calibration is None:
         return
-    yield from doubts(work.calibration)
+    yield from doubts(work.calibration, work.documented)
     for segment in cut:
         if not segment.is_supply and segment.name not in work.calibration.healthy:
             yield f"the baseline has no link {segment.name}: there what is believed is compared, not what was healthy"
@@ -200,7 +225,8 @@ def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tri
         evidence = each.evidence
         figures = evidence.gain, evidence.p, evidence.share
         why = "" if each.effect.name in named else why_not(selection, each)
-        yield Tried(each.effect.name, each.effect.stage, *figures, evidence.channel, why)
+        held = _held(selection, each.effect.name)
+        yield Tried(each.effect.name, each.effect.stage, *figures, evidence.channel, why, held)
 
 
 def _untestable(

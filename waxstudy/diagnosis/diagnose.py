@@ -6,15 +6,18 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 
+from waxstudy.dataset.baseline import refuse_too_short
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
+from waxstudy.diagnosis.calibration.room import CalibratedRoom
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
-from waxstudy.diagnosis.model.room_response import built
+from waxstudy.diagnosis.model.room_response import OF_ROOM, built
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
@@ -24,11 +27,12 @@ from waxstudy.diagnosis.select.changed import changed
 from waxstudy.diagnosis.select.exact_room import with_exact_room
 from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
 from waxstudy.diagnosis.select.testability import too_short
-from waxstudy.plugin import Effect
+from waxstudy.plugin import Belief, Effect
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
+DRIVES = ("outdoor_temperature_C", "supply_temperature_C")
 QUICK = 0.35  # of the fits' effort
 Tell = Callable[[str, float], None]
 
@@ -51,9 +55,9 @@ def diagnose(
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     calibration = calibrated(baseline, effects) if baseline else None
-    belief = dataset.believed(record.inputs if record.has_inputs else None)
+    belief = _documented(dataset, record)
     belief = calibration.as_built.believed(belief) if calibration else belief
-    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, calibration)
+    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, calibration, baseline)
     # the heating curve is of the documents: how far it was off from the start is no change
     cut = [segment for segment in segments(record, belief) if not (calibration and segment.is_supply)]
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
@@ -65,7 +69,34 @@ def diagnose(
 def calibrated(baseline: Dataset, effects: Sequence[EffectType]) -> Calibration:
     """Return what a healthy record of the loop says of it."""
     record = record_of(baseline)
-    return calibrate(record, baseline.believed(record.inputs if record.has_inputs else None), effects)
+    try:
+        return calibrate(record, _documented(baseline, record), effects)
+    except ValueError as error:
+        raise _wrong(baseline, str(error), "[nominal]") from error
+
+
+def calibrated_room(dataset: Dataset) -> CalibratedRoom:
+    """Return the room of a healthy record as it was built; raise `StudyError` where it does not show its room."""
+    if dataset.room is None:
+        raise _wrong(dataset, "there is no room to calibrate", "[building]", "tell it in [building] or [room]")
+    refuse_too_short(dataset)
+    record = record_of(dataset)
+    documented = _documented(dataset, record)
+    if not any(segment.with_room and not segment.is_supply for segment in segments(record, documented)):
+        lacking = [channel for channel in DRIVES if not record.has(channel)]
+        seen = f"it lacks {', '.join(lacking)}" if lacking else f"it needs one of {', '.join(OF_ROOM)}"
+        raise _wrong(dataset, f"the record does not show what the room does: {seen}", "")
+    days = (dataset.time[[0, -1]] - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")
+    calibration = calibrated(dataset, installed_effects())
+    return CalibratedRoom.of(calibration, documented, dataset.name, dataset.origin, (days[0], days[1]))
+
+
+def _documented(dataset: Dataset, record: Record) -> Belief:
+    return dataset.believed(record.inputs if record.has_inputs else None)
+
+
+def _wrong(dataset: Dataset, wrong: str, where: str, allowed: str = "") -> StudyError:
+    return StudyError([Problem(str(dataset.folder / "dataset.toml"), 0, where, "", "", wrong, allowed=allowed)])
 
 
 def record_of(dataset: Dataset) -> Record:
@@ -138,6 +169,5 @@ def _selection(
         assert estimator.base
     except ValueError as error:
         where = "[room]" if segment.stages[0] == "emitter" else "[nominal]"
-        path = str(work.dataset.folder / "dataset.toml")
-        raise StudyError([Problem(path, 0, where, "", "", str(error))]) from error
+        raise _wrong(work.dataset, str(error), where) from error
     return select(estimator, effects, seed, tick)

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import pandas as pd
 
 IMPACTS = ("heat_percent", "air_K")
+Part = Literal["room", "drives", "chain"]  # of a loop: drives are sun, gains and supply
 Verdict = Literal["effect", "group", "unknown", "untestable", "none"]
 
 
@@ -59,7 +60,7 @@ class StageGap:
     def described(self) -> dict[str, Any]:
         regimes = [{**asdict(each), "over_floor": self.regime_over_floor(each)} for each in self.regimes]
         impact = {name: self.impact.get(name, nan) for name in IMPACTS}
-        return {**_of(self), "over_floor": self.over_floor, "impact": impact, "regimes": regimes}
+        return {**as_data(self), "over_floor": self.over_floor, "impact": impact, "regimes": regimes}
 
 
 def in_floors(gap: float, floor: float) -> float:
@@ -96,6 +97,8 @@ class Calibrated:
     value: Interval
     documented: float
     sentence: str
+    part: Part
+    is_clear: bool = False  # it differs by more than is noticeable, and by its interval, if it has one, not by chance
 
 
 @dataclass(frozen=True)
@@ -146,6 +149,7 @@ class Unexplained:
     is_covered: bool = False  # within what the believed model's published uncertainty covers
     is_of_drives: bool = False  # as little as what drives the room and was not recorded could make
     channel: str = ""  # that it is judged by
+    probability: float = nan  # that something unknown is there; where a healthy record is known
 
     @property
     def is_finding(self) -> bool:
@@ -181,6 +185,7 @@ class Tried:
     share: float  # of the gap above the noise floor
     channel: str = ""  # of which
     why: str = ""  # it is not named; empty of what was found and of its group
+    probability: float = nan  # that it is there, alone or beside others; where a healthy record is known
 
 
 @dataclass(frozen=True)
@@ -233,6 +238,7 @@ class Diagnosis:
     is_quick: bool
     # probability of each hypothesis: names joined by "+", "none", "unknown"; empty without a healthy record
     posterior: Mapping[str, float] = field(default_factory=dict)
+    compared_with: str = ""  # the healthy record, with its days; empty without one
     as_built: Sequence[Calibrated] = ()
     baseline: Sequence[BaselineFit] = ()
     # measured, before and after of each judged channel (columns channel + "_measured", "_before", "_after"), by time
@@ -240,15 +246,16 @@ class Diagnosis:
 
     def described(self) -> dict[str, Any]:
         """The diagnosis as JSON has it, without its traces; figures may be no number or infinite."""
-        values = {name: _of(value) for name, value in vars(self).items() if name != "traces"}
+        values = {name: as_data(value) for name, value in vars(self).items() if name != "traces"}
         return {**values, "stages": [stage.described() for stage in self.stages]}
 
 
-def _of(value: Any) -> Any:
+def as_data(value: Any) -> Any:
+    """Return dataclasses as mappings, and tuples as lists."""
     if hasattr(value, "__dataclass_fields__"):
-        return {name: _of(each) for name, each in vars(value).items()}
+        return {name: as_data(each) for name, each in vars(value).items()}
     if isinstance(value, Mapping):
-        return {key: _of(each) for key, each in value.items()}
+        return {key: as_data(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        return [_of(each) for each in value]
+        return [as_data(each) for each in value]
     return value

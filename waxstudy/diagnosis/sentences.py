@@ -21,8 +21,13 @@ MOST_TOLD = 3  # sentences of a group; the others by name
 
 
 def summary(
-    verdict: Verdict, found: Sequence[FoundEffect], remains: Sequence[Unexplained], untestable: Sequence[Untestable]
+    verdict: Verdict,
+    found: Sequence[FoundEffect],
+    remains: Sequence[Unexplained],
+    untestable: Sequence[Untestable],
+    since: str = "",
 ) -> str:
+    """Return a diagnosis in one sentence; `since`: what the record was compared with, if it was."""
     if verdict in ("effect", "group"):
         return " ".join(group_sentence(effect) for effect in found)
     if verdict == "unknown":
@@ -30,7 +35,7 @@ def summary(
         return f"Something that no known effect explains lies at: {places}."
     if verdict == "untestable":
         return f"This record cannot be judged: {_main_reason(untestable)}."
-    return "The record shows no effect that the model lacks."
+    return f"Nothing changed since {since}." if since else "The record shows no effect that the model lacks."
 
 
 def _main_reason(untestable: Sequence[Untestable]) -> str:
@@ -44,8 +49,7 @@ def why_not(selection: Selection, candidate: Candidate) -> str:
     """Return why an effect that was tried is not named."""
     name = candidate.effect.name
     if selection.posterior:
-        held = sum(p for names, p in selection.posterior.items() if name in names.split("+"))
-        return f"probability {held:.2g}"
+        return "less likely than what is named" if selection.found else "less likely than that nothing changed"
     for each in selection.withdrawn:
         if name in each.found.group:
             return each.criterion.name

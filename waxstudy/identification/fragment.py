@@ -46,11 +46,14 @@ def actuator_block(coefficients: Mapping[str, Value]) -> dict[str, Any]:
     return {"use": ACTUATOR, **allowed(coefficients)[0]}
 
 
-def text_of(kind: str, block: Mapping[str, Any], about: Mapping[str, Any]) -> str:
-    """Return a fragment: the block as a study names it, and `[fit]`, which a study does not read."""
+def text_of(kind: str, block: Mapping[str, Any], about: Mapping[str, Any], mark: str = MARK) -> str:
+    """Return a fragment: the block as a study names it, and `[fit]`, which a study does not read.
+
+    `mark` is what it says first where its records were simulated.
+    """
     import tomli_w
 
-    marked = f"# {MARK}\n" if about.get("simulated") else ""
+    marked = f"# {mark}\n" if about.get("simulated") else ""
     use = f'# In a study: {kind} = {{ from = "THIS FILE" }}\n'
     fit = {"waxstudy": __version__, **about}
     return f"{marked}{use}{tomli_w.dumps({kind: dict(block), 'fit': fit})}"

@@ -1,4 +1,4 @@
-"""A block that a study file takes from another file: `{ from = "my_actuator.toml" }`."""
+"""A block or room that a study file takes from another file: `{ from = "my_actuator.toml" }`."""
 
 from __future__ import annotations
 
@@ -12,6 +12,11 @@ from waxstudy.study.source import read_source
 from waxstudy.study.spots import RawTable, Spot, Written
 
 FROM = "from"
+
+
+def table_of(check: Check, kind: str, values: Mapping[str, Any], spot: Spot) -> RawTable | None:
+    """Return a table that may name a file to take a block of this kind from. None: what is wrong is noted."""
+    return included(check, kind, values, spot) if FROM in values else RawTable.of(values, spot)
 
 
 def included(check: Check, kind: str, block: Mapping[str, Any], spot: Spot) -> RawTable | None:

@@ -9,6 +9,7 @@ from typing import TypeVar
 from waxstudy.plugin import Parameters
 from waxstudy.plugin.registry import Registry
 from waxstudy.study.check import Check
+from waxstudy.study.fragment import table_of
 from waxstudy.study.ladder import RawLadder, read_ladder
 from waxstudy.study.lines import KeyPath
 from waxstudy.study.model import (
@@ -47,7 +48,7 @@ def read_study(path: Path, registry: Registry, *, needs_files: bool = True) -> S
         check.reference(Spot.table("study").at("against"), study.against)
     ensemble = _part(check, "ensemble", Ensemble)
     output = _output(check, study, ensemble)
-    room = _choice(check, "room", Spot.table("room"))
+    room = _room(check)
     weeks = _weeks(check)
     ladders = [read_ladder(check, name) for name in _names(check, "ladder")]
     cases = _cases(check, ladders)
@@ -72,6 +73,14 @@ def _part(check: Check, name: str, model: type[P]) -> P | None:
     spot = Spot.table(name)
     values = check.table(spot)
     return None if values is None else check.parameters(model, RawTable.of(values, spot))
+
+
+def _room(check: Check) -> Choice | None:
+    """Return `[room]`, which may be of a file that a calibration has written."""
+    spot = Spot.table("room")
+    values = check.table(spot)
+    table = None if values is None else table_of(check, "room", values, spot)
+    return check.choice("room", table) if table else None
 
 
 def _choice(check: Check, kind: str, spot: Spot) -> Choice | None:

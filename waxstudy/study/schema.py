@@ -36,6 +36,7 @@ def schema(registry: Registry) -> Json:
     for kind in CHAIN:
         definitions[f"step.{kind}"] = _or_from(kind, _block(kind, kinds[kind], definitions))
         definitions[kind] = _or_from(kind, definitions[kind])
+    definitions["room"] = _or_from("room", definitions["room"])
     study = parameters(StudyTable)
     study["properties"]["name"]["pattern"] = NAME
     study["properties"]["against"]["enum"] = list(_usable(registry, "reference"))

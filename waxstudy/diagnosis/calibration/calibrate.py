@@ -206,12 +206,7 @@ def _of_room(
 def _lasting(segment: Segment, record: Record, belief: Belief, effects: Effects) -> list[Nuisance]:
     """Return what may differ of room and drives; what effects say of it goes before what the room says."""
     own = list(knobs(effects, segment.stages, belief))
-    taken = {
-        name
-        for effect in effects
-        for name in effect.absorbs
-        if any(each.name.startswith(f"{effect.name} ") for each in own)
-    }
+    taken = {name for effect in effects for name in effect.absorbs if any(each.effect is effect for each in own)}
     once = {each.name for each in of_record(belief, record, segment.driven_by)}
     rest = [each for each in nuisances(belief, record, segment.driven_by) if each.name not in taken | once]
     return [*own, *(replace(each, sd=WIDER * each.sd) for each in rest)]

@@ -2,52 +2,127 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from math import nan
+from collections.abc import Iterator, Mapping
+from math import isfinite, log, nan
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import Calibration
+from waxstudy.diagnosis.calibration.calibrate import WIDER, Calibration
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.nuisance import Nuisance
-from waxstudy.diagnosis.result import BaselineFit, Calibrated, Interval
+from waxstudy.diagnosis.result import BaselineFit, Calibrated, Interval, Part
+from waxstudy.plugin import Belief, Prior, Room
 
 NORMAL = 1.96
 FAR = 3.0  # standard deviations of what is usual, from which on a healthy loop is doubted
+CLEAR = 3.0  # of what the room says of itself, from which on a departure is worth a word
 
 
-def calibrated(calibration: Calibration) -> Iterator[Calibrated]:
+def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibrated]:
     """Yield what differs from the documents, of the whole loop."""
     known = calibration.as_built
     sd = np.sqrt(np.diag(known.covariance)).tolist()
-    for knob, departure, each in zip(known.knobs, known.departures.tolist(), sd, strict=True):
-        yield _of(knob, departure, each)
-    for knob, departure in known.chain:
-        yield _of(knob, departure, nan)
-    for effect, values in known.always:
-        yield from _always(effect, values)
+    of_loop = [*zip(known.knobs, known.departures.tolist(), sd, strict=True), *((*each, nan) for each in known.chain)]
+    chain, always, said = (
+        {knob.name for knob, _ in known.chain},
+        _always(calibration, documented),
+        _descriptions(documented),
+    )
+    for knob, departure, each in of_loop:
+        is_of_room = knob.apply(documented, knob.sd).room != documented.room
+        part: Part = "room" if is_of_room else "chain" if knob.name in chain else "drives"
+        if not isinstance(knob, Knob):
+            yield _of_room(knob, departure, each, part, said.get(knob.name, ""))
+        elif knob.effect not in always:
+            values = {
+                other.parameter: other.values(at)[other.parameter]
+                for other, at, _ in of_loop
+                if isinstance(other, Knob) and other.effect is knob.effect
+            }
+            yield _of_effect(knob, departure, each, part, {**knob.neutral, **values})
+    for effect, found in always.items():
+        sentence, still = effect.sentence(effect.Parameters(**found)), effect.neutral(documented) or {}
+        is_of_room = effect.apply(documented, effect.Parameters(**found)).room != documented.room
+        for name, value in found.items():
+            before = still.get(name, nan)
+            is_clear = (
+                not isfinite(before) or name not in effect.priors or _is_noticeable(effect.priors[name], value, before)
+            )
+            yield Calibrated(
+                f"{effect.name} {name}",
+                Interval(value, nan, nan),
+                before,
+                sentence,
+                "room" if is_of_room else "chain",
+                is_clear,
+            )
 
 
-def _of(knob: Nuisance, departure: float, sd: float) -> Calibrated:
-    ends = [departure + way * NORMAL * sd for way in (-1.0, 1.0)]
-    if not isinstance(knob, Knob):
-        sentence = f"{knob.name} departs by {departure:.2g} from what the room says ({_deviations(knob, departure)})."
-        return Calibrated(knob.name, Interval(departure, *ends), 0.0, sentence)
-    value, low, high = (knob.values(each)[knob.parameter] for each in (departure, *(ends if sd == sd else (0.0, 0.0))))
-    interval = Interval(value, low, high) if sd == sd else Interval(value, nan, nan)
-    sentence = knob.effect.sentence(knob.effect.Parameters(**knob.values(departure)))
-    return Calibrated(knob.name, interval, knob.neutral[knob.parameter], sentence)
+def _always(calibration: Calibration, documented: Belief) -> dict[EffectType, Values]:
+    """Return effects that were there from the start, as they come to with what differs usually."""
+    found: dict[EffectType, Values] = {}
+    for effect, values in calibration.as_built.always:
+        still, whole = effect.neutral(documented) or {}, dict(values)
+        for knob, departure in calibration.as_built.chain:
+            if isinstance(knob, Knob) and knob.effect is effect:
+                name = knob.parameter
+                usual = knob.values(departure)[name]
+                whole[name] = (
+                    whole[name] * usual / still[name]
+                    if effect.priors[name].is_log
+                    else whole[name] + usual - still[name]
+                )
+        found[effect] = whole
+    return found
+
+
+def _descriptions(documented: Belief) -> dict[str, str]:
+    if documented.room is None:
+        return {}
+    assert issubclass(documented.room.component, Room)
+    return {each.name: each.description for each in documented.room.component.uncertainties(documented.room.parameters)}
+
+
+def _of_effect(knob: Knob, departure: float, sd: float, part: Part, values: Mapping[str, float]) -> Calibrated:
+    value, still = knob.values(departure)[knob.parameter], knob.neutral[knob.parameter]
+    interval = Interval(value, nan, nan)
+    if sd == sd:
+        interval = Interval(value, *(knob.values(departure + way * NORMAL * sd)[knob.parameter] for way in (-1, 1)))
+    is_clear = _is_noticeable(knob.effect.priors[knob.parameter], value, still) and _leaves_out(interval, still)
+    sentence = knob.effect.sentence(knob.effect.Parameters(**values))
+    return Calibrated(knob.name, interval, still, sentence, part, is_clear)
+
+
+def _is_noticeable(prior: Prior, value: float, still: float) -> bool:
+    if prior.is_log:
+        return abs(log(value / still)) > log(prior.noticeable)
+    return abs(value - still) > prior.noticeable
+
+
+def _leaves_out(interval: Interval, still: float) -> bool:
+    """Whether an interval, if there is one, leaves out what the documents say."""
+    return not interval.low <= still <= interval.high
+
+
+def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, description: str) -> Calibrated:
+    interval = Interval(departure, departure - NORMAL * sd, departure + NORMAL * sd)
+    is_clear = abs(departure) > CLEAR * knob.sd / WIDER and _leaves_out(interval, 0.0)
+    return Calibrated(knob.name, interval, 0.0, _in_words(knob, departure, description), part, is_clear)
+
+
+def _in_words(knob: Nuisance, departure: float, description: str) -> str:
+    """Return a departure as a sentence.
+
+    >>> _in_words(Nuisance("film", 0.5, lambda belief, departure: belief), -0.9, "log of the factor on the film")
+    'film departs by -0.9 (log of the factor on the film), 1.8 standard deviations of what is usual.'
+    """
+    about = f" ({description})" if description else ""
+    return f"{knob.name} departs by {departure:.2g}{about}, {_deviations(knob, departure)} of what is usual."
 
 
 def _deviations(knob: Nuisance, departure: float) -> str:
     return f"{abs(departure) / knob.sd:.1f} standard deviations"
-
-
-def _always(effect: EffectType, values: Values) -> Iterator[Calibrated]:
-    sentence = effect.sentence(effect.Parameters(**values))
-    for name, value in values.items():
-        yield Calibrated(f"{effect.name} {name}", Interval(value, nan, nan), nan, sentence)
 
 
 def fits(calibration: Calibration) -> Iterator[BaselineFit]:
@@ -62,13 +137,13 @@ def fits(calibration: Calibration) -> Iterator[BaselineFit]:
             yield BaselineFit(residual.channel, residual.unit, residual.gap(), 100.0 * residual.gap() / mean, off)
 
 
-def doubts(calibration: Calibration) -> Iterator[str]:
+def doubts(calibration: Calibration, documented: Belief) -> Iterator[str]:
     """Yield what of the healthy record makes one doubt that it is healthy."""
     known = calibration.as_built
     for knob, departure in (*zip(known.knobs, known.departures.tolist(), strict=True), *known.chain):
         if abs(departure) > FAR * knob.sd:
             usual = _deviations(knob, departure)
             yield f"the baseline itself: {knob.name} lies {usual} from the documents; is it healthy?"
-    for effect, values in known.always:
+    for effect, values in _always(calibration, documented).items():
         sentence = effect.sentence(effect.Parameters(**values))
-        yield f"the baseline shows {effect.name} as well, so it counts as there from the start: {sentence}"
+        yield f"the baseline shows {effect.name} as well: it counts as there from the start; is it healthy? {sentence}"

@@ -62,8 +62,8 @@ class Superposed:
         ways = changes - self.basis @ (self.basis.T @ changes)
         power: FloatArray = np.maximum(np.sum(ways**2, axis=0), TINY)
         neutral = effect.neutral(self.problem.belief)
-        most = STRONGEST if neutral else 1.0
-        strength = np.clip(-(before @ ways) / power, 0.0 if neutral else 1.0, most)
+        bounds = (0.0, STRONGEST) if neutral else (1.0, 1.0)
+        strength = np.clip(-(before @ ways) / power, *bounds)
         gains = -(strength * (before @ ways)) - 0.5 * strength**2 * power
         best = int(np.argmax(gains))
         values = Space(effect).scaled(tried[best], neutral, float(strength[best])) if neutral else tried[best]

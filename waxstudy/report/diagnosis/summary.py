@@ -9,10 +9,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from rich.table import Table as Grid
 
 from waxstudy.diagnosis.result import BeforeAfter, Diagnosis, FoundEffect, Interval, Measurement, StageGap, Unexplained
+from waxstudy.report.diagnosis.calibration import clear_words
 from waxstudy.report.diagnosis.focus import by_reason, left_at, main_stages, measurements, other_stages, unit_of
 from waxstudy.report.diagnosis.words import (
     OF_LOOP,
+    chance,
     channel_words,
+    hypothesis,
     interval,
     loop_words,
     named,
@@ -20,6 +23,7 @@ from waxstudy.report.diagnosis.words import (
     percent,
     percent_interval,
     probability,
+    quantity,
     rough,
     signed,
     stage_words,
@@ -40,6 +44,8 @@ QUICK = "not all alternatives were compared: another effect may explain as much;
 Line = tuple[str, str]  # label, text
 MOST_NAMES = 3
 MOST_LINES = 3  # of one label
+MOST_BUILT = 5  # things that were so from the start
+MOST_LIKELY, LEAST_LIKELY = 4, 0.01  # hypotheses that are told, and how likely they are at least
 
 
 def lines(diagnosis: Diagnosis) -> list[Line]:
@@ -52,8 +58,11 @@ def lines(diagnosis: Diagnosis) -> list[Line]:
 
 def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "quick look", [QUICK] if diagnosis.is_quick else []
+    yield "compared with", [_compared(diagnosis)] if diagnosis.compared_with else []
+    yield "as calibrated", _few(clear_words(diagnosis.as_built), MOST_BUILT)
     yield "where", [*(_where(diagnosis, stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
+    yield "likely", [_likely(diagnosis)] if diagnosis.posterior else []
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
     nothing_left = ["nothing that stands out of the noise"] if diagnosis.stages else []
     yield "unexplained", _few(_left(diagnosis)) or nothing_left
@@ -62,10 +71,24 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "warnings", _few(list(diagnosis.warnings))
 
 
-def _few(texts: Sequence[str]) -> list[str]:
-    if len(texts) <= MOST_LINES:
+def _few(texts: Sequence[str], most: int = MOST_LINES) -> list[str]:
+    if len(texts) <= most:
         return list(texts)
-    return [*texts[: MOST_LINES - 1], f"and {len(texts) - MOST_LINES + 1} more"]
+    return [*texts[: most - 1], f"and {len(texts) - most + 1} more"]
+
+
+def _compared(diagnosis: Diagnosis) -> str:
+    """Which healthy record it was compared with, and how well the air of a room is followed there."""
+    air = next((each for each in diagnosis.baseline if each.channel == "air_temperature_C"), None)
+    followed = f"; its air is followed to {quantity(air.rmse, air.unit)}" if air else ""
+    return f"{diagnosis.compared_with}, taken as healthy{followed}"
+
+
+def _likely(diagnosis: Diagnosis) -> str:
+    """The likeliest hypotheses of the whole loop, the likeliest first."""
+    told = sorted(diagnosis.posterior.items(), key=lambda each: -each[1])
+    shown = [each for each in told[:MOST_LIKELY] if each[1] >= LEAST_LIKELY] or told[:1]
+    return ", ".join(f"{chance(probability)} {hypothesis(names)}" for names, probability in shown)
 
 
 def _where(diagnosis: Diagnosis, stage: StageGap) -> str:
@@ -118,16 +141,18 @@ def alternatives(effect: FoundEffect) -> list[str]:
 
 
 def how_sure(effect: FoundEffect) -> str:
+    told = f"Probability {chance(effect.probability)}."
     if math.isfinite(effect.probability):
-        return f"Probability {percent(effect.probability)}."
+        return f"Probability {chance(effect.probability)}; {effect.when.pattern}." if effect.when else told
     found = f"{percent(effect.inclusion)} of resampled records" if math.isfinite(effect.inclusion) else ""
     return f"Found again in {found}; p = {probability(effect.p)}." if found else f"p = {probability(effect.p)}."
 
 
 def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     before, after, floor = (number(v) for v in (effect.gap_before, effect.gap_after, effect.noise_floor))
+    share = percent_interval(effect.shrink) or "a share that nobody can tell"
     return (
-        f"{effect.name} takes away {percent_interval(effect.shrink)} of the gap of {channel_words(effect.channel)} "
+        f"{effect.name} takes away {share} of the gap of {channel_words(effect.channel)} "
         f"{held_out([effect])}; in all {before} → {with_unit(after, unit_of(diagnosis, effect))}, floor {floor}"
     )
 
@@ -174,7 +199,13 @@ def _left(diagnosis: Diagnosis) -> list[str]:
 def _gap_left(diagnosis: Diagnosis, left: Unexplained) -> str:
     gap = with_unit(number(left.gap), unit_of(diagnosis, left))
     channel = f" {channel_words(left.channel)}" if left.channel else ""
-    return f"{stage_words(left.stage)}:{channel} {gap}, floor {number(left.noise_floor)}, p = {probability(left.p)}"
+    return f"{stage_words(left.stage)}:{channel} {gap}, floor {number(left.noise_floor)}, {_how_sure_of(left)}"
+
+
+def _how_sure_of(left: Unexplained) -> str:
+    if math.isfinite(left.probability):
+        return f"something unknown {chance(left.probability)} probable"
+    return f"p = {probability(left.p)}"
 
 
 def remarks(left: Unexplained) -> list[str]:

@@ -5,8 +5,19 @@ from __future__ import annotations
 from math import nan
 from typing import Any
 
-from waxstudy.diagnosis.result import BeforeAfter, Diagnosis, FoundEffect, Measurement, StageGap, Tried, Unexplained
+from waxstudy.diagnosis.result import (
+    BaselineFit,
+    BeforeAfter,
+    Calibrated,
+    Diagnosis,
+    FoundEffect,
+    Measurement,
+    StageGap,
+    Tried,
+    Unexplained,
+)
 from waxstudy.report.diagnosis import words
+from waxstudy.report.diagnosis.calibration import as_built, fit
 from waxstudy.report.diagnosis.figures.ranking import ranked, role
 from waxstudy.report.diagnosis.focus import by_reason, measurements, unit_of
 from waxstudy.report.diagnosis.summary import held_out, in_order, remarks
@@ -19,6 +30,17 @@ STAGE: Column[Any] = text("stage", lambda each: words.stage_words(each.stage))
 CHANNEL: Column[Any] = text("channel", lambda each: words.channel_words(each.channel))
 JUDGED_BY: Column[Any] = text("judged by", CHANNEL.value)
 P: Column[Any] = Column("p", lambda each: words.probability(each.p))
+PROBABILITY: Column[Any] = Column("probability", lambda each: words.chance(each.probability) or _p(each))
+
+
+def _p(each: Any) -> str:
+    """Of a link that the healthy record does not have there is no probability."""
+    return f"p = {words.probability(each.p)}"
+
+
+def sure(diagnosis: Diagnosis) -> Column[Any]:
+    """How sure something is: where a healthy record is known, by its probability."""
+    return PROBABILITY if diagnosis.posterior else P
 
 
 def stages(diagnosis: Diagnosis) -> Table[StageGap]:
@@ -74,8 +96,8 @@ def found(diagnosis: Diagnosis) -> Table[FoundEffect]:
         Column("gap after", lambda effect: quantity(effect.gap_after, unit_of(diagnosis, effect))),
         Column("noise floor", lambda effect: quantity(effect.noise_floor, unit_of(diagnosis, effect))),
         Column("shrinks by", lambda effect: words.percent_interval(effect.shrink)),
-        Column("found again", lambda effect: words.percent(effect.inclusion)),
-        P,
+        *([] if diagnosis.posterior else [Column("found again", lambda effect: words.percent(effect.inclusion))]),
+        sure(diagnosis),
     ]
     title = f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis.effects)}"
     return Table(title, columns, diagnosis.effects)
@@ -108,7 +130,7 @@ def tried(diagnosis: Diagnosis) -> Table[Tried]:
         JUDGED_BY,
         Column("explains", lambda each: words.percent(each.share)),
         Column("gain", lambda each: words.number(each.gain)),
-        P,
+        sure(diagnosis),
         text("verdict", lambda each: f"{role(diagnosis, each)}{f': {each.why}' if each.why else ''}"),
     ]
     return Table("every effect that was tried, on days that its fit has not seen", columns, ranked(diagnosis))
@@ -121,7 +143,7 @@ def unexplained(diagnosis: Diagnosis) -> Table[Unexplained]:
         CHANNEL,
         Column("gap", lambda left: quantity(left.gap, unit_of(diagnosis, left))),
         Column("noise floor", lambda left: quantity(left.noise_floor, unit_of(diagnosis, left))),
-        P,
+        sure(diagnosis),
         text("remark", lambda left: "; ".join(remarks(left))),
     ]
     return Table("gaps without a known cause", columns, diagnosis.unexplained)
@@ -154,6 +176,26 @@ def departures(diagnosis: Diagnosis) -> Table[tuple[str, float]]:
     )
 
 
+def posterior(diagnosis: Diagnosis) -> Table[tuple[str, float]]:
+    """Hypotheses of the whole loop, the likeliest first."""
+    return Table(
+        "how likely each hypothesis is",
+        [
+            text("hypothesis", lambda row: words.hypothesis(row[0])),
+            Column("probability", lambda row: words.chance(row[1])),
+        ],
+        sorted(diagnosis.posterior.items(), key=lambda each: -each[1]),
+    )
+
+
+def calibrated(diagnosis: Diagnosis) -> Table[Calibrated]:
+    return as_built(diagnosis.as_built)
+
+
+def fitted(diagnosis: Diagnosis) -> Table[BaselineFit]:
+    return fit(diagnosis.baseline)
+
+
 def parts(diagnosis: Diagnosis) -> Table[tuple[str, str, str]]:
     """Which days served for what."""
     rows = [(PARTS.get(name, name), days[0], days[-1]) for name, days in diagnosis.parts.items() if days]
@@ -165,4 +207,5 @@ def parts(diagnosis: Diagnosis) -> Table[tuple[str, str, str]]:
     return Table("parts of the record", columns, rows)
 
 
-TABLES = stages, regimes, found, closed_loop, tried, unexplained, untestable, next_measurements, departures, parts
+OF_RECORD = stages, regimes, found, closed_loop, tried, unexplained, untestable, next_measurements, departures, parts
+TABLES = *OF_RECORD, posterior, calibrated, fitted

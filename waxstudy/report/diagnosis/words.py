@@ -88,6 +88,25 @@ def percent(share: float) -> str:
     return f"{100.0 * share:z.0f} %" if math.isfinite(share) else ""
 
 
+def chance(probability: float) -> str:
+    """
+    >>> chance(0.701), chance(0.0012), chance(0.9991), chance(math.nan)
+    ('70 %', 'below 1 %', 'over 99 %', '')
+    """
+    if probability < 0.005:
+        return "below 1 %"
+    return "over 99 %" if probability > 0.995 else percent(probability)
+
+
+def hypothesis(names: str) -> str:
+    """
+    >>> hypothesis("none"), hypothesis("let-by+unknown")
+    ('nothing changed', 'let-by and something unknown')
+    """
+    told = {"none": "nothing changed", "unknown": "something unknown"}
+    return " and ".join(told.get(name, name) for name in names.split("+"))
+
+
 def percent_interval(value: Interval) -> str:
     """
     >>> percent_interval(Interval(0.92, 0.88, 0.954))
@@ -103,11 +122,23 @@ def interval(value: Interval, unit: str = "") -> str:
     >>> interval(Interval(181.2, 172.0, 190.0), "s"), interval(Interval(0.05, math.nan, math.nan))
     ('181 s (172 to 190)', '0.0500')
     """
-    places = decimals(max(abs(value.value), abs(value.high - value.low), key=lambda x: x if math.isfinite(x) else 0.0))
-    text = with_unit(number(value.value, places), unit)
+    text = with_unit(number(value.value, _places(value)), unit)
     if not math.isfinite(value.low + value.high):
         return text
-    return f"{text} ({number(value.low, places)} to {number(value.high, places)})"
+    return f"{text} ({' to '.join(ends(value))})"
+
+
+def ends(value: Interval) -> tuple[str, str]:
+    """
+    >>> ends(Interval(181.2, 172.0, 190.0))
+    ('172', '190')
+    """
+    return number(value.low, _places(value)), number(value.high, _places(value))
+
+
+def _places(value: Interval) -> int:
+    """Return the decimals that show three digits of a value, or of its interval where that is wider."""
+    return decimals(max(abs(value.value), abs(value.high - value.low), key=lambda x: x if math.isfinite(x) else 0.0))
 
 
 def quantity(value: float, unit: str) -> str:

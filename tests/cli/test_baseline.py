@@ -1,0 +1,259 @@
+"""A healthy record of the same loop, as `waxstudy diagnose` and `waxstudy calibrate` take it, and refuse it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tomllib
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from tests.cli.conftest import Entry
+from tests.conftest import SMALL, call
+from tests.report.test_diagnosis import page_text, untraced
+
+USAGE, INVALID = 2, 3
+DAYS_BEFORE = 30
+
+
+@pytest.fixture(scope="session")
+def loop(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Seven days of a loop as believed, its room included, and in `before` a month earlier the same."""
+    folder = tmp_path_factory.mktemp("baseline")
+    (folder / "small.toml").write_text(SMALL)
+    chosen = ("--case", "O_WM", "--believed", "O_WM", "--days", "7", "--interval-s", "300")
+    done = call(folder, "reality", "small.toml", *chosen, "--out", "loop")
+    assert done.returncode == 0, done.stderr
+    shifted(folder / "loop", folder / "before")
+    return folder
+
+
+def shifted(loop: Path, place: Path, without: tuple[str, ...] = (), first: int = 0, **factors: float) -> Path:
+    """Copy a dataset to a month before, without some channels, from a row on, some of them times a factor."""
+    shutil.copytree(loop, place)
+    data = pd.read_csv(place / "data.csv").drop(columns=list(without)).iloc[first:]
+    data["time"] = pd.to_datetime(data["time"]) - pd.Timedelta(days=DAYS_BEFORE)
+    for channel, factor in factors.items():
+        data[channel] *= factor
+    data.to_csv(place / "data.csv", index=False)
+    described = (place / "dataset.toml").read_text()
+    for channel in without:
+        described = "".join(line for line in described.splitlines(True) if not line.startswith(f"{channel} ="))
+    (place / "dataset.toml").write_text(described)
+    return place
+
+
+def chain_alone(loop: Path, place: Path, **how: object) -> Path:
+    """Such a copy without what the room shows, which is quick to judge."""
+    of_room = [name for name in pd.read_csv(loop / "data.csv") if name.endswith("temperature_C")]
+    keep = ("sensor_temperature_C", "outdoor_temperature_C", "supply_temperature_C")
+    without = (*(name for name in of_room if name not in keep), *how.pop("without", ()))  # type: ignore[misc]
+    return shifted(loop, place, without=without, **how)  # type: ignore[arg-type]
+
+
+def replaced(folder: Path, old: str, new: str) -> None:
+    path = folder / "dataset.toml"
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+
+
+# --- refused -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "dead_band_K = 0.5",
+            "dead_band_K = 0.8",
+            "controller dead_band_K is 0.8 in the baseline and 0.5 in the record",
+        ),
+        ("window_g = 0.3", "window_g = 0.2", "room window_g is 0.2 in the baseline and 0.3 in the record"),
+    ],
+    ids=["chain", "room"],
+)
+def test_a_baseline_of_another_loop_says_what_differs(
+    loop: Path, entry: Entry, tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    other = shutil.copytree(loop / "before", tmp_path / "other")
+    replaced(other, old, new)
+    done = entry("diagnose", loop / "loop", "--baseline", other)
+    assert (done.code, done.stdout) == (INVALID, "")
+    assert f"{other}/dataset.toml: [baseline]: another loop: {said}" in done.stderr
+
+
+def test_one_that_overlaps_with_the_record_says_from_when_to_when(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    same = shutil.copytree(loop / "loop", tmp_path / "same")
+    done = entry("diagnose", loop / "loop", "--baseline", same)
+    assert done.code == INVALID
+    first = pd.read_csv(same / "data.csv")["time"].iloc[0]
+    assert "it overlaps with the record, from " in done.stderr
+    assert str(pd.Timestamp(first)) in done.stderr
+
+
+@pytest.mark.parametrize("command", ["diagnose", "calibrate"])
+def test_one_of_less_than_three_days_is_too_short(loop: Path, entry: Entry, tmp_path: Path, command: str) -> None:
+    short = shifted(loop / "loop", tmp_path / "short", first=5 * 288)
+    options = ("--baseline", short) if command == "diagnose" else ("--out", "room.toml")
+    done = entry(command, loop / "loop" if command == "diagnose" else short, *options)
+    assert done.code == INVALID
+    assert "a baseline of 2.0 days is too short: at least 3 days are needed" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("days", "said"),
+    [
+        ((1, 8), "lies outside the record (the record has "),
+        ((-1, 4), "lies outside the record (the record has "),
+        ((4, 1), ": the days go backwards (the record has "),
+        ((0, 1), "a baseline of 2.0 days is too short"),
+        ((0, 6), "less than 3 days come after "),
+    ],
+)
+def test_days_that_cannot_be_a_baseline_are_refused(loop: Path, entry: Entry, days: tuple[int, int], said: str) -> None:
+    first = pd.Timestamp(pd.read_csv(loop / "loop" / "data.csv")["time"].iloc[0]).normalize()
+    chosen = "..".join(str((first + pd.Timedelta(days=day)).date()) for day in days)
+    done = entry("diagnose", loop / "loop", "--baseline-days", chosen)
+    assert (done.code, done.stdout) == (INVALID, "")
+    assert f"{loop / 'loop' / 'dataset.toml'}: --baseline-days: " in done.stderr
+    assert said in done.stderr
+
+
+@pytest.mark.parametrize("days", ["2026-01-01", "2026-01-01..", "..", "a..b", "2026-01-01..2026-02-30", ""])
+def test_what_is_no_span_of_days_is_a_mistake_of_usage(loop: Path, entry: Entry, days: str) -> None:
+    done = entry("diagnose", loop / "loop", f"--baseline-days={days}")
+    assert done.code == USAGE
+    assert "is no span of days: write two days as 2026-01-01..2026-01-10" in done.stderr
+
+
+@pytest.mark.parametrize("days", ["0001-01-01..0001-01-10", "9999-12-01..9999-12-31"])
+def test_days_of_another_age_are_outside_the_record(loop: Path, entry: Entry, days: str) -> None:
+    done = entry("diagnose", loop / "loop", "--baseline-days", days)
+    assert done.code == INVALID
+    assert "lies outside the record" in done.stderr
+
+
+def test_a_folder_and_days_at_once_are_refused(loop: Path, entry: Entry) -> None:
+    options = ("--baseline", loop / "before", "--baseline-days", "2026-01-01..2026-01-10")
+    done = entry("diagnose", loop / "loop", *options)
+    assert done.code == USAGE
+    assert "--baseline and --baseline-days: give one of them" in done.stderr
+
+
+def test_a_folder_without_a_dataset_is_told_where_it_was_looked_for(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    done = entry("diagnose", loop / "loop", "--baseline", "empty")
+    assert (done.code, done.stderr) == (INVALID, "empty/dataset.toml: no such file\n")
+    named = shutil.copytree(loop / "loop", tmp_path / "named")
+    for path, said in (("../empty", "no such dataset"), (".", "a record cannot be its own baseline")):
+        (named / "dataset.toml").write_text((loop / "loop" / "dataset.toml").read_text())
+        with (named / "dataset.toml").open("a") as file:
+            file.write(f'\n[baseline]\npath = "{path}"\n')
+        done = entry("diagnose", "named")
+        assert done.code == INVALID
+        assert f'[baseline] path = "{path}": {said}' in done.stderr
+    assert entry("diagnose", loop / "loop", "--baseline", "nowhere").code == USAGE
+
+
+# --- taken, with a warning ---------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_link_that_only_the_record_shows_is_told(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    record = chain_alone(loop / "loop", tmp_path / "record")
+    blind = chain_alone(loop / "loop", tmp_path / "blind", without=("displacement",))
+    data = pd.read_csv(blind / "data.csv")
+    data["time"] = pd.to_datetime(data["time"]) - pd.Timedelta(days=DAYS_BEFORE)
+    data.to_csv(blind / "data.csv", index=False)
+    done = entry("diagnose", record, "--baseline", blind, "--quick", "--json")
+    assert (done.code, done.stderr) == (0, "")
+    warnings = json.loads(done.stdout)["warnings"]
+    for link in ("actuator", "valve"):
+        said = f"the baseline has no link {link}: there what is believed is compared, not what was healthy"
+        assert said in warnings
+
+
+@pytest.mark.slow
+def test_a_baseline_that_is_itself_faulty_is_doubted(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    record = chain_alone(loop / "loop", tmp_path / "record")
+    faulty = chain_alone(loop / "before", tmp_path / "faulty", flow_L_h=0.5)
+    done = entry("diagnose", record, "--baseline", faulty, "--quick", "--json")
+    assert (done.code, done.stderr) == (0, "")
+    told = json.loads(done.stdout)
+    (doubt,) = [each for each in told["warnings"] if "is it healthy?" in each]
+    assert doubt.startswith("the baseline shows max-flow as well")
+    (half,) = [each for each in told["as_built"] if each["name"] == "max-flow factor"]
+    assert half["value"]["value"] == pytest.approx(0.5, rel=0.02)
+    assert half["sentence"] == "With the valve open, 0.50 times the believed flow passes."
+    assert half["is_clear"]
+
+
+# --- what a baseline says ----------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("of", ["a folder", "its first days"])
+def test_a_loop_that_is_as_it_was_has_no_effect_and_every_figure_is_traced(
+    loop: Path, entry: Entry, tmp_path: Path, of: str
+) -> None:
+    record = chain_alone(loop / "loop", tmp_path / "record")
+    first = pd.Timestamp(pd.read_csv(record / "data.csv")["time"].iloc[0]).normalize()
+    last = (first + pd.Timedelta(days=3)).date()
+    healthy = chain_alone(loop / "before", tmp_path / "healthy")
+    said = ("--baseline", healthy) if of == "a folder" else ("--baseline-days", f"{first.date()}..{last}")
+    done = entry("diagnose", record, *said, "--quick", "--out", "found")
+    assert (done.code, done.stderr) == (0, "")
+    told = json.loads(Path("found/diagnosis.json").read_text())
+    assert (told["verdict"], told["summary"]) == ("none", "Nothing changed since the baseline.")
+    assert sum(told["posterior"].values()) == pytest.approx(1.0)
+    assert {"compared_with", "as_built", "baseline"} <= set(told)
+    assert told["compared_with"] in " ".join(done.stdout.split())
+    assert "p = " not in done.stdout
+    page = page_text(Path("found/report.html").read_text(encoding="utf-8"))
+    assert untraced(done.stdout, told) + untraced(page, told) == []
+
+
+# --- a room for studies ------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_calibrated_room_runs_in_a_study(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    done = entry("calibrate", loop / "before", "--out", "room.toml")
+    assert (done.code, done.stderr) == (0, "")
+    assert done.stdout.splitlines()[-1] == "room.toml"
+    written = tomllib.loads(Path("room.toml").read_text())
+    fit = written["fit"]
+    assert {"floor-cover resistance_m2K_W", "film-floor"} <= fit["intervals"].keys() <= fit["values"].keys()
+    assert all(low <= fit["values"][name] <= high for name, (low, high) in fit["intervals"].items())
+    air = fit["channels"]["air_temperature_C"]
+    assert 0.0 < air["cv_rmse_percent"] < 2.0
+    assert abs(air["nmbe_percent"]) < 1.0
+    (tmp_path / "small.toml").write_text(SMALL.replace('use = "nzeb"', 'from = "room.toml"'))
+    done = entry("run", "small.toml", "--out", "run")
+    assert done.code == 0, done.stderr
+    kept = json.loads(Path("run/run.json").read_text())
+    assert "room.toml" in str(kept)
+
+
+def test_a_record_without_a_room_has_none_to_calibrate(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    place = chain_alone(loop / "before", tmp_path / "chain")
+    done = entry("calibrate", place, "--out", "room.toml")
+    assert (done.code, done.stdout) == (INVALID, "")
+    assert "the record does not show what the room does" in done.stderr
+    assert not Path("room.toml").exists()
+
+
+@pytest.mark.parametrize("out", ["room", "nowhere/room.toml"])
+def test_a_place_that_cannot_be_written_is_told_before_the_work(loop: Path, entry: Entry, out: str) -> None:
+    done = entry("calibrate", loop / "before", "--out", out)
+    assert (done.code, done.stdout) == (USAGE, "")
+    assert out in done.stderr
+
+
+def test_what_is_read_is_never_written_over(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    place = shutil.copytree(loop / "before", tmp_path / "before")
+    done = entry("calibrate", place, "--out", place / "dataset.toml")
+    assert done.code == USAGE
+    assert "this file is read; choose another name with --out" in done.stderr

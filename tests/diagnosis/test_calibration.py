@@ -1,0 +1,274 @@
+"""Claims about calibration on a healthy record: what was put in is found, and what is left is described."""
+
+from __future__ import annotations
+
+import doctest
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.diagnosis.realities import EFFECTS, dataset, effects, plain, planted, rows, with_effects
+from waxstudy.dataset.read import Dataset
+from waxstudy.diagnosis.calibration import told
+from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
+from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
+from waxstudy.diagnosis.consequence.times import when
+from waxstudy.diagnosis.diagnose import record_of
+from waxstudy.diagnosis.model.discrepancy import Discrepancy
+from waxstudy.diagnosis.model.segments import segments
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.result import Calibrated
+from waxstudy.diagnosis.select.changed import Choice, joint
+from waxstudy.plugin import Belief
+
+DAYS = 7
+PUT_IN = effects(
+    floor_cover={"resistance_m2K_W": 0.02}, solar_factor={"factor": 0.85}, gain_shift={"shift_h": 0.0, "factor": 1.3}
+)
+CHAIN = {"valve": effects(max_flow={"factor": 0.9}), "actuator": effects(slow_actuator={"factor": 1.2})}
+
+
+# --- what was put in ---------------------------------------------------------------------------------
+
+
+def documents(record: Record, made: Dataset) -> Belief:
+    return made.believed(record.inputs)
+
+
+@cache
+def of_room() -> tuple[Calibration, Belief]:
+    """A week of a room that was built otherwise than its documents say, seen with noise."""
+    made = dataset(rows("REAL", DAYS, interval_s=300.0), "REAL")
+    record = record_of(made)
+    believed = documents(record, made)
+    segment = next(each for each in segments(record, believed) if each.with_room and not each.is_supply)
+    keep = {*segment.judged, segment.driven_by, "supply_temperature_C", "outdoor_temperature_C"}
+    keep |= {"solar_gain_W", "internal_gain_W"}
+    built = planted(segment, record, believed, PUT_IN)
+    alone = replace(built, values={name: each for name, each in built.values.items() if name in keep})
+    return calibrate(alone, believed, list(EFFECTS.values())), believed
+
+
+@cache
+def of_chain() -> tuple[Calibration, Belief]:
+    """The same of a chain."""
+    without = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C", "return_temperature_C")
+    made = dataset(rows("REAL", 4, interval_s=60.0, without=without), "REAL")
+    record = record_of(made)
+    believed = documents(record, made)
+    for segment in segments(record, believed):
+        if segment.name in CHAIN:
+            record = planted(segment, record, believed, CHAIN[segment.name])
+    return calibrate(record, believed, list(EFFECTS.values())), believed
+
+
+def named(of: tuple[Calibration, Belief]) -> dict[str, Calibrated]:
+    return {each.name: each for each in calibrated(*of)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("floor-cover resistance_m2K_W", 0.02), ("solar-factor factor", 0.85), ("gain-shift factor", 1.3)],
+)
+def test_what_a_house_differs_by_lies_within_its_interval(name: str, value: float) -> None:
+    found = named(of_room())[name]
+    assert found.value.low <= value <= found.value.high
+    assert found.part == ("room" if name.startswith("floor-cover") else "drives")
+
+
+@pytest.mark.slow
+def test_what_differs_clearly_is_told_and_what_does_not_is_not() -> None:
+    found = named(of_room())
+    assert found["solar-factor factor"].is_clear
+    assert not found["supply-offset offset_K"].is_clear
+    assert found["solar-factor factor"].documented == 1.0
+    assert list(doubts(*of_room())) == []
+
+
+@pytest.mark.slow
+def test_the_parameters_of_one_effect_share_a_sentence() -> None:
+    found = named(of_room())
+    shift, factor = found["gain-shift shift_h"], found["gain-shift factor"]
+    assert shift.sentence == factor.sentence
+    assert f"{factor.value.value:.2f} times as much" in factor.sentence
+
+
+@pytest.mark.slow
+def test_a_calibrated_room_is_followed_closely_and_without_bias() -> None:
+    found = {each.channel: each for each in fits(of_room()[0])}
+    air = found["air_temperature_C"]
+    assert air.rmse < 0.15
+    assert air.cv_rmse_percent == pytest.approx(100.0 * air.rmse / 21.0, rel=0.1)
+    assert abs(air.nmbe_percent) < 0.3
+
+
+@pytest.mark.slow
+def test_a_chain_is_found_as_it_was_built_and_nothing_besides() -> None:
+    found = named(of_chain())
+    assert found["max-flow factor"].value.value == pytest.approx(0.9, rel=0.02)
+    assert found["slow-actuator factor"].value.value == pytest.approx(1.2, rel=0.05)
+    assert found["slow-actuator factor"].part == "chain"
+    assert found["max-flow factor"].part == "room"  # its circuit has the full flow
+    assert found["max-flow factor"].is_clear
+    assert not found["sensor-bias bias_K"].is_clear
+    assert found.keys() == {"sensor-bias bias_K", "slow-actuator factor", "max-flow factor"}
+    assert np.isnan(found["max-flow factor"].value.low)
+
+
+@pytest.mark.slow
+def test_what_was_calibrated_is_what_is_believed_from_then_on() -> None:
+    calibration, documented = of_chain()
+    actuator = calibration.as_built.believed(documented).blocks["actuator"]
+    expected = with_effects(documented, CHAIN["actuator"]).blocks["actuator"]
+    one, other = (dict(each.parameters) for each in (actuator, expected))
+    assert one.keys() == other.keys()
+    assert all(one[name] == pytest.approx(other[name], rel=0.05) for name, each in other.items() if type(each) is float)
+
+
+def test_the_examples_of_how_departures_are_worded_hold() -> None:
+    tried = doctest.testmod(told)
+    assert (tried.attempted, tried.failed) == (1, 0)
+
+
+# --- what a model leaves -----------------------------------------------------------------------------
+
+
+def wandering(sd_K: float, length: float, noise_K: float, count: int, seed: int) -> np.ndarray:
+    """An Ornstein-Uhlenbeck process with white noise on it."""
+    random, kept = np.random.default_rng(seed), np.exp(-1.0 / length)
+    found = np.zeros(count)
+    found[0] = sd_K * random.normal()
+    for place in range(1, count):
+        found[place] = kept * found[place - 1] + sd_K * (1.0 - kept**2) ** 0.5 * random.normal()
+    return found + noise_K * random.normal(size=count)
+
+
+@given(st.floats(0.05, 0.5), st.floats(4.0, 60.0), st.floats(0.02, 0.1), st.integers(0, 10_000), st.floats(0.0, 0.3))
+def test_whitening_makes_white_noise_of_what_hangs_together(
+    sd_K: float, length: float, noise_K: float, seed: int, lost: float
+) -> None:
+    error = wandering(sd_K, length, noise_K, 2000, seed)
+    known = np.random.default_rng(seed + 1).random(2000) >= lost
+    white = Discrepancy(sd_K, length, noise_K).whitened(error, known)
+    assert (white[~known] == 0.0).all()
+    seen = white[known]
+    assert np.std(seen) == pytest.approx(1.0, abs=0.12)
+    for lag in (1, 4, 16):
+        assert abs(np.corrcoef(seen[:-lag], seen[lag:])[0, 1]) < 0.12
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_likeliest_discrepancy_is_near_the_one_that_made_the_errors(seed: int) -> None:
+    error = wandering(0.2, 20.0, 0.05, 3000, seed)
+    found = Discrepancy.of(error, np.ones(3000, dtype=bool), 0.01)
+    assert found.sd_K == pytest.approx(0.2, rel=0.25)
+    assert found.length == pytest.approx(20.0, rel=0.5)
+    assert found.noise_K == pytest.approx(0.05, rel=0.25)
+    assert found.rms_K == pytest.approx(np.std(error), rel=0.25)
+
+
+def test_a_noise_that_is_known_is_the_least_that_is_found() -> None:
+    found = Discrepancy.of(np.zeros(500), np.ones(500, dtype=bool), 0.03)
+    assert found.noise_K >= 0.03
+
+
+# --- probabilities -----------------------------------------------------------------------------------
+
+NAMES = st.sampled_from(["none", "unknown", "let-by", "max-flow", "let-by+unknown"])
+
+
+def links(weights: dict[str, float]) -> dict[str, float]:
+    whole = sum(weights.values())
+    return {name: weight / whole for name, weight in weights.items()}
+
+
+@given(st.lists(st.dictionaries(NAMES, st.floats(0.01, 1.0), min_size=1).map(links), min_size=1, max_size=4))
+def test_what_is_joined_sums_to_one_the_likeliest_first(each: list[dict[str, float]]) -> None:
+    found = joint(each)
+    assert sum(found.values()) == pytest.approx(1.0)
+    assert all(first >= second for first, second in pairwise(found.values()))
+
+
+def test_links_are_independent_and_what_is_unknown_is_named_once_and_last() -> None:
+    valve, motor = {"none": 0.6, "let-by": 0.3, "unknown": 0.1}, {"none": 0.5, "wax-motor+unknown": 0.5}
+    found = joint([valve, motor])
+    assert found == pytest.approx(
+        {
+            "none": 0.3,
+            "let-by": 0.15,
+            "unknown": 0.05,
+            "wax-motor+unknown": 0.35,
+            "let-by+wax-motor+unknown": 0.15,
+        }
+    )
+    assert joint([]) == {}
+
+
+@pytest.mark.parametrize(
+    ("beliefs", "groups"),
+    [
+        ({"none": 0.6, "let-by": 0.4}, ()),
+        ({"none": 0.1, "let-by": 0.9}, (("let-by",),)),
+        ({"let-by": 0.6, "max-flow": 0.35, "stuck-open": 0.05}, (("let-by", "max-flow"),)),
+        ({"let-by+max-flow": 0.9, "let-by": 0.1}, (("let-by",), ("max-flow",))),
+    ],
+)
+def test_what_is_named_follows_from_the_probabilities(
+    beliefs: dict[str, float], groups: tuple[tuple[str, ...], ...]
+) -> None:
+    assert Choice.of(beliefs).groups == groups
+
+
+# --- when it acts ------------------------------------------------------------------------------------
+
+
+def at_night(from_h: float, to_h: float) -> dict[str, float]:
+    return {"flow_L_s": 20.0, "from_h": from_h, "to_h": to_h}
+
+
+def of_hours(hours: int, start_h: float = 0.0) -> Record:
+    return replace(plain({"air_temperature_C": np.zeros(hours)}, 3600.0), start_s=3600.0 * start_h)
+
+
+@pytest.mark.parametrize(
+    ("from_h", "to_h", "start_h", "spans"),
+    [
+        (7.0, 8.5, 0.0, [(7.0, 8.5), (31.0, 32.5)]),
+        (22.0, 6.0, 0.0, [(0.0, 6.0), (22.0, 30.0), (46.0, 48.0)]),
+        (7.0, 8.0, 12.0, [(19.0, 20.0), (43.0, 44.0)]),
+    ],
+    ids=["by day", "over midnight", "a record from noon on"],
+)
+def test_an_effect_of_some_hours_has_its_spans_within_the_record(
+    from_h: float, to_h: float, start_h: float, spans: list[tuple[float, float]]
+) -> None:
+    found = when(EFFECTS["window-opening"], at_night(from_h, to_h), of_hours(48, start_h))
+    assert [pytest.approx(each) for each in spans] == list(found.spans_h)
+    assert found.pattern.startswith("every day from ")
+
+
+def test_what_acts_always_spans_the_record() -> None:
+    found = when(EFFECTS["let-by"], {"fraction": 0.1}, of_hours(30))
+    assert (found.pattern, list(found.spans_h)) == ("always", [(0.0, 30.0)])
+
+
+@given(st.floats(0.0, 23.9), st.floats(0.0, 23.9), st.floats(0.0, 23.0), st.integers(24, 200))
+def test_spans_never_overlap_and_are_as_long_a_day_as_it_acts(
+    from_h: float, to_h: float, start_h: float, hours: int
+) -> None:
+    spans = when(EFFECTS["window-opening"], at_night(from_h, to_h), of_hours(hours, start_h)).spans_h
+    assert all(0.0 <= first < last <= hours for first, last in spans)
+    assert all(one[1] <= other[0] + 1e-9 for one, other in pairwise(spans))
+    whole = sum(last - first for first, last in spans)
+    assert abs(whole - (to_h - from_h) % 24.0 * hours / 24.0) <= 24.0
+
+
+def test_the_words_say_the_clock() -> None:
+    found = when(EFFECTS["window-opening"], at_night(22.0, 6.5), of_hours(24))
+    assert found.pattern == "every day from 22:00 to 06:30"
