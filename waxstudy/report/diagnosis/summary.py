@@ -53,6 +53,7 @@ def lines(diagnosis: Diagnosis) -> list[Line]:
 def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "quick look", [QUICK] if diagnosis.is_quick else []
     yield "where", [*(_where(diagnosis, stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
+    yield "heat", [diagnosis.missing_heat.sentence] if diagnosis.missing_heat.is_resolved else []
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
     nothing_left = ["nothing that stands out of the noise"] if diagnosis.stages else []
