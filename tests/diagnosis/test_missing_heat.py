@@ -16,7 +16,7 @@ from waxstudy.diagnosis.consequence.missing_heat import missing_heat
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
-from waxstudy.diagnosis.result import HeatPiece, Interval, MissingHeat
+from waxstudy.diagnosis.result import HeatPer, HeatPiece, Interval, MissingHeat
 from waxstudy.diagnosis.select.search import Selection
 from waxstudy.plugin import Belief, FloatArray
 
@@ -134,7 +134,16 @@ def test_what_a_sentence_says_of_a_sign_is_told_in_words() -> None:
     heat = MissingHeat(mean_before=mean, mean_after=Interval(-2.0, -6.0, 2.0))
     less = "On average 45 W (40 to 50) of heat are missing in the room."
     assert sentence(heat, []) == less
-    assert sentence(heat, ["infiltration"]) == f"{less} With infiltration 2.0 W (-2.0 to 6.0) of it stay."
+    with_it = f"{less} With infiltration"
+    assert sentence(heat, ["infiltration"]) == f"{with_it} none stays as far as can be told (-6 to 2 W)."
+    for after, words in ((-20.0, "20 W (16 to 24) of it stay."), (20.0, "20 W (16 to 24) are too much.")):
+        known = replace(heat, mean_after=Interval(after, after - 4.0, after + 4.0))
+        assert sentence(known, ["infiltration"]) == f"{with_it} {words}"
+    per_kelvin = HeatPer("outdoor difference", "W/K", Interval(-3.1, -4.1, -2.1), Interval(0.0, -1.0, 1.0), 0.5)
+    with_cold = sentence(replace(heat, per=(per_kelvin,)), [])
+    assert with_cold == f"{less[:-1]}, growing with the cold outside: 3.1 W (2.1 to 4.1) per kelvin."
+    even = replace(heat, mean_before=Interval(-8.0, -26.0, 10.0), per=(per_kelvin,))
+    assert sentence(even, []).endswith("but heat is missing with the cold outside: 3.1 W (2.1 to 4.1) per kelvin.")
     more = replace(heat, mean_before=Interval(45.0, 40.0, 50.0))
     assert sentence(more, []) == "On average the room gets 45 W (40 to 50) of heat more than is believed."
     assert sentence(MissingHeat(), []) == ""

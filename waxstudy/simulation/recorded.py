@@ -187,8 +187,16 @@ def respond_to_heat(
     stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
     still = np.zeros(len(unit.decay))
     for heat_W in heats_W:
-        course = replace(unit, forcing=heat_W[:, None] * unit.forcing, offsets=heat_W[:, None] * unit.offsets)
-        found = _run(course, conductance_W_K, still.copy(), still, 0)
+        first = int(np.argmax(heat_W != 0.0))  # before it nothing is changed
+        later_W = heat_W[first:, None]
+        course = replace(
+            unit,
+            forcing=later_W * unit.forcing[first:],
+            offsets=later_W * unit.offsets[first:],
+            supply_C=unit.supply_C[first:],
+        )
+        since = _run(course, conductance_W_K[first:], still.copy(), still, 0)
+        found = {name: np.concatenate((np.zeros(first), each)) for name, each in since.items()}
         with np.errstate(divide="ignore", invalid="ignore"):
             found["return_C"] = np.where(stream_W_K > 0.0, -found["water_heat_W"] / stream_W_K, np.nan)
         yield found

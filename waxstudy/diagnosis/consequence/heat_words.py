@@ -8,7 +8,7 @@ from waxstudy.diagnosis.result import HeatBy, HeatPer, Interval, MissingHeat
 
 SURE = 3.0 / 1.96  # half widths from 0 at which one driver of several is told: three standard deviations
 SHARE = 0.1  # least share of the variance of heat that goes with a driver, to be told
-COURSES = {"outdoor difference": ("the colder it is outside", "kelvin"), "sun": ("the more the sun shines", "watt")}
+COURSES = {"outdoor difference": ("the cold outside", "kelvin"), "sun": ("the sun", "watt of sun")}
 LEAST_W = 0.5  # chosen: what is less is nothing to speak of
 
 
@@ -37,8 +37,18 @@ def sentence(heat: MissingHeat, names: Sequence[str]) -> str:
         told += ", ".join(map(_alone, drivers))
     else:
         return f"No heat is missing as far as this record can tell: on average {_range(mean)}."
-    after = f" With {' and '.join(names)} {_watts(heat.mean_after, sign)} of it stay." if names else ""
-    return f"{told}.{after}"
+    return f"{told}.{_after(heat.mean_after, sign, names)}"
+
+
+def _after(mean: Interval, sign: float, names: Sequence[str]) -> str:
+    """Return what stays of the mean, whose sign is given, with effects."""
+    if not names:
+        return ""
+    start = f" With {' and '.join(names)}"
+    if not is_off(mean):
+        return f"{start} none stays as far as can be told ({_range(mean)})."
+    way = "of it stay" if mean.value * sign > 0.0 else "are missing" if mean.value < 0.0 else "are too much"
+    return f"{start} {_watts(mean, _sign(mean))} {way}."
 
 
 def _has_mean(mean: Interval) -> bool:
@@ -62,8 +72,8 @@ def _course(each: HeatPer | HeatBy, sign: float) -> str:
         way = "most" if each.beside.value * sign > 0.0 else "least"
         return f"{way} from {each.name}: {_watts(each.before, sign)}"
     words, unit = COURSES[each.driver]
-    way = "more" if each.before.value * sign > 0.0 else "less"
-    return f"{way} {words}: {_watts(each.before, _sign(each.before))} per {unit}"
+    way = "growing" if each.before.value * sign > 0.0 else "shrinking"
+    return f"{way} with {words}: {_watts(each.before, _sign(each.before))} per {unit}"
 
 
 def _alone(each: HeatPer | HeatBy) -> str:
@@ -73,7 +83,7 @@ def _alone(each: HeatPer | HeatBy) -> str:
         return f"from {each.name} {_watts(each.beside, _sign(each.beside))} are {way} beside the other hours"
     words, unit = COURSES[each.driver]
     way = "missing" if each.before.value < 0.0 else "too much"
-    return f"{words} the more is {way}: {_watts(each.before, _sign(each.before))} per {unit}"
+    return f"heat is {way} with {words}: {_watts(each.before, _sign(each.before))} per {unit}"
 
 
 def _sign(value: Interval) -> float:

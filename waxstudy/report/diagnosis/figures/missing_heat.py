@@ -20,6 +20,7 @@ DRIVERS = {
     "flow": "water flow",
 }
 BAND = "#dcdcdc"
+MOST_FLAT = 4
 BESIDE = 0.14  # of two points in the place of one
 
 
@@ -40,7 +41,7 @@ def figure_missing_heat(diagnosis: Diagnosis) -> Figure:
     drivers = {name: [each for each in heat.by if each.driver == name] for name in DRIVERS}
     shown = {name: bins for name, bins in drivers.items() if bins}
     has_after = bool(diagnosis.effects) and list(heat.after) != list(heat.before)
-    figure, axes = panels(2 if shown else 1, max(1, len(shown)), 5.8 if shown else 3.2, sharey="row")
+    figure, axes = panels(2 if shown else 1, max(1, len(shown)), 6.2 if shown else 3.2, sharey="row")
     if shown:
         grid = axes[0, 0].get_gridspec()
         for panel in axes[0]:
@@ -89,7 +90,9 @@ def _driver(panel: Axes, bins: Sequence[HeatBy], has_after: bool) -> None:
             _bar(panel, place + shift, each.after, color=COLOURS[1], marker="s", markerfacecolor="white")
     panel.axhline(0.0, color=BLACK, linewidth=0.8)
     names = [each.name.replace(" to ", "–").removesuffix(" h") for each in bins]
-    panel.set_xticks(range(len(bins)), names, rotation=90 if len(bins) > 4 else 20)
+    # names under many bins stand upright, others end below theirs
+    look = {"rotation": 90} if len(bins) > MOST_FLAT else {"rotation": 30, "ha": "right"}
+    panel.set_xticks(range(len(bins)), names, **look)
     panel.set_xlim(-0.6, len(bins) - 0.4)
     panel.grid(axis="x", visible=False)
 
