@@ -135,11 +135,12 @@ def estimated(data: HeatData, pieces: Pieces, floor_m2: float, usual_W: float = 
     """Return the heat that data tell, its prior's sizes weighed by the evidence for them.
 
     Heat is a constant, a course that comes every day, and a rest that hangs together over some hours; each may be of
-    any of the sizes. What a healthy record has of the rest, `usual_W`, is as well no finding: it blurs what is told.
+    any of the sizes. What a healthy record has of it, `usual_W`, is no finding: it blurs what is told, one half of
+    it every day alike.
     """
     precision, pull, blur = data.told
     shapes = _shapes(pieces)
-    blur = blur + usual_W**2 * precision @ shapes[-1] @ precision
+    blur = blur + usual_W**2 * precision @ (0.5 * (shapes[1] + shapes[2])) @ precision
     found = []
     for sizes in product(np.array(SIZES_W_M2) * floor_m2, repeat=len(shapes)):
         prior = sum(size**2 * shape for size, shape in zip(sizes, shapes, strict=True))
