@@ -13,7 +13,7 @@ from tests.diagnosis.realities import PERFECT, belief, reality, record, study
 from waxstudy.diagnosis.model.room_response import built, room_response
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Role, Room
-from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond
+from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond, respond_to_heat
 
 HOURS = 48
 
@@ -99,6 +99,19 @@ def test_extra_heat_goes_to_the_air_and_is_not_needed() -> None:
     without = replace(plain, extra_W=np.zeros(HOURS * 12))
     assert np.array_equal(air_C(without), air_C(plain))
     assert air_C(heated)[-1] > air_C(plain)[-1] + 0.5
+
+
+def test_what_a_room_makes_of_heat_alone_is_what_that_heat_adds() -> None:
+    """After the first day, which `respond` repeats."""
+    count = HOURS * 12
+    flow = np.where(np.arange(count) // 24 % 3 == 0, 60.0, 0.0)
+    heat_W = np.where(np.arange(count) // 36 == 9, 80.0, 0.0)
+    still, warm = (inputs() if each is None else inputs(extra_W=each) for each in (None, heat_W))
+    before, after = (respond(driven_by(room(), each), each, flow) for each in (still, warm))
+    (change,) = respond_to_heat(room(), still, flow, [heat_W])
+    for name in ("air_C", "operative_C", "floor_surface_C", "return_C"):
+        assert change[name] == pytest.approx(after[name] - before[name], abs=0.002, nan_ok=True)
+    assert change["air_C"].max() > 0.3
 
 
 def test_without_flow_there_is_no_heat_of_the_water_and_no_return() -> None:

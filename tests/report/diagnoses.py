@@ -15,9 +15,13 @@ from waxstudy.diagnosis.result import (
     Calibrated,
     Diagnosis,
     FoundEffect,
+    HeatBy,
+    HeatPer,
+    HeatPiece,
     Interval,
     Lack,
     Measurement,
+    MissingHeat,
     Regime,
     StageGap,
     Step,
@@ -338,3 +342,44 @@ CHANGED = replace(
     ),
 )
 ALL = {each.verdict: each for each in (EFFECT, GROUP, UNKNOWN, NONE, UNTESTABLE)} | {"changed": CHANGED}
+
+PIECES_W = [-40.0, -44.0, -61.0, -51.0, -38.0, -42.0, -58.0, -47.0]
+LACK = (
+    "On average 48 W (33 to 62) of heat are missing in the room, growing with the cold outside: 3.1 W (2.1 to 4.1) per"
+)
+LACKING_HEAT = MissingHeat(
+    before=tuple(HeatPiece(6.0 * i, 6.0 * i + 6.0, each, each - 14.0, each + 14.0) for i, each in enumerate(PIECES_W)),
+    after=tuple(HeatPiece(6.0 * i, 6.0 * i + 6.0, 2.0, -12.0, 16.0) for i in range(len(PIECES_W))),
+    mean_before=Interval(-47.6, -62.1, -33.1),
+    mean_after=Interval(2.0, -4.1, 8.1),
+    usual_W=6.4,
+    by=(
+        HeatBy(
+            "hour",
+            "00 to 06 h",
+            12.0,
+            Interval(-39.0, -54.0, -24.0),
+            Interval(1.0, -7.0, 9.0),
+            Interval(8.6, 2.0, 15.2),
+        ),
+        HeatBy(
+            "hour",
+            "06 to 12 h",
+            12.0,
+            Interval(-43.0, -58.0, -28.0),
+            Interval(2.0, -6.0, 10.0),
+            Interval(4.6, -2.0, 11.2),
+        ),
+        HeatBy(
+            "outdoor difference",
+            "12 to 19 K",
+            16.0,
+            Interval(-41.0, -56.0, -26.0),
+            Interval(0.4, -8.0, 8.8),
+            Interval(6.6, 0.0, 13.2),
+        ),
+    ),
+    per=(HeatPer("outdoor difference", "W/K", Interval(-3.1, -4.1, -2.1), Interval(0.1, -0.8, 1.0), 0.47),),
+    sentence=f"{LACK} kelvin. With let-by none stays as far as can be told (-4 to 8 W).",
+    is_resolved=True,
+)

@@ -21,9 +21,11 @@ from tests.report.diagnoses import (
     CHANGED,
     EFFECT,
     GROUP,
+    LACKING_HEAT,
     LET_BY,
     MOTOR_FOUND,
     NONE,
+    PIECES_W,
     ROOM,
     STUCK,
     UNKNOWN,
@@ -34,12 +36,14 @@ from tests.report.test_page import Page, browse, needs_browser
 from waxstudy.diagnosis.result import Diagnosis, Lack, Measurement, Tried, Untestable
 from waxstudy.diagnosis.sentences import group_sentence
 from waxstudy.report.diagnosis import words
+from waxstudy.report.diagnosis.figures.missing_heat import figure_missing_heat
 from waxstudy.report.diagnosis.figures.ranking import figure_ranking
 from waxstudy.report.diagnosis.figures.traces import course
 from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
 from waxstudy.report.diagnosis.page import as_html
 from waxstudy.report.diagnosis.summary import VERDICTS as VERDICT_WORDS
 from waxstudy.report.diagnosis.summary import as_terminal, impact_words, lines
+from waxstudy.report.figures.plot import Lacking
 from waxstudy.report.formats import json_text
 
 VERDICTS = pytest.mark.parametrize("diagnosis", ALL.values(), ids=ALL)
@@ -468,3 +472,44 @@ def test_the_page_on_diagnoses_names_every_key_of_the_json_and_every_verdict() -
     free |= {"group"}
     assert [key for key in dict.fromkeys(keys(data)) if key not in free and f"`{key}`" not in page] == []
     assert all(f"| `{verdict}` | {words} |" in page for verdict, words in VERDICT_WORDS.items())
+
+
+# --- missing heat ------------------------------------------------------------------------------------
+
+HEATED = replace(EFFECT, missing_heat=LACKING_HEAT)
+
+
+def test_missing_heat_has_a_line_where_it_is_resolved_and_none_else() -> None:
+    assert dict(lines(HEATED))["heat"] == LACKING_HEAT.sentence
+    unsure = replace(HEATED, missing_heat=replace(LACKING_HEAT, is_resolved=False))
+    assert "heat" not in dict(lines(unsure))
+    assert LACKING_HEAT.sentence in page_text(as_html(unsure))
+
+
+def test_every_figure_of_missing_heat_is_in_the_json() -> None:
+    assert untraced(page_text(as_html(HEATED)), described(HEATED)) == []
+    assert described(HEATED)["missing_heat"]["before"][0]["heat_W"] == PIECES_W[0]
+
+
+def test_missing_heat_is_drawn_by_its_drivers_with_and_without_effects() -> None:
+    drawn = figure_missing_heat(HEATED)
+    assert [panel.get_xlabel() for panel in drawn.axes] == [
+        "hour of the day",
+        "room warmer than outside",
+        "days since the record began",
+    ]
+    *_, over = drawn.axes
+    labels = over.get_legend_handles_labels()[1]
+    assert set(labels) == {"interval as believed", "as believed", "with effects", "usual"}
+    same = replace(HEATED, missing_heat=replace(LACKING_HEAT, after=LACKING_HEAT.before, by=(), usual_W=np.nan))
+    assert set(figure_missing_heat(same).axes[0].get_legend_handles_labels()[1]) == {
+        "interval as believed",
+        "as believed",
+    }
+
+
+def test_without_a_room_nothing_is_said_of_heat() -> None:
+    assert "Missing heat" not in page_text(as_html(EFFECT))
+    assert described(EFFECT)["missing_heat"]["before"] == []
+    with pytest.raises(Lacking):
+        figure_missing_heat(EFFECT)

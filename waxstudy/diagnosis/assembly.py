@@ -15,6 +15,7 @@ from waxstudy.diagnosis.calibration.calibrate import Calibration
 from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
 from waxstudy.diagnosis.consequence.closed_loop import closed_loop
 from waxstudy.diagnosis.consequence.impact import impact
+from waxstudy.diagnosis.consequence.missing_heat import missing_heat
 from waxstudy.diagnosis.consequence.regimes import regimes
 from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
@@ -29,6 +30,7 @@ from waxstudy.diagnosis.result import (
     FoundEffect,
     Interval,
     Lack,
+    MissingHeat,
     StageGap,
     Step,
     Tried,
@@ -111,6 +113,7 @@ def assembled(
         compared_with=_days(work.baseline) if work.baseline else "",
         as_built=list(calibrated(work.calibration, work.documented)) if work.calibration else [],
         baseline=list(fits(work.calibration)) if work.calibration else [],
+        missing_heat=_missing_heat(work, selections),
         posterior=joint([selection.posterior for selection in selections if selection.posterior]),
         traces=_traces(work, selections),
     )
@@ -131,6 +134,11 @@ def _held(selection: Selection, name: str) -> float:
     if not selection.posterior:
         return nan
     return sum(probability for names, probability in selection.posterior.items() if name in names.split("+"))
+
+
+def _missing_heat(work: Work, selections: Sequence[Selection]) -> MissingHeat:
+    of_room = next((each for each in selections if each.segment.with_room), None)
+    return missing_heat(of_room, work.calibration, work.dataset.time) if of_room else MissingHeat()
 
 
 def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:

@@ -216,6 +216,55 @@ class Step:
 
 
 @dataclass(frozen=True)
+class HeatPiece:
+    """Heat into the room that would explain what was measured in some hours of the record, with its 95 % interval."""
+
+    from_h: float  # since the record began
+    to_h: float
+    heat_W: float
+    low_W: float
+    high_W: float
+
+
+@dataclass(frozen=True)
+class HeatBy:
+    """The mean of that heat where a driver is between bounds, or as it is named: as believed, and with the effects."""
+
+    driver: str
+    name: str
+    hours: float
+    before: Interval
+    after: Interval
+    beside: Interval  # by how much the first differs from the mean over the whole record
+
+
+@dataclass(frozen=True)
+class HeatPer:
+    """By how much that heat changes with a driver, in watts per its unit; `share` is that of its variance."""
+
+    driver: str
+    unit: str
+    before: Interval
+    after: Interval
+    share: float
+
+
+@dataclass(frozen=True)
+class MissingHeat:
+    """Which heat into the room would explain what was measured: positive where the room has more than is believed."""
+
+    before: Sequence[HeatPiece] = ()  # as believed
+    after: Sequence[HeatPiece] = ()  # with the effects found
+    mean_before: Interval | None = None
+    mean_after: Interval | None = None
+    usual_W: float = nan  # standard deviation of what may be of it where nothing is wrong; by a healthy record
+    by: Sequence[HeatBy] = ()
+    per: Sequence[HeatPer] = ()
+    sentence: str = ""
+    is_resolved: bool = False  # whether the data tell that there is any
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """Where the gap lies, which effect causes it, how far it shrinks."""
 
@@ -241,6 +290,7 @@ class Diagnosis:
     compared_with: str = ""  # the healthy record, with its days; empty without one
     as_built: Sequence[Calibrated] = ()
     baseline: Sequence[BaselineFit] = ()
+    missing_heat: MissingHeat = field(default_factory=MissingHeat)
     # measured, before and after of each judged channel (columns channel + "_measured", "_before", "_after"), by time
     traces: pd.DataFrame = field(repr=False, default_factory=pd.DataFrame)
 

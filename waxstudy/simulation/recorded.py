@@ -151,12 +151,69 @@ def respond(
     week before, then the room is `inputs.start_K` warmer, its floor by `inputs.start_floor_K` more. With `valve_s`
     flows are means over intervals in which a valve opened or closed, in so many seconds; without, it stood still.
     """
-    room, n = driven.room, len(driven.supply_C)
+    room, conductance_W_K = driven.room, _exchange_W_K(driven.room, inputs, flow_L_h, valve_s)
+    shift_K = inputs.start_K + inputs.start_floor_K * (1.0 - room.air_nodes)
+    found = _run(
+        driven,
+        conductance_W_K,
+        driven.to_modes @ np.full(len(room.nodes), float(np.mean(inputs.air_C))),
+        driven.to_modes @ shift_K,
+        min(len(driven.supply_C), round(DAY_S / driven.weather.interval_s)),
+    )
+    stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found["return_C"] = np.where(stream_W_K > 0.0, driven.supply_C - found["water_heat_W"] / stream_W_K, np.nan)
+    return found
+
+
+def respond_to_heat(
+    room: LinearRoom, inputs: Inputs, flow_L_h: FloatArray, heats_W: Sequence[FloatArray]
+) -> Iterator[dict[str, FloatArray]]:
+    """Yield by how much a room is changed by each course of heat (n,) to its air, as `respond` has it.
+
+    A room with a given flow is linear in heat: each course is run alone, with nothing else that drives the room.
+    """
+    whole = recorded_room(room, inputs)
+    heated = replace(
+        whole,
+        inputs=whole.inputs[-1:],
+        input_matrix=whole.input_matrix[:, -1:],
+        feedthrough=whole.feedthrough[:, -1:],
+        drive=lambda weather: (np.ones((len(flow_L_h), 1)), np.zeros(len(flow_L_h))),
+    )
+    parts = max(1, int(np.ceil(inputs.interval_s / LONGEST_STEP_S)))
+    unit = drive(heated, weather_of(inputs), inputs.interval_s / parts, 0.0)
+    conductance_W_K = _exchange_W_K(room, inputs, flow_L_h, None)
+    stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
+    still = np.zeros(len(unit.decay))
+    for heat_W in heats_W:
+        first = int(np.argmax(heat_W != 0.0))  # before it nothing is changed
+        later_W = heat_W[first:, None]
+        course = replace(
+            unit,
+            forcing=later_W * unit.forcing[first:],
+            offsets=later_W * unit.offsets[first:],
+            supply_C=unit.supply_C[first:],
+        )
+        since = _run(course, conductance_W_K[first:], still.copy(), still, 0)
+        found = {name: np.concatenate((np.zeros(first), each)) for name, each in since.items()}
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found["return_C"] = np.where(stream_W_K > 0.0, -found["water_heat_W"] / stream_W_K, np.nan)
+        yield found
+
+
+def _exchange_W_K(room: LinearRoom, inputs: Inputs, flow_L_h: FloatArray, valve_s: float | None) -> FloatArray:
+    """Return the exchange between water and floor (n,) at a flow; of `valve_s` see `respond`."""
     fraction = np.clip(np.asarray(flow_L_h, dtype=float) / room.full_flow_L_h, 0.0, None)
     conductance_W_K = np.array(room.floor_conductance_W_K(fraction), dtype=float)
-    if valve_s is not None:
-        conductance_W_K = _moving(room, fraction, conductance_W_K, inputs.interval_s / valve_s)
-    shift_K = inputs.start_K + inputs.start_floor_K * (1.0 - room.air_nodes)
+    return conductance_W_K if valve_s is None else _moving(room, fraction, conductance_W_K, inputs.interval_s / valve_s)
+
+
+def _run(
+    driven: DrivenRoom, conductance_W_K: FloatArray, state: FloatArray, shift: FloatArray, first: int
+) -> dict[str, FloatArray]:
+    """Return `ROOM_OUTPUTS` and the water's heat of a room that begins at modes, shifted after so many intervals."""
+    n = len(driven.supply_C)
     modes, last_W, mean_W = np.zeros((n, len(driven.decay))), np.zeros(n), np.zeros(n)
     compiled()(
         driven.decay,
@@ -167,20 +224,16 @@ def respond(
         driven.heat_offset,
         np.array(driven.supply_C),
         conductance_W_K,
-        driven.to_modes @ np.full(len(room.nodes), float(np.mean(inputs.air_C))),
-        driven.to_modes @ shift_K,
-        min(n, round(DAY_S / driven.weather.interval_s)),
+        state,
+        shift,
+        first,
         driven.steps_per_interval,
         modes,
         last_W,
         mean_W,
     )
     ends = modes @ driven.outputs.T + driven.offsets + last_W[:, None] * driven.heat_offset
-    found = {name: ends[:, place] for place, name in enumerate(ROOM_OUTPUTS)} | {"water_heat_W": mean_W}
-    stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found["return_C"] = np.where(stream_W_K > 0.0, driven.supply_C - mean_W / stream_W_K, np.nan)
-    return found
+    return {name: ends[:, place] for place, name in enumerate(ROOM_OUTPUTS)} | {"water_heat_W": mean_W}
 
 
 def _moving(room: LinearRoom, fraction: FloatArray, still_W_K: FloatArray, moves: float) -> FloatArray:

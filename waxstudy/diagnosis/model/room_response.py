@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
@@ -14,7 +14,7 @@ from waxstudy.diagnosis.model.conventions import PLAIN, Convention
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, ModelError, Room
 from waxstudy.plugin.model_error import model_errors
-from waxstudy.simulation.recorded import driven_by, respond
+from waxstudy.simulation.recorded import driven_by, respond, respond_to_heat
 from waxstudy.study.model import Choice
 
 OF_ROOM = {
@@ -80,7 +80,24 @@ def room_response(
     coarse, flow = coarsened(belief, flow_L_h, parts)
     coarse = replace(coarse, solar_W=convention.solar_factor * coarse.solar_W)
     driven = driven_by(built(belief.room), coarse, FINE_STEP_S if is_fine else None)
-    found = respond(driven, coarse, flow, VALVE_S if is_fine else None)
+    return _shown(respond(driven, coarse, flow, VALVE_S if is_fine else None), flow, convention, parts, merged)
+
+
+def response_to_heat(
+    record: Record, belief: Belief, flow_L_h: FloatArray, convention: Convention, heats_W: Iterable[FloatArray]
+) -> Iterator[Predicted]:
+    """Yield by how much courses of heat to the room's air, each (n,) as the record, change what the room makes."""
+    assert belief.room
+    parts, merged = merging(record.interval_s)
+    coarse, flow = coarsened(belief, flow_L_h, parts)
+    for found in respond_to_heat(built(belief.room), coarse, flow, [means(each, parts) for each in heats_W]):
+        yield _shown(found, flow, convention, parts, merged)
+
+
+def _shown(
+    found: Mapping[str, FloatArray], flow_L_h: FloatArray, convention: Convention, parts: int, merged: int
+) -> Predicted:
+    """Return what a logger shows of a room's temperatures at the ends of its steps."""
     # what is logged is at the end of each interval, or its mean; the room is known at the end of several
     early = 0.5 if convention.is_mean else 0.5 * (1.0 - 1.0 / parts)
     shown = Predicted()
@@ -90,7 +107,7 @@ def room_response(
             values = (1.0 - early) * values + early * np.concatenate((values[:1], values[:-1]))
             shown[channel] = means(values, merged)
         else:
-            shown[channel] = weighted(values, flow, merged)
+            shown[channel] = weighted(values, flow_L_h, merged)
     return shown
 
 

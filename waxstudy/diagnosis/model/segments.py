@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -20,6 +20,7 @@ from waxstudy.diagnosis.model.room_response import (
     built,
     full_flow_L_h,
     means,
+    response_to_heat,
     room_response,
 )
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
@@ -79,16 +80,26 @@ class Segment:
         """
         if self.is_supply:
             return Predicted({SUPPLY: _curve_C(record, belief)})
-        chain = [stage for stage in self.stages if stage in CHAIN]
-        shown = Predicted()
-        flow = record.filled_or_zero("flow_L_h")
-        if chain:
-            shown = self._chain(record, belief, convention, perturbation, chain)
-            flow = shown.get("flow_L_h", flow)
+        shown, flow = self._flow(record, belief, convention, perturbation)
         if self.with_room:
             shown.update(room_response(record, belief, flow, convention, is_fine))
         shifted = {channel: shown.shifted[channel] for channel in self.judged if channel in shown.shifted}
         return Predicted({channel: shown[channel] for channel in self.judged}, shifted)
+
+    def warmed(
+        self, record: Record, belief: Belief, convention: Convention, heats_W: Sequence[FloatArray]
+    ) -> Iterator[Predicted]:
+        """Yield by how much each course of heat to the room's air (n,) changes what is predicted of the room."""
+        _, flow = self._flow(record, belief, convention, STILL)
+        return response_to_heat(record, belief, flow, convention, heats_W)
+
+    def _flow(
+        self, record: Record, belief: Belief, convention: Convention, perturbation: Perturbation
+    ) -> tuple[Predicted, FloatArray]:
+        """Return what the chain shows, and what flows through the room: as predicted, or as recorded."""
+        chain = [stage for stage in self.stages if stage in CHAIN]
+        shown = self._chain(record, belief, convention, perturbation, chain) if chain else Predicted()
+        return shown, shown.get("flow_L_h", record.filled_or_zero("flow_L_h"))
 
     def _chain(
         self, record: Record, belief: Belief, convention: Convention, perturbation: Perturbation, chain: list[str]

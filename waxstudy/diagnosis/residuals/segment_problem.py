@@ -15,6 +15,7 @@ from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
 from waxstudy.diagnosis.model.perturbation import Perturbation
+from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
@@ -139,6 +140,21 @@ class SegmentProblem:
         else:
             return np.zeros(len(now))
         return np.concatenate([each.whitened for each in self.judge.residuals(other)]) - now
+
+    def warmed(self, fitted: Hypothesis, heats_W: Sequence[FloatArray]) -> FloatArray:
+        """Return how far the whitened residuals (m, heats) move with each course of heat (n,) to the room's air."""
+        belief = self.belief_of(fitted)
+        still = self.predicted(belief, fitted.convention)
+        moved = np.zeros((len(heats_W), len(fitted.whitened)))
+        end = np.cumsum([0, *(len(each.whitened) for each in fitted.residuals)])
+        changes = self.segment.warmed(self.record, belief, fitted.convention, heats_W)
+        for row, change in zip(moved, changes, strict=True):
+            for place, residual in enumerate(fitted.residuals):
+                if residual.channel in change:
+                    there = Predicted({residual.channel: still[residual.channel] + change[residual.channel]})
+                    now = self.judge.ways[residual.channel].residual(there)
+                    row[end[place] : end[place + 1]] = now.whitened - residual.whitened
+        return moved.T
 
     def without_stand_ins(self, fitted: Hypothesis) -> Hypothesis:
         """Return a hypothesis without anything in the place of drives that nobody recorded."""

@@ -61,6 +61,7 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "compared with", [_compared(diagnosis)] if diagnosis.compared_with else []
     yield "as calibrated", _few(clear_words(diagnosis.as_built), MOST_BUILT)
     yield "where", [*(_where(diagnosis, stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
+    yield "heat", [diagnosis.missing_heat.sentence] if diagnosis.missing_heat.is_resolved else []
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
     yield "likely", [_likely(diagnosis)] if diagnosis.posterior else []
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]

@@ -11,6 +11,8 @@ from waxstudy.diagnosis.result import (
     Calibrated,
     Diagnosis,
     FoundEffect,
+    HeatBy,
+    HeatPer,
     Measurement,
     StageGap,
     Tried,
@@ -122,6 +124,29 @@ def closed_loop(diagnosis: Diagnosis) -> Table[tuple[str, BeforeAfter]]:
     return Table("the closed loop, running free", columns, in_order(diagnosis.closed_loop))
 
 
+def heat(diagnosis: Diagnosis) -> Table[HeatBy]:
+    """Means of missing heat by what may drive it."""
+    columns: list[Column[HeatBy]] = [
+        text("driver", heading="by"),
+        text("name", heading="where"),
+        Column("hours", lambda each: words.number(each.hours, 0)),
+        Column("as believed", lambda each: words.interval(each.before, "W")),
+        Column("with the effects", lambda each: words.interval(each.after, "W")),
+    ]
+    return Table("missing heat: means, with 95 % intervals", columns, diagnosis.missing_heat.by)
+
+
+def heat_slopes(diagnosis: Diagnosis) -> Table[HeatPer]:
+    """By how much missing heat changes with what may drive it, each by itself."""
+    columns: list[Column[HeatPer]] = [
+        text("driver", heading="with"),
+        Column("as believed", lambda each: words.interval(each.before, each.unit)),
+        Column("with the effects", lambda each: words.interval(each.after, each.unit)),
+        Column("share of its variance", lambda each: words.percent(each.share)),
+    ]
+    return Table("how missing heat goes with a driver, each by itself", columns, diagnosis.missing_heat.per)
+
+
 def tried(diagnosis: Diagnosis) -> Table[Tried]:
     """Every effect that was fitted, in the order of the figure."""
     columns: list[Column[Tried]] = [
@@ -207,5 +232,20 @@ def parts(diagnosis: Diagnosis) -> Table[tuple[str, str, str]]:
     return Table("parts of the record", columns, rows)
 
 
-OF_RECORD = stages, regimes, found, closed_loop, tried, unexplained, untestable, next_measurements, departures, parts
-TABLES = *OF_RECORD, posterior, calibrated, fitted
+TABLES = (
+    stages,
+    regimes,
+    found,
+    closed_loop,
+    heat,
+    heat_slopes,
+    tried,
+    unexplained,
+    untestable,
+    next_measurements,
+    departures,
+    parts,
+    posterior,
+    calibrated,
+    fitted,
+)
