@@ -122,7 +122,8 @@ def _changed(
     """Return what changed at a link since the healthy record."""
     record, belief, as_built = work.record, work.belief, calibration.as_built
     whole = SegmentProblem(segment, record, belief, as_built=as_built, parts=np.full(len(record), FIT))
-    estimator = Estimator(SegmentProblem(segment, record, belief, as_built=as_built), work.thorough)
+    problem = SegmentProblem(segment, record, belief, as_built=as_built, alike=whole)
+    estimator = Estimator(problem, work.thorough, keeps=True)
     search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
     return changed(search, calibration, whole, tick)
 

@@ -8,11 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
-from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
 from waxstudy.diagnosis.model.segments import Segment, segments
@@ -173,15 +172,18 @@ def _of_room(
     lasting = _lasting(segment, record, belief, effects)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
     early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, SELECT)
-    found, start, convention = known, np.zeros(len(unknowns)), None
-    for _ in range(ROUNDS):
-        problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early)
-        fitted = _fitted(problem, start, convention)
-        ahead = _room_fit(problem, fitted, (FIT,))
-        start, convention = fitted.departures, fitted.convention
-        found = replace(found, discrepancies=_discrepancies(problem, fitted, ahead))
-    problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early)
-    fitted = _fitted(problem, start, convention)
+    found, problem, last = known, None, None
+    for turn in range(ROUNDS + 1):
+        problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early, alike=problem)
+        last = _followed(problem, last)
+        if turn < ROUNDS:
+            ahead = Estimator(problem, keeps=True).nuisance_fit(
+                (), last.fitted.departures, last.fitted.convention, (FIT,), last.slopes
+            )
+            found = replace(found, discrepancies=_discrepancies(problem, last.fitted, ahead or last.fitted))
+    assert problem
+    assert last
+    fitted = last.fitted
     count = len(lasting)
     found = replace(
         found,
@@ -207,22 +209,29 @@ def _lasting(segment: Segment, record: Record, belief: Belief, effects: Effects)
     return [*own, *(replace(each, sd=WIDER * each.sd) for each in rest)]
 
 
-def _fitted(
-    problem: SegmentProblem, start: FloatArray | None = None, convention: Convention | None = None
-) -> Hypothesis:
-    """Return the best fit to the whole record."""
-    estimator = Estimator(problem)
-    start = np.zeros(len(problem.sd)) if start is None else start
-    ways = [convention] if convention else problem.conventions
-    tried = [estimator.nuisance_fit((), start, way, ALL) for way in ways]
+def _fitted(problem: SegmentProblem) -> Hypothesis:
+    """Return the best fit of a chain to the whole record."""
+    estimator, start = Estimator(problem), np.zeros(len(problem.sd))
+    return _best(estimator, [estimator.nuisance_fit((), start, way, ALL) for way in problem.conventions])
+
+
+def _best(estimator: Estimator[SegmentProblem], tried: Sequence[Hypothesis | None]) -> Hypothesis:
     done = [each for each in tried if each is not None]
     if not done:
-        raise ValueError(f"what is believed of {problem.name} cannot be simulated")
+        raise ValueError(f"what is believed of {estimator.problem.name} cannot be simulated")
     return min(done, key=lambda each: estimator.score(each, ALL))
 
 
-def _room_fit(problem: SegmentProblem, fitted: Hypothesis, parts: Sequence[int]) -> Hypothesis:
-    return Estimator(problem).nuisance_fit((), fitted.departures, fitted.convention, parts) or fitted
+def _followed(problem: SegmentProblem, last: Followed | None) -> Followed:
+    """Return the best fit of a room to the whole record, going on from the last one, which weighed errors otherwise."""
+    estimator = Estimator(problem, keeps=True)
+    if last:
+        return estimator.follow(last.fitted.departures, last.fitted.convention, ALL, last.place)
+    first, *others = problem.conventions
+    found = estimator.follow(np.zeros(len(problem.sd)), first, ALL)
+    start, slopes = found.fitted.departures, found.slopes
+    tried = [estimator.nuisance_fit((), start, way, ALL, slopes) for way in others]
+    return replace(found, fitted=_best(estimator, [found.fitted, *tried]))
 
 
 def _discrepancies(problem: SegmentProblem, fitted: Hypothesis, ahead: Hypothesis) -> dict[str, Discrepancy]:

@@ -23,7 +23,7 @@ class Superposed:
 
     def __init__(self, estimator: Estimator[SegmentProblem], none: Hypothesis) -> None:
         self.estimator, self.problem, self.none = estimator, estimator.problem, none
-        self.slopes = estimator.slopes_at(none)
+        self.slopes = estimator.base_slopes
         sd = self.problem.sd
         self.basis, _ = np.linalg.qr(np.vstack((self.slopes, self.problem.prior / sd)))
         self.looked: dict[EffectType, tuple[list[Values], FloatArray]] = {}
@@ -49,7 +49,8 @@ class Superposed:
         rough = self.estimator.nuisance_fit(effects, given.departures, given.convention, ALL, self.slopes)
         if rough is None or self.estimator.score(given, ALL) - self.estimator.score(rough, ALL) < 2.0 * PROMISING:
             return rough
-        return self.estimator.nuisance_fit(rough.effects, rough.departures, rough.convention, ALL)
+        slopes = self.estimator.slopes_at(rough)
+        return self.estimator.nuisance_fit(rough.effects, rough.departures, rough.convention, ALL, slopes)
 
     def _at(self, effects: Sequence[tuple[EffectType, Values]], given: Hypothesis) -> Hypothesis | None:
         return self.estimator.nuisance_fit(effects, given.departures, given.convention, ALL, self.slopes, most=2)

@@ -58,7 +58,7 @@ class Weighing:
         tick: Tick,
     ) -> None:
         self.problem, self.tick = problem, tick
-        self.estimator = Estimator(problem, thorough)
+        self.estimator = Estimator(problem, thorough, keeps=True)
         self.healthy: Healthy = calibration.healthy[problem.segment.name]
         self.effects = [effect for effect in effects if not effect.hindrance(problem.belief)]
         self.share = {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.residuals}
