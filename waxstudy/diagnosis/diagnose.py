@@ -50,10 +50,11 @@ def diagnose(
     """
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
-    calibration = calibrated(baseline, effects) if baseline else None
+    thorough = QUICK if quick else 1.0
+    calibration = calibrated(baseline, effects, thorough) if baseline else None
     belief = dataset.believed(record.inputs if record.has_inputs else None)
     belief = calibration.as_built.believed(belief) if calibration else belief
-    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, calibration)
+    work = Work(dataset, record, belief, effects, seed, thorough, calibration)
     cut = segments(record, belief)
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
     judged = [segment for segment in cut if segment not in short]
@@ -61,10 +62,10 @@ def diagnose(
     return assembled(work, cut, short, selections, quick)
 
 
-def calibrated(baseline: Dataset, effects: Sequence[EffectType]) -> Calibration:
+def calibrated(baseline: Dataset, effects: Sequence[EffectType], thorough: float = 1.0) -> Calibration:
     """Return what a healthy record of the loop says of it."""
     record = record_of(baseline)
-    return calibrate(record, baseline.believed(record.inputs if record.has_inputs else None), effects)
+    return calibrate(record, baseline.believed(record.inputs if record.has_inputs else None), effects, thorough)
 
 
 def record_of(dataset: Dataset) -> Record:

@@ -11,6 +11,7 @@ import numpy as np
 from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
+from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
@@ -26,6 +27,7 @@ MOST_WIDER = 3.0  # times what a fit leaves, that it may leave of days that it h
 ROUNDS = 2
 MOST_ALWAYS = 2  # effects of a link that may have been there from the start
 ALWAYS = 8.0  # log likelihood that each of their parameters must gain
+SCREENED = 0.25  # share of it that they must promise for a closer look
 Effects = Sequence[type[Effect]]
 
 
@@ -97,22 +99,22 @@ class Calibration:
     healthy: Mapping[str, Healthy]  # by segment
 
 
-def calibrate(record: Record, belief: Belief, effects: Effects) -> Calibration:
-    """Return what a healthy record says of a loop."""
+def calibrate(record: Record, belief: Belief, effects: Effects, thorough: float = 1.0) -> Calibration:
+    """Return what a healthy record says of a loop; `thorough` below 1 looks at less."""
     found = AsBuilt((), np.zeros(0), np.zeros((0, 0)))
     healthy: dict[str, Healthy] = {}
     for segment in segments(record, belief):
         if segment.is_supply:
             continue
         of = _of_room if segment.with_room else _of_chain
-        found, problem, fitted = of(segment, record, belief, effects, found)
+        found, problem, fitted = of(segment, record, belief, effects, found, thorough)
         scale = {channel: max(1.0, left.whitened) for channel, left in found.left.items()}
         healthy[segment.name] = Healthy(problem, fitted, scale)
     return Calibration(found, healthy)
 
 
 def _of_chain(
-    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt
+    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt, thorough: float
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     unknowns = list(knobs(effects, segment.stages, belief))
     problem = SegmentProblem(segment, record, belief, holds_out=False, unknowns=unknowns)
@@ -120,13 +122,13 @@ def _of_chain(
     chain = tuple(zip(unknowns, fitted.departures.tolist(), strict=True))
     conventions = {**known.conventions, segment.name: fitted.convention}
     there = replace(known, chain=(*known.chain, *chain), conventions=conventions)
-    problem, fitted, always = _with_always(segment, record, belief, effects, there)
+    problem, fitted, always = _with_always(segment, record, belief, effects, there, thorough)
     left = {each.channel: _left(each) for each in fitted.residuals}
     return replace(there, always=(*there.always, *always), left={**there.left, **left}), problem, fitted
 
 
 def _with_always(
-    segment: Segment, record: Record, belief: Belief, effects: Effects, there: AsBuilt
+    segment: Segment, record: Record, belief: Belief, effects: Effects, there: AsBuilt, thorough: float
 ) -> tuple[SegmentProblem, Hypothesis, Edits]:
     """Return a link with the effects that a healthy record shows as well: they were there from the start."""
     belief = there.believed(belief)
@@ -137,11 +139,13 @@ def _with_always(
         fitted = _fitted(problem)
         if len(found) == MOST_ALWAYS:
             return problem, fitted, found
-        estimator, share = Estimator(problem), {each.channel: together(each) for each in fitted.residuals}
+        estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.residuals}
         tried = [
             (_gain(fitted, one, share) - ALWAYS * len(effect.priors), one)
             for effect in named
-            if effect not in dict(found) and not effect.hindrance(belief) and (one := estimator.fit(effect, fitted))
+            if effect not in dict(found)
+            and not effect.hindrance(belief)
+            and (one := estimator.fit(effect, fitted, screen=Screen(SCREENED * ALWAYS * len(effect.priors), share)))
         ]
         possible = [each for each in tried if not _hinders(named, belief, problem.belief_of(each[1]))]
         best = max(possible, key=lambda each: each[0], default=(0.0, fitted))
@@ -167,16 +171,17 @@ def _left(residual: Residual) -> Left:
 
 
 def _of_room(
-    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt
+    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt, thorough: float
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     lasting = _lasting(segment, record, belief, effects)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
     early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, SELECT)
     found, problem, last = known, None, None
-    for turn in range(ROUNDS + 1):
+    rounds = ROUNDS if thorough >= 1.0 else 1
+    for turn in range(rounds + 1):
         problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early, alike=problem)
         last = _followed(problem, last)
-        if turn < ROUNDS:
+        if turn < rounds:
             ahead = Estimator(problem, keeps=True).nuisance_fit(
                 (), last.fitted.departures, last.fitted.convention, (FIT,), last.slopes
             )

@@ -22,7 +22,7 @@ from waxstudy.diagnosis.estimate.parameter_space import (
     valued,
 )
 from waxstudy.diagnosis.estimate.solver import LITTLE, MOST_SD, LeastSquares
-from waxstudy.diagnosis.estimate.start_points import StartPoints
+from waxstudy.diagnosis.estimate.start_points import Screen, StartPoints
 from waxstudy.diagnosis.model.conventions import PLAIN, Convention
 from waxstudy.diagnosis.observations.partition import ALL, BOTH, FIT, SELECT, SHRINK
 from waxstudy.plugin import FloatArray
@@ -177,13 +177,21 @@ class Estimator(Generic[P]):
         days = [len(np.unique(each.block[each.judged & (each.part != SHRINK)])) for each in fitted.residuals]
         return min(1.0, (fitted.loss(FIT) + fitted.loss(SELECT) + self.strain(fitted)) / max(1, sum(days)))
 
-    def fit(self, effect: EffectType, given: Hypothesis, parts: Sequence[int] = (FIT,)) -> Hypothesis | None:
-        """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""
+    def fit(
+        self, effect: EffectType, given: Hypothesis, parts: Sequence[int] = (FIT,), screen: Screen | None = None
+    ) -> Hypothesis | None:
+        """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be.
+
+        One that promises too little by a screen is where a straight line has it best.
+        """
         if effect.hindrance(self.problem.edited(given.effects, given.departures)):
             return None
         straight = self.straight(tuple(parts)) if self.has_nuisances else None
-        look = StartPoints(self.problem, self.score, effect, given, parts, straight, self.thorough)
+        look = StartPoints(self.problem, self.score, effect, given, parts, straight, self.thorough, screen)
         found = [(*look.best(convention), convention) for convention in self.conventions]
+        if look.promised and look.is_hopeless:
+            _, values, convention = look.promised
+            return self.problem.at((*given.effects, (effect, values)), given.departures, convention)
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         if self.has_nuisances:
             # looking closer at each for a room takes too long: the best, and the best where others count less

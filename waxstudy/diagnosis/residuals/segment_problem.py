@@ -43,7 +43,8 @@ class SegmentProblem:
         self.as_built, self.is_calibrating = as_built, unknowns is not None
         known = as_built.conventions.get(segment.name) if as_built else None
         self.conventions: Sequence[Convention] = [known] if known else segment.conventions
-        self.predicted = alike.predicted if alike else Prediction(segment, record, belief, is_exact_room)
+        shared: Prediction | None = alike.predicted if alike else None
+        self.predicted: Prediction = shared or Prediction(segment, record, belief, is_exact_room)
         self.judge = Judge(segment, record, belief, holds_out, is_exact_room, as_built, parts)
         self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])

@@ -11,6 +11,7 @@ from waxstudy.diagnosis.calibration.calibrate import Calibration, Healthy
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.evidence import departure
@@ -25,6 +26,7 @@ SCATTER, OF_RETURN = 0.15, 0.5  # of the logarithm of what healthy records leave
 LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
 FORM = 0.05  # of what an effect explains, that its form may leave
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
+SCREENED = 1.0  # of log likelihood that an effect of a chain must promise for a closer look
 DEEPER = 3  # hypotheses that others are tried beside
 LIKELIER = 0.5
 UNKNOWN = "unknown"
@@ -70,7 +72,7 @@ class Weighing:
         found = [self.of(self.none)]
         found += [self.of(each) for each in one_more(self.effects, self.none, self.tick)]
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
-        if best and score(best[0]) > score(found[0]):
+        if best and score(best[0]) > score(found[0]) and not self.estimator.is_quick:
             for each in best:
                 others = [effect for effect in self.effects if effect.name not in each.fitted.names]
                 found += [self.of(pair) for pair in one_more(others, each.fitted, self.tick)]
@@ -79,7 +81,7 @@ class Weighing:
     def _fits(self, effects: Sequence[EffectType], given: Hypothesis, tick: Tick) -> Iterator[Hypothesis]:
         for effect in effects:
             tick(effect.name)
-            fitted = self.estimator.fit(effect, given, ALL)
+            fitted = self.estimator.fit(effect, given, ALL, Screen(SCREENED, self.share))
             if fitted is not None:
                 yield fitted
 
