@@ -11,6 +11,7 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
+from waxstudy.diagnosis.calibration.stored import calibrated as stored
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
@@ -24,7 +25,7 @@ from waxstudy.diagnosis.select.changed import changed
 from waxstudy.diagnosis.select.exact_room import with_exact_room
 from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
 from waxstudy.diagnosis.select.testability import too_short
-from waxstudy.plugin import Effect
+from waxstudy.plugin import Belief, Effect
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
@@ -51,7 +52,8 @@ def diagnose(
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     thorough = QUICK if quick else 1.0
-    calibration = calibrated(baseline, effects, thorough) if baseline else None
+    # the steps of a study are made as it is read, and no cache can tell them
+    calibration = calibrated(baseline, effects, thorough, is_kept=study is None) if baseline else None
     belief = dataset.believed(record.inputs if record.has_inputs else None)
     belief = calibration.as_built.believed(belief) if calibration else belief
     work = Work(dataset, record, belief, effects, seed, thorough, calibration)
@@ -62,10 +64,13 @@ def diagnose(
     return assembled(work, cut, short, selections, quick)
 
 
-def calibrated(baseline: Dataset, effects: Sequence[EffectType], thorough: float = 1.0) -> Calibration:
-    """Return what a healthy record of the loop says of it."""
+def calibrated(
+    baseline: Dataset, effects: Sequence[EffectType], thorough: float = 1.0, is_kept: bool = False
+) -> Calibration:
+    """Return what a healthy record of the loop says of it, as it was told before where that may be kept."""
     record = record_of(baseline)
-    return calibrate(record, baseline.believed(record.inputs if record.has_inputs else None), effects, thorough)
+    belief = baseline.believed(record.inputs if record.has_inputs else None)
+    return (stored if is_kept else calibrate)(record, belief, effects, thorough)
 
 
 def record_of(dataset: Dataset) -> Record:
@@ -109,12 +114,18 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
             yield _changed(work, work.calibration, segment, effects, work.seed + place, step)
             done = first + len(effects) + 1
             continue
-        selection = _selection(work, segment, effects, work.seed + place, step)
+        # a heating curve is no part of what the room said of itself
+        told = replace(work, belief=_documented(work)) if segment.is_supply else work
+        selection = _selection(told, segment, effects, work.seed + place, step)
         if selection.is_late:
-            again = _selection(work, segment, effects, work.seed + place, step, holds_out=False)
+            again = _selection(told, segment, effects, work.seed + place, step, holds_out=False)
             selection = again if again.found else selection
         yield with_exact_room(selection, effects, work.seed + place, step)
         done = first + len(effects) + 1
+
+
+def _documented(work: Work) -> Belief:
+    return work.dataset.believed(work.record.inputs if work.record.has_inputs else None)
 
 
 def _changed(

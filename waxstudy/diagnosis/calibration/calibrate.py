@@ -123,8 +123,8 @@ def _of_chain(
     conventions = {**known.conventions, segment.name: fitted.convention}
     there = replace(known, chain=(*known.chain, *chain), conventions=conventions)
     problem, fitted, always = _with_always(segment, record, belief, effects, there, thorough)
-    left = {each.channel: _left(each) for each in fitted.residuals}
-    return replace(there, always=(*there.always, *always), left={**there.left, **left}), problem, fitted
+    left = {**there.left, **left_of(fitted)}
+    return replace(there, always=(*there.always, *always), left=left), problem, fitted
 
 
 def _with_always(
@@ -166,6 +166,10 @@ def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> 
     return 0.5 * sum((old.loss() - new.loss()) / share[old.channel] for old, new in pairs)
 
 
+def left_of(fitted: Hypothesis) -> dict[str, Left]:
+    return {each.channel: _left(each) for each in fitted.residuals}
+
+
 def _left(residual: Residual) -> Left:
     return Left(residual.gap(), float(np.sqrt(residual.loss() / max(1, int(residual.judged.sum())))))
 
@@ -173,7 +177,7 @@ def _left(residual: Residual) -> Left:
 def _of_room(
     segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt, thorough: float
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
-    lasting = _lasting(segment, record, belief, effects)
+    lasting = lasting_unknowns(segment, record, belief, effects)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
     early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, SELECT)
     found, problem, last = known, None, None
@@ -200,7 +204,7 @@ def _of_room(
     return found, problem, fitted
 
 
-def _lasting(segment: Segment, record: Record, belief: Belief, effects: Effects) -> list[Nuisance]:
+def lasting_unknowns(segment: Segment, record: Record, belief: Belief, effects: Effects) -> list[Nuisance]:
     """Return what may differ of room and drives; what effects say of it goes before what the room says."""
     own = list(knobs(effects, segment.stages, belief))
     taken = {
