@@ -14,6 +14,7 @@ from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
 from waxstudy.diagnosis.calibration.room import CalibratedRoom
+from waxstudy.diagnosis.calibration.stored import calibrated as stored
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
@@ -54,10 +55,12 @@ def diagnose(
     """
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
-    calibration = calibrated(baseline, effects) if baseline else None
+    thorough = QUICK if quick else 1.0
+    # the steps of a study are made as it is read, and no cache can tell them
+    calibration = calibrated(baseline, effects, thorough, is_kept=study is None) if baseline else None
     belief = _documented(dataset, record)
     belief = calibration.as_built.believed(belief) if calibration else belief
-    work = Work(dataset, record, belief, effects, seed, QUICK if quick else 1.0, calibration, baseline)
+    work = Work(dataset, record, belief, effects, seed, thorough, calibration, baseline)
     # the heating curve is of the documents: how far it was off from the start is no change
     cut = [segment for segment in segments(record, belief) if not (calibration and segment.is_supply)]
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
@@ -66,11 +69,13 @@ def diagnose(
     return assembled(work, cut, short, selections, quick)
 
 
-def calibrated(baseline: Dataset, effects: Sequence[EffectType]) -> Calibration:
-    """Return what a healthy record of the loop says of it."""
+def calibrated(
+    baseline: Dataset, effects: Sequence[EffectType], thorough: float = 1.0, is_kept: bool = False
+) -> Calibration:
+    """Return what a healthy record of the loop says of it, as it was told before where that may be kept."""
     record = record_of(baseline)
     try:
-        return calibrate(record, _documented(baseline, record), effects)
+        return (stored if is_kept else calibrate)(record, _documented(baseline, record), effects, thorough)
     except ValueError as error:
         raise _wrong(baseline, str(error), "[nominal]") from error
 
@@ -140,12 +145,18 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
             yield _changed(work, work.calibration, segment, effects, work.seed + place, step)
             done = first + len(effects) + 1
             continue
-        selection = _selection(work, segment, effects, work.seed + place, step)
+        # a heating curve is no part of what the room said of itself
+        told = replace(work, belief=_documented(work)) if segment.is_supply else work
+        selection = _selection(told, segment, effects, work.seed + place, step)
         if selection.is_late:
-            again = _selection(work, segment, effects, work.seed + place, step, holds_out=False)
+            again = _selection(told, segment, effects, work.seed + place, step, holds_out=False)
             selection = again if again.found else selection
         yield with_exact_room(selection, effects, work.seed + place, step)
         done = first + len(effects) + 1
+
+
+def _documented(work: Work) -> Belief:
+    return work.dataset.believed(work.record.inputs if work.record.has_inputs else None)
 
 
 def _changed(
@@ -154,7 +165,8 @@ def _changed(
     """Return what changed at a link since the healthy record."""
     record, belief, as_built = work.record, work.belief, calibration.as_built
     whole = SegmentProblem(segment, record, belief, as_built=as_built, parts=np.full(len(record), FIT))
-    estimator = Estimator(SegmentProblem(segment, record, belief, as_built=as_built), work.thorough)
+    problem = SegmentProblem(segment, record, belief, as_built=as_built, alike=whole)
+    estimator = Estimator(problem, work.thorough, keeps=True)
     search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
     return changed(search, calibration, whole, tick)
 

@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
+from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
-from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
 from waxstudy.diagnosis.model.segments import Segment, segments
@@ -28,6 +28,7 @@ MOST_WIDER = 1.5  # times what a fit leaves, that it may leave of days that it h
 ROUNDS = 2
 MOST_ALWAYS = 2  # effects of a link that may have been there from the start
 ALWAYS = 8.0  # log likelihood that each of their parameters must gain
+SCREENED = 0.25  # share of it that they must promise for a closer look
 Effects = Sequence[type[Effect]]
 
 
@@ -108,22 +109,22 @@ class Calibration:
     healthy: Mapping[str, Healthy]  # by segment
 
 
-def calibrate(record: Record, belief: Belief, effects: Effects) -> Calibration:
-    """Return what a healthy record says of a loop."""
+def calibrate(record: Record, belief: Belief, effects: Effects, thorough: float = 1.0) -> Calibration:
+    """Return what a healthy record says of a loop; `thorough` below 1 looks at less."""
     found = AsBuilt((), np.zeros(0), np.zeros((0, 0)))
     healthy: dict[str, Healthy] = {}
     for segment in segments(record, belief):
         if segment.is_supply:
             continue
         of = _of_room if segment.with_room else _of_chain
-        found, problem, fitted = of(segment, record, belief, effects, found)
+        found, problem, fitted = of(segment, record, belief, effects, found, thorough)
         scale = {channel: max(1.0, left.whitened) for channel, left in found.left.items()}
         healthy[segment.name] = Healthy(problem, fitted, scale)
     return Calibration(found, healthy)
 
 
 def _of_chain(
-    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt
+    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt, thorough: float
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     unknowns = list(knobs(effects, segment.stages, belief))
     problem = SegmentProblem(segment, record, belief, holds_out=False, unknowns=unknowns)
@@ -131,13 +132,13 @@ def _of_chain(
     chain = tuple(zip(unknowns, fitted.departures.tolist(), strict=True))
     conventions = {**known.conventions, segment.name: fitted.convention}
     there = replace(known, chain=(*known.chain, *chain), conventions=conventions)
-    problem, fitted, always = _with_always(segment, record, belief, effects, there)
-    left = {each.channel: _left(each) for each in fitted.residuals}
-    return replace(there, always=(*there.always, *always), left={**there.left, **left}), problem, fitted
+    problem, fitted, always = _with_always(segment, record, belief, effects, there, thorough)
+    left = {**there.left, **left_of(fitted)}
+    return replace(there, always=(*there.always, *always), left=left), problem, fitted
 
 
 def _with_always(
-    segment: Segment, record: Record, belief: Belief, effects: Effects, there: AsBuilt
+    segment: Segment, record: Record, belief: Belief, effects: Effects, there: AsBuilt, thorough: float
 ) -> tuple[SegmentProblem, Hypothesis, Edits]:
     """Return a link with the effects that a healthy record shows as well: they were there from the start."""
     belief = there.believed(belief)
@@ -148,11 +149,13 @@ def _with_always(
         fitted = _fitted(problem)
         if len(found) == MOST_ALWAYS:
             return problem, fitted, found
-        estimator, share = Estimator(problem), {each.channel: together(each) for each in fitted.residuals}
+        estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.residuals}
         tried = [
             (_gain(fitted, one, share) - ALWAYS * len(effect.priors), one)
             for effect in named
-            if effect not in dict(found) and not effect.hindrance(belief) and (one := estimator.fit(effect, fitted))
+            if effect not in dict(found)
+            and not effect.hindrance(belief)
+            and (one := estimator.fit(effect, fitted, screen=Screen(SCREENED * ALWAYS * len(effect.priors), share)))
         ]
         possible = [each for each in tried if not _hinders(named, belief, problem.belief_of(each[1]))]
         best = max(possible, key=lambda each: each[0], default=(0.0, fitted))
@@ -173,25 +176,33 @@ def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> 
     return 0.5 * sum((old.loss() - new.loss()) / share[old.channel] for old, new in pairs)
 
 
+def left_of(fitted: Hypothesis) -> dict[str, Left]:
+    return {each.channel: _left(each) for each in fitted.residuals}
+
+
 def _left(residual: Residual) -> Left:
     return Left(residual.gap(), float(np.sqrt(residual.loss() / max(1, int(residual.judged.sum())))))
 
 
 def _of_room(
-    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt
+    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt, thorough: float
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
-    lasting = _lasting(segment, record, belief, effects)
+    lasting = lasting_unknowns(segment, record, belief, effects)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
     early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, SELECT)
-    found, start, convention = known, np.zeros(len(unknowns)), None
-    for _ in range(ROUNDS):
-        problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early)
-        fitted = _fitted(problem, start, convention)
-        ahead = _room_fit(problem, fitted, (FIT,))
-        start, convention = fitted.departures, fitted.convention
-        found = replace(found, discrepancies=_discrepancies(problem, fitted, ahead))
-    problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early)
-    fitted = _fitted(problem, start, convention)
+    found, problem, last = known, None, None
+    rounds = ROUNDS if thorough >= 1.0 else 1
+    for turn in range(rounds + 1):
+        problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early, alike=problem)
+        last = _followed(problem, last)
+        if turn < rounds:
+            ahead = Estimator(problem, keeps=True).nuisance_fit(
+                (), last.fitted.departures, last.fitted.convention, (FIT,), last.slopes
+            )
+            found = replace(found, discrepancies=_discrepancies(problem, last.fitted, ahead or last.fitted))
+    assert problem
+    assert last
+    fitted = last.fitted
     count = len(lasting)
     found = replace(
         found,
@@ -203,7 +214,7 @@ def _of_room(
     return found, problem, fitted
 
 
-def _lasting(segment: Segment, record: Record, belief: Belief, effects: Effects) -> list[Nuisance]:
+def lasting_unknowns(segment: Segment, record: Record, belief: Belief, effects: Effects) -> list[Nuisance]:
     """Return what may differ of room and drives; what effects say of it goes before what the room says."""
     own = list(knobs(effects, segment.stages, belief))
     taken = {name for effect in effects for name in effect.absorbs if any(each.effect is effect for each in own)}
@@ -212,22 +223,29 @@ def _lasting(segment: Segment, record: Record, belief: Belief, effects: Effects)
     return [*own, *(replace(each, sd=WIDER * each.sd) for each in rest)]
 
 
-def _fitted(
-    problem: SegmentProblem, start: FloatArray | None = None, convention: Convention | None = None
-) -> Hypothesis:
-    """Return the best fit to the whole record."""
-    estimator = Estimator(problem)
-    start = np.zeros(len(problem.sd)) if start is None else start
-    ways = [convention] if convention else problem.conventions
-    tried = [estimator.nuisance_fit((), start, way, ALL) for way in ways]
+def _fitted(problem: SegmentProblem) -> Hypothesis:
+    """Return the best fit of a chain to the whole record."""
+    estimator, start = Estimator(problem), np.zeros(len(problem.sd))
+    return _best(estimator, [estimator.nuisance_fit((), start, way, ALL) for way in problem.conventions])
+
+
+def _best(estimator: Estimator[SegmentProblem], tried: Sequence[Hypothesis | None]) -> Hypothesis:
     done = [each for each in tried if each is not None]
     if not done:
-        raise ValueError(f"what is believed of {problem.name} cannot be simulated")
+        raise ValueError(f"what is believed of {estimator.problem.name} cannot be simulated")
     return min(done, key=lambda each: estimator.score(each, ALL))
 
 
-def _room_fit(problem: SegmentProblem, fitted: Hypothesis, parts: Sequence[int]) -> Hypothesis:
-    return Estimator(problem).nuisance_fit((), fitted.departures, fitted.convention, parts) or fitted
+def _followed(problem: SegmentProblem, last: Followed | None) -> Followed:
+    """Return the best fit of a room to the whole record, going on from the last one, which weighed errors otherwise."""
+    estimator = Estimator(problem, keeps=True)
+    if last:
+        return estimator.follow(last.fitted.departures, last.fitted.convention, ALL, last.place)
+    first, *others = problem.conventions
+    found = estimator.follow(np.zeros(len(problem.sd)), first, ALL)
+    start, slopes = found.fitted.departures, found.slopes
+    tried = [estimator.nuisance_fit((), start, way, ALL, slopes) for way in others]
+    return replace(found, fitted=_best(estimator, [found.fitted, *tried]))
 
 
 def _discrepancies(problem: SegmentProblem, fitted: Hypothesis, ahead: Hypothesis) -> dict[str, Discrepancy]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
 from typing import Generic, TypeVar
@@ -20,8 +21,8 @@ from waxstudy.diagnosis.estimate.parameter_space import (
     descend,
     valued,
 )
-from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
-from waxstudy.diagnosis.estimate.start_points import StartPoints
+from waxstudy.diagnosis.estimate.solver import LITTLE, MOST_SD, LeastSquares
+from waxstudy.diagnosis.estimate.start_points import Screen, StartPoints
 from waxstudy.diagnosis.model.conventions import PLAIN, Convention
 from waxstudy.diagnosis.observations.partition import ALL, BOTH, FIT, SELECT, SHRINK
 from waxstudy.plugin import FloatArray
@@ -32,15 +33,32 @@ REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
 EVENT_STEPS = 3  # of what once happened, to all days
 AGAIN = 2  # fits of a room from where the last one ended
+TURNS = 4  # most places where the slopes of a room are taken, one after the other
+FAR = 2e-3  # share of the loss that a fit takes away, from which on slopes are taken where it ended
+CLOSE = 1e-5  # share of the loss that is not worth another step, where a step is but one simulation
 PROMISING = 5.0  # loss that an effect must take away from a room for a closer look; a quick look asks for more
 P = TypeVar("P", bound=Problem)
 
 
-class Estimator(Generic[P]):
-    """Fits hypotheses to one problem, always from the same belief. `thorough` below 1 looks at less."""
+@dataclass(frozen=True)
+class Followed:
+    """A fit of the nuisances alone, with the slopes (m, nuisances) that it followed, and the departures they are of."""
 
-    def __init__(self, problem: P, thorough: float = 1.0) -> None:
+    fitted: Hypothesis
+    slopes: FloatArray
+    place: FloatArray
+
+
+class Estimator(Generic[P]):
+    """Fits hypotheses to one problem, always from the same belief. `thorough` below 1 looks at less.
+
+    One that `keeps` slopes takes those of the nuisances at its base, or has them from a fit that came `before`, and
+    keeps them for all else: a room answers nearly in a straight line.
+    """
+
+    def __init__(self, problem: P, thorough: float = 1.0, keeps: bool = False, before: Followed | None = None) -> None:
         self.problem, self.thorough, self.is_quick = problem, thorough, thorough < 1.0
+        self.keeps, self.before = keeps, before
         self.has_nuisances = len(problem.sd) > 0
         self.other = limit(Question.CONVENTION, "gain", PLAIN)  # loss by which another convention must be better
         self._straight: dict[tuple[int, ...], tuple[FloatArray, FloatArray, np.ndarray]] = {}
@@ -49,6 +67,8 @@ class Estimator(Generic[P]):
     @cached_property
     def base(self) -> Hypothesis:
         """The belief itself, its room fitted to the first part, read in the way that fits best."""
+        if self.followed:
+            return self.followed.fitted
         start = np.zeros(len(self.problem.sd))
         first = self._best([self.nuisance_fit((), start, self.problem.conventions[0], (FIT,))])
         known = self.slopes_at(first) if len(self.problem.conventions) > 1 else None
@@ -58,6 +78,37 @@ class Estimator(Generic[P]):
         ]
         return self.settled(self._best([first, *others]))
 
+    @cached_property
+    def followed(self) -> Followed | None:
+        """The belief itself where slopes are kept: fitted from what came before, or from what is believed."""
+        if not self.keeps or not self.has_nuisances:
+            return None
+        start, convention = np.zeros(len(self.problem.sd)), self.problem.conventions[0]
+        if self.before is None:
+            return self.follow(start, convention, (FIT,))
+        start, slopes = self.before.fitted.departures, self.before.slopes
+        fitted = self.nuisance_fit((), start, self.before.fitted.convention, (FIT,), slopes)
+        return replace(self.before, fitted=fitted or self.before.fitted)
+
+    def follow(
+        self, start: FloatArray, convention: Convention, parts: Sequence[int], place: FloatArray | None = None
+    ) -> Followed:
+        """Return a fit of the nuisances from a start, by slopes that are taken again only where it has gone far.
+
+        The first are taken at the start, or at another place, which other problems may have simulated before.
+        """
+        best = self._best([self.problem.at((), start, convention)])
+        place = start if place is None else place
+        slopes = self.slopes_at(self._best([self.problem.at((), place, convention)]))
+        for turn in range(TURNS):
+            found = self.nuisance_fit((), best.departures, convention, parts, slopes) or best
+            gained = self.score(best, parts) - self.score(found, parts)
+            best = found
+            if gained <= FAR * self.score(best, parts) or turn == TURNS - 1:
+                break
+            place, slopes = best.departures, self.slopes_at(best)
+        return Followed(best, slopes, place)
+
     def base_on_both(self, convention: Convention) -> Hypothesis:
         """Return the belief itself under a convention, its room fitted to both first parts."""
         if convention not in self._on_both:
@@ -66,7 +117,7 @@ class Estimator(Generic[P]):
 
     def settled(self, fitted: Hypothesis) -> Hypothesis:
         """Return a fit that others are compared with, gone on with to its end: else they gain what it had left."""
-        for _ in range(AGAIN if self.has_nuisances else 0):
+        for _ in range(AGAIN if self.has_nuisances and not self.keeps else 0):
             fitted = (
                 self.nuisance_fit(fitted.effects, fitted.departures, fitted.convention, (FIT,), most=STEPS) or fitted
             )
@@ -126,13 +177,21 @@ class Estimator(Generic[P]):
         days = [len(np.unique(each.block[each.judged & (each.part != SHRINK)])) for each in fitted.residuals]
         return min(1.0, (fitted.loss(FIT) + fitted.loss(SELECT) + self.strain(fitted)) / max(1, sum(days)))
 
-    def fit(self, effect: EffectType, given: Hypothesis, parts: Sequence[int] = (FIT,)) -> Hypothesis | None:
-        """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be."""
+    def fit(
+        self, effect: EffectType, given: Hypothesis, parts: Sequence[int] = (FIT,), screen: Screen | None = None
+    ) -> Hypothesis | None:
+        """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be.
+
+        One that promises too little by a screen is where a straight line has it best.
+        """
         if effect.hindrance(self.problem.edited(given.effects, given.departures)):
             return None
         straight = self.straight(tuple(parts)) if self.has_nuisances else None
-        look = StartPoints(self.problem, self.score, effect, given, parts, straight, self.thorough)
+        look = StartPoints(self.problem, self.score, effect, given, parts, straight, self.thorough, screen)
         found = [(*look.best(convention), convention) for convention in self.conventions]
+        if look.promised and look.is_hopeless:
+            _, values, convention = look.promised
+            return self.problem.at((*given.effects, (effect, values)), given.departures, convention)
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         if self.has_nuisances:
             # looking closer at each for a room takes too long: the best, and the best where others count less
@@ -158,13 +217,13 @@ class Estimator(Generic[P]):
         """
         if parts not in self._straight:
             fit = np.concatenate([np.isin(each.part, parts) for each in self.base.residuals])
-            solution = np.linalg.pinv(np.vstack((self._slopes[fit], self.problem.prior / self.problem.sd)))
-            self._straight[parts] = self._slopes, solution, fit
+            solution = np.linalg.pinv(np.vstack((self.base_slopes[fit], self.problem.prior / self.problem.sd)))
+            self._straight[parts] = self.base_slopes, solution, fit
         return self._straight[parts]
 
     @cached_property
-    def _slopes(self) -> FloatArray:
-        return self.slopes_at(self.base)
+    def base_slopes(self) -> FloatArray:
+        return self.followed.slopes if self.followed else self.slopes_at(self.base)
 
     def slopes_at(self, fitted: Hypothesis, places: Sequence[int] | None = None) -> FloatArray:
         """Change of the whitened residuals with each departure of the room (m, nuisances), or with some of them."""
@@ -193,7 +252,9 @@ class Estimator(Generic[P]):
         A rough fit takes the room's answer to its departures as it was at the base.
         """
         if self.has_nuisances:
-            return self.nuisance_fit(effects, departures, convention, parts, self._slopes if is_rough else None)
+            return self.nuisance_fit(
+                effects, departures, convention, parts, self.base_slopes if is_rough or self.keeps else None
+            )
         if not any(effect.priors for effect, _ in effects):
             return self.problem.at(effects, departures, convention)
         smooth = effects
@@ -226,10 +287,11 @@ class Estimator(Generic[P]):
         """
         if not self.has_nuisances:
             return self.problem.at(effects, departures, convention)
-        problem = LeastSquares(self.problem, effects, convention, parts)
+        problem = LeastSquares(self.problem, effects, convention, parts, is_bounded=self.keeps)
+        little = CLOSE if self.keeps and known is not None and not effects else LITTLE
         if most is None:
             most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
-        return self._with_events(problem.solved(problem.vector(departures), most, known))
+        return self._with_events(problem.solved(problem.vector(departures), most, known, little))
 
     def _with_events(self, fitted: Hypothesis | None) -> Hypothesis | None:
         """Return a fit with its events fitted to all days, not only to those that a property is learned from."""

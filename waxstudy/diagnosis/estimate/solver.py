@@ -28,7 +28,9 @@ class LeastSquares:
         convention: Convention,
         parts: Sequence[int],
         reach: float = 0.01,  # share of a parameter's range over which its slope is taken
+        is_bounded: bool = False,  # whether a step is the best within the bounds, else it is cut at them
     ) -> None:
+        self.is_bounded = is_bounded
         self.problem, self.effects, self.convention, self.parts, self.reach = problem, effects, convention, parts, reach
         self.spaces = [Space(effect) for effect, _ in effects]
         self.count = len(problem.sd)
@@ -45,7 +47,7 @@ class LeastSquares:
         chosen = [each.whitened * np.isin(each.part, self.parts) for each in fitted.residuals]
         return np.concatenate((*chosen, self.problem.prior @ x[: self.count]))
 
-    def solved(self, x: FloatArray, most: int, known: FloatArray | None) -> Hypothesis | None:
+    def solved(self, x: FloatArray, most: int, known: FloatArray | None, little: float = LITTLE) -> Hypothesis | None:
         """Return the best fit from a start; `known` are slopes of the departures to be kept throughout, or None."""
         best = self.at(x)
         if best is None:
@@ -60,6 +62,8 @@ class LeastSquares:
             if not missed.any():
                 break  # nothing is missed
             step = self.step(slopes, missed, damping, x)
+            if little < LITTLE and self.promised(slopes, missed, step) < little:
+                break  # not even what the slopes promise is worth a simulation
             tried = self.at(x + step)
             new = self.missed(tried, x + step) if tried else None
             gained = 1.0 - (new @ new) / (missed @ missed) if new is not None else -1.0
@@ -70,7 +74,7 @@ class LeastSquares:
                 if damping > MOST_DAMPING:
                     break
                 continue
-            if gained < LITTLE and is_fresh:
+            if gained < little and is_fresh:
                 break
             # the slopes of the departures hardly change: they are taken again where that has become too little
             is_fresh = known is not None or bool(gained < ENOUGH)
@@ -98,7 +102,21 @@ class LeastSquares:
     def step(self, slopes: FloatArray, missed: FloatArray, damping: float, x: FloatArray) -> FloatArray:
         """Return a damped step, cut where it would leave the bounds."""
         normal = slopes.T @ slopes
-        step = np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-9), -slopes.T @ missed)
+        normal += damping * np.diag(np.diag(normal) + 1e-9)
+        step = np.linalg.solve(normal, -slopes.T @ missed)
         low = np.concatenate((np.full(self.count, -MOST_SD), np.zeros(len(x) - self.count)))
         high = np.concatenate((np.full(self.count, MOST_SD), np.ones(len(x) - self.count)))
+        free = np.ones(len(x), dtype=bool)
+        while self.is_bounded and (out := free & ((x + step < low) | (x + step > high))).any():
+            # what would leave the bounds stays there, and the others go where they then are best
+            free &= ~out
+            step = np.clip(x + step, low, high) - x
+            rest = -slopes.T @ missed - normal[:, ~free] @ step[~free]
+            step[free] = np.linalg.solve(normal[np.ix_(free, free)], rest[free])
         return np.clip(x + step, low, high) - x
+
+    @staticmethod
+    def promised(slopes: FloatArray, missed: FloatArray, step: FloatArray) -> float:
+        """Return the share of the loss that a step would take away, were all straight."""
+        there = missed + slopes @ step
+        return float(1.0 - (there @ there) / (missed @ missed))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from operator import itemgetter
 
 import numpy as np
@@ -21,6 +21,26 @@ MANY = 4  # parameters of a chain, from which on the best point of a first look 
 STARTS, STEPS, FAR = 8, 5, 0.1  # such points, steps from each, and the share of a range that their slopes look over
 
 
+@dataclass(frozen=True)
+class Screen:
+    """What an effect must promise for a closer look: log likelihood that it would gain, were all straight."""
+
+    least: float
+    share: Mapping[str, float]  # by channel: how many samples count as one
+
+    def gain(self, given: Hypothesis, look: Hypothesis) -> tuple[float, float]:
+        """Return the most that is gained along the change that a look makes, and how far along it."""
+        weight = [self.share.get(each.channel, 1.0) ** -0.5 for each in given.residuals]
+        pairs = zip(given.residuals, look.residuals, weight, strict=True)
+        along, power = 0.0, TINY
+        for old, new, each in pairs:
+            change = each * (new.whitened - old.whitened)
+            along -= float(change @ (each * old.whitened))
+            power += float(change @ change)
+        strength = min(STRONGEST, max(0.0, along / power))
+        return strength * along - 0.5 * strength**2 * power, strength
+
+
 class StartPoints:
     """Where an effect, added to a hypothesis, may be worth a closer look.
 
@@ -36,7 +56,10 @@ class StartPoints:
         parts: Sequence[int],
         straight: tuple[FloatArray, FloatArray, np.ndarray] | None,
         thorough: float,
+        screen: Screen | None = None,
     ) -> None:
+        self.screen = screen
+        self.promised: tuple[float, Values, Convention] | None = None  # log likelihood, at most, and where
         self.problem, self.score, self.effect, self.given, self.parts = problem, score, effect, given, parts
         self.straight, self.thorough, self.space = straight, thorough, Space(effect)
 
@@ -44,15 +67,31 @@ class StartPoints:
         """Return the least score, and the values that it is found at, with one way to read the record."""
         tried = [*self.space.points(self.thorough), *self.effect.starts(self.problem.belief)]
         looks = [self._with(values, convention) for values in tried]
+        self._screened(tried, looks, convention)
         more = self._scaled(tried, looks, convention)
         looks += [self._with(values, convention) for values in more]
         scores = [self.score(each, self.parts) for each in looks]
         found = sorted(zip(scores, [*tried, *more], strict=True), key=itemgetter(0))
-        if self.straight or len(self.space.names) < MANY:
+        if self.straight or len(self.space.names) < MANY or self.is_hopeless:
             return found[0]
         starts = round(STARTS * min(1.0, self.thorough))
         walked = [self._walked(values, convention) for _, values in found[:starts]]
         return min((found[0], *walked), key=itemgetter(0))
+
+    @property
+    def is_hopeless(self) -> bool:
+        """Whether the effect would gain too little for a closer look, by all that was looked at."""
+        return bool(self.screen and self.promised and self.promised[0] < self.screen.least)
+
+    def _screened(self, tried: Sequence[Values], looks: Sequence[Hypothesis | None], convention: Convention) -> None:
+        still = self._at(self.given.effects, convention) if self.screen else None
+        neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
+        for values, look in zip(tried, looks, strict=True) if self.screen and still else ():
+            if look is not None and self.screen and still:
+                gain, strength = self.screen.gain(still, look)
+                if self.promised is None or gain > self.promised[0]:
+                    there = self.space.scaled(values, neutral, strength) if neutral else values
+                    self.promised = gain, there, convention
 
     def _walked(self, values: Values, convention: Convention) -> tuple[float, Values]:
         """Return score and values a few steps downhill, by slopes that look far: a point may lie in a hollow.

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from math import prod
 
 import numpy as np
 
@@ -20,11 +21,12 @@ from waxstudy.diagnosis.model.room_response import (
     built,
     full_flow_L_h,
     means,
+    merging,
     response_to_heat,
     room_response,
 )
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
-from waxstudy.plugin import CHAIN, Belief, FloatArray, Room
+from waxstudy.plugin import CHAIN, Belief, FloatArray, Room, SimulationError
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.recorded import believed_supply_C
 from waxstudy.simulation.replay import replay
@@ -286,6 +288,19 @@ class Prediction:
     def __init__(self, segment: Segment, record: Record, belief: Belief, is_exact_room: bool) -> None:
         self.segment, self.record, self.belief, self.is_exact_room = segment, record, belief, is_exact_room
         self._refinements: dict[Convention, Mapping[str, FloatArray]] = {}
+        # a room's are means, so that many can be kept
+        self._made = record.memory(arrays=4, every=prod(merging(record.interval_s)))
+
+    def remembered(self, key: Hashable, belief: Callable[[], Belief], convention: Convention) -> Predicted | None:
+        """Return what a belief predicts of a room, by its key, or None where it cannot; problems share it."""
+
+        def made() -> Predicted | None:
+            try:
+                return self(belief(), convention)
+            except (SimulationError, ValueError, ArithmeticError):
+                return None
+
+        return self._made.get((key, convention), made) if self.segment.with_room else made()
 
     def __call__(self, belief: Belief, convention: Convention, perturbation: Perturbation = STILL) -> Predicted:
         found = self.segment.predict(self.record, belief, convention, perturbation)

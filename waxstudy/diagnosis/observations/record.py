@@ -86,9 +86,9 @@ class Record:
     def _memories(self) -> dict[Hashable, Memory]:
         return {}
 
-    def memory(self, arrays: int) -> Memory:
-        """Return an empty memory for what holds so many arrays as long as the record."""
-        return Memory(max(1, REMEMBERED // (arrays * len(self))))
+    def memory(self, arrays: int, every: int = 1) -> Memory:
+        """Return an empty memory for what holds so many arrays as long as the record, or of means over `every` ones."""
+        return Memory(max(1, REMEMBERED * every // (arrays * len(self))))
 
     def remembered(self, slot: Hashable, key: Hashable, make: Callable[[], T], arrays: int = 1) -> T:
         """Return what a slot has for a key, made where it has nothing: most hypotheses change one block alone."""

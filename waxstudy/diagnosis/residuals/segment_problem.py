@@ -20,7 +20,7 @@ from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
 from waxstudy.diagnosis.residuals.judge import Judge
-from waxstudy.plugin import Belief, FloatArray, SimulationError
+from waxstudy.plugin import Belief, FloatArray
 
 
 class SegmentProblem:
@@ -37,13 +37,15 @@ class SegmentProblem:
         as_built: AsBuilt | None = None,
         unknowns: Sequence[Nuisance] | None = None,
         parts: np.ndarray | None = None,
+        alike: SegmentProblem | None = None,  # the same, judged in another way: what it simulated is shared
     ) -> None:
         self.segment, self.record, self.belief, self.name = segment, record, belief, segment.name
         self.room_tolerance, self.holds_out, self.is_exact_room = room_tolerance, holds_out, is_exact_room
         self.as_built, self.is_calibrating = as_built, unknowns is not None
         known = as_built.conventions.get(segment.name) if as_built else None
         self.conventions: Sequence[Convention] = [known] if known else segment.conventions
-        self.predicted = Prediction(segment, record, belief, is_exact_room)
+        shared: Prediction | None = alike.predicted if alike else None
+        self.predicted: Prediction = shared or Prediction(segment, record, belief, is_exact_room)
         self.judge = Judge(segment, record, belief, holds_out, is_exact_room, as_built, parts)
         self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
@@ -95,16 +97,16 @@ class SegmentProblem:
         return self._edits[-1][1] if self._edits else self.belief
 
     def at(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
+        # fits begin and end at places that they have been to
+        key = tuple((effect, *values.items()) for effect, values in effects), departures.tobytes()
+
         def made() -> Hypothesis | None:
-            try:
-                predicted = self.predicted(self.edited(effects, departures), convention)
-            except (SimulationError, ValueError, ArithmeticError):
+            predicted = self.predicted.remembered(key, lambda: self.edited(effects, departures), convention)
+            if predicted is None:
                 return None
             return Hypothesis(tuple(effects), convention, departures, self.judge.residuals(predicted))
 
-        # fits begin and end at places that they have been to
-        values = tuple((effect, *values.items()) for effect, values in effects)
-        return self._seen.get((values, departures.tobytes(), convention), made)
+        return self._seen.get((*key, convention), made)
 
     def drive_noise(self, fitted: Hypothesis) -> Mapping[int, float]:
         """Return what noise of the drive adds to a model's loss, by part: a low-pass lets less of it through."""

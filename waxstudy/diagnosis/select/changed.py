@@ -21,6 +21,7 @@ LEAST_TOLD = 1e-4  # of a joint hypothesis
 def changed(search: Search, calibration: Calibration, whole: SegmentProblem, tick: Tick) -> Selection:
     """Return what changed at a link; `whole` is its problem with all days to fit."""
     weighing = Weighing(whole, search.effects, calibration, search.estimator.thorough, tick)
+    search.estimator.before = weighing.estimator.followed
     weighed = weighing.weighed()
     beliefs, tried = posterior(weighed), _tried(search, weighed)
     while True:

@@ -8,8 +8,9 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
 from waxstudy.diagnosis.estimate.solver import MOST_SD
+from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import FloatArray
@@ -24,7 +25,7 @@ class Superposed:
 
     def __init__(self, estimator: Estimator[SegmentProblem], none: Hypothesis) -> None:
         self.estimator, self.problem, self.none = estimator, estimator.problem, none
-        self.slopes = estimator.slopes_at(none)
+        self.slopes = estimator.base_slopes
         sd = self.problem.sd
         self.basis, self.triangle = np.linalg.qr(np.vstack((self.slopes, self.problem.prior / sd)))
         self.looked: dict[EffectType, tuple[list[Values], FloatArray]] = {}
@@ -47,10 +48,16 @@ class Superposed:
         if gain < PROMISING:
             # with more than one there is nothing to tell; alone it is told what it comes to
             return None if given.effects else self.problem.at(effects, departures, given.convention)
-        fitted = self.estimator.nuisance_fit(effects, departures, given.convention, ALL)
+        fitted = self._fitted(effects, departures, given.convention)
         if fitted is None or self.estimator.score(given, ALL) - self.estimator.score(fitted, ALL) < 2.0 * PROMISING:
             return fitted
-        return self.estimator.nuisance_fit(fitted.effects, fitted.departures, fitted.convention, ALL)
+        return self._fitted(fitted.effects, fitted.departures, fitted.convention)
+
+    def _fitted(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
+        """Return a hypothesis fitted from given values, by slopes of the departures as they are there."""
+        start = self.problem.at(effects, departures, convention)
+        slopes = self.estimator.slopes_at(start) if start else None
+        return self.estimator.nuisance_fit(effects, departures, convention, ALL, slopes)
 
     def _start(self, effect: EffectType, given: Hypothesis) -> tuple[Values, FloatArray, float] | None:
         """Return the best values and departures to start from, and the log likelihood gained where all is straight."""

@@ -11,6 +11,7 @@ from waxstudy.diagnosis.calibration.calibrate import Calibration, Healthy
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.evidence import departure
@@ -27,6 +28,7 @@ SCATTER, OF_RETURN = 0.25, 0.5  # of the logarithm of what healthy records leave
 LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
 FORM = 0.1  # of what an effect explains, that its form may leave
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
+SCREENED = 1.0  # of log likelihood that an effect of a chain must promise for a closer look
 DEEPER = 3  # hypotheses that others are tried beside
 LIKELIER = 0.5
 NOTABLE_OF_ROOM = 0.3  # noticeable steps: how much it matters is another question than whether it is there
@@ -64,7 +66,7 @@ class Weighing:
         tick: Tick,
     ) -> None:
         self.problem, self.tick = problem, tick
-        self.estimator = Estimator(problem, thorough)
+        self.estimator = Estimator(problem, thorough, keeps=True)
         self.healthy: Healthy = calibration.healthy[problem.segment.name]
         self.effects = [effect for effect in effects if not effect.hindrance(problem.belief)]
         self.share = {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.residuals}
@@ -82,6 +84,7 @@ class Weighing:
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
         if best and score(best[0]) > score(found[0]):
             found += list(self._patterned(best))
+        if best and score(best[0]) > score(found[0]) and not self.estimator.is_quick:
             for each in best:
                 others = [effect for effect in self.effects if effect.name not in each.fitted.names]
                 found += [self._beside(each, pair) for pair in one_more(others, each.fitted, self.tick)]
@@ -97,7 +100,7 @@ class Weighing:
     def _fits(self, effects: Sequence[EffectType], given: Hypothesis, tick: Tick) -> Iterator[Hypothesis]:
         for effect in effects:
             tick(effect.name)
-            fitted = self.estimator.fit(effect, given, ALL)
+            fitted = self.estimator.fit(effect, given, ALL, Screen(SCREENED, self.share))
             if fitted is not None:
                 yield fitted
 

@@ -1,0 +1,79 @@
+"""Calibrations that are kept: a second record of a loop does not wait for its baseline again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.diagnosis.realities import EFFECTS, belief, dataset, record, rows
+from waxstudy.diagnosis.calibration import stored
+from waxstudy.diagnosis.diagnose import diagnose
+from waxstudy.report.formats import json_text
+
+OF_ROOM = (
+    "operative_temperature_C",
+    "floor_surface_temperature_C",
+    "return_temperature_C",
+    "supply_temperature_C",
+    "outdoor_temperature_C",
+)
+
+
+@pytest.fixture
+def made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
+    """Return a list that gets longer with each calibration that is computed, none of them kept before."""
+    computed: list[str] = []
+    whole = stored.calibrate
+
+    def counted(*how, **more):
+        computed.append("a calibration")
+        return whole(*how, **more)
+
+    monkeypatch.setattr(stored, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(stored, "calibrate", counted)
+    return computed
+
+
+def told() -> str:
+    healthy, now = (dataset(rows("REAL", 3, interval_s=300.0, seed=seed), "REAL") for seed in (1, 7))
+    return json_text(diagnose(now, baseline=healthy, quick=True).described())
+
+
+def calibrated(seed: int = 1) -> str:
+    healthy = record("REAL", 3, without=OF_ROOM, interval_s=300.0, seed=seed)
+    effects = [EFFECTS["sensor-lag"], EFFECTS["slow-actuator"]]
+    return str(stored._kept(stored.calibrated(healthy, belief("REAL", healthy), effects, 0.3)))
+
+
+def files(folder: Path) -> list[Path]:
+    return sorted((folder / stored.FOLDER).iterdir())
+
+
+def test_a_second_record_gets_the_same_without_computing_it_again(made: list[str], tmp_path: Path):
+    first, second = told(), told()
+    assert (len(made), len(files(tmp_path))) == (1, 1)
+    assert first == second
+
+
+def test_what_is_damaged_or_foreign_is_computed_again(made: list[str], tmp_path: Path):
+    first = calibrated()
+    (kept,) = files(tmp_path)
+    whole = kept.read_text()
+    for damaged in (whole[:100], "[]", '{"departures": {}}', ""):
+        kept.write_text(damaged)
+        assert calibrated() == first
+        assert kept.read_text() == whole
+    assert len(made) == 5
+
+
+def test_another_baseline_is_calibrated_by_itself(made: list[str], tmp_path: Path):
+    calibrated()
+    calibrated(seed=2)
+    assert (len(made), len(files(tmp_path))) == (2, 2)
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(made: list[str], tmp_path: Path):
+    (tmp_path / stored.FOLDER).write_text("no folder")
+    assert calibrated() == calibrated()
+    assert len(made) == 2
