@@ -145,18 +145,12 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
             yield _changed(work, work.calibration, segment, effects, work.seed + place, step)
             done = first + len(effects) + 1
             continue
-        # a heating curve is no part of what the room said of itself
-        told = replace(work, belief=_documented(work)) if segment.is_supply else work
-        selection = _selection(told, segment, effects, work.seed + place, step)
+        selection = _selection(work, segment, effects, work.seed + place, step)
         if selection.is_late:
-            again = _selection(told, segment, effects, work.seed + place, step, holds_out=False)
+            again = _selection(work, segment, effects, work.seed + place, step, holds_out=False)
             selection = again if again.found else selection
         yield with_exact_room(selection, effects, work.seed + place, step)
         done = first + len(effects) + 1
-
-
-def _documented(work: Work) -> Belief:
-    return work.dataset.believed(work.record.inputs if work.record.has_inputs else None)
 
 
 def _changed(
