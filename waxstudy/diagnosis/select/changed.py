@@ -27,7 +27,9 @@ def changed(search: Search, calibration: Calibration, whole: SegmentProblem, tic
     while True:
         found = _found(search, weighed, Choice.of(beliefs), beliefs)
         selection = search.selection(found, tried)
-        blurred = search.blurred(found, selection.models, selection.without)
+        # how a room is tuned is no setting that a fit of another form could take for another
+        is_room = search.problem.segment.with_room
+        blurred = [] if is_room else search.blurred(found, selection.models, selection.without)
         if not blurred:
             return replace(selection, posterior=beliefs)
         beliefs = _without(beliefs, {name for each in blurred for name in each.found.group})

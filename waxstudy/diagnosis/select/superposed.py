@@ -10,6 +10,7 @@ from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
 from waxstudy.diagnosis.estimate.solver import MOST_SD
+from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -48,10 +49,22 @@ class Superposed:
         if gain < PROMISING:
             # with more than one there is nothing to tell; alone it is told what it comes to
             return None if given.effects else self.problem.at(effects, departures, given.convention)
-        fitted = self._fitted(effects, departures, given.convention)
+        starts = [(effects, departures), *self._instead(effect, given)]
+        tried = [self._fitted(*start, given.convention) for start in starts]
+        fitted = min((each for each in tried if each), key=lambda each: self.estimator.score(each, ALL), default=None)
         if fitted is None or self.estimator.score(given, ALL) - self.estimator.score(fitted, ALL) < 2.0 * PROMISING:
             return fitted
         return self._fitted(fitted.effects, fitted.departures, fitted.convention)
+
+    def _instead(self, effect: EffectType, given: Hypothesis) -> Iterator[tuple[Edits, FloatArray]]:
+        """Yield a start at which the effect does what the nuisances of its own kind do in the given hypothesis."""
+        values, departures = dict(effect.neutral(self.problem.belief) or {}), given.departures.copy()
+        for place, knob in enumerate(self.problem.nuisances):
+            if isinstance(knob, Knob) and knob.effect is effect:
+                values |= {knob.parameter: knob.values(float(departures[place]))[knob.parameter]}
+                departures[place] = 0.0
+        if values.keys() >= effect.priors.keys() and not np.array_equal(departures, given.departures):
+            yield (*given.effects, (effect, values)), departures
 
     def _fitted(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
         """Return a hypothesis fitted from given values, by slopes of the departures as they are there."""

@@ -21,10 +21,10 @@ from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.plugin import FloatArray
 
 # constants of the posterior
-PRIOR_CHANGED = 0.25  # that something of a link changed at all
-PRICE = 3.0  # of a free parameter, in units of log likelihood
+PRIOR = 0.02  # of each effect that it came: that of a whole library something did is as likely as not
+PRICE = 2.0  # of a free parameter, in units of log likelihood
 UNKNOWN_PRICE = 5.0  # of leaving something to what is unknown
-SCATTER, OF_RETURN = 0.25, 0.5  # of the logarithm of what healthy records leave; of the return pulses' form counts
+SCATTER, COARSE = 0.25, 0.5  # of the logarithm of what healthy records leave; of switches and the return, a few tell
 LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
 FORM = 0.1  # of what an effect explains, that its form may leave
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
@@ -152,12 +152,11 @@ class Weighing:
     def of(self, fitted: Hypothesis) -> Weighed:
         """Return a hypothesis with what speaks for it."""
         parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
-        prior = np.log(PRIOR_CHANGED / max(1, len(self.effects))) * len(fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
         gain = 0.5 * (self._loss(self.none) - self._loss(fitted)) - ease
         always = self.healthy.gain(fitted.effects) if fitted.effects else 0.0
         spread, most = self._spread(fitted)
-        price = PRICE * parameters - float(prior if fitted.effects else np.log(1.0 - PRIOR_CHANGED))
+        price = PRICE * parameters - float(np.log(PRIOR)) * len(fitted.effects)
         names = tuple(sorted(self._notable(fitted)))
         return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), price, spread, most)
 
@@ -229,7 +228,7 @@ class Weighing:
         usual = float(np.sqrt(more * usual**2 + FORM**2 * explained))
         left, before = float(np.sqrt(residual.loss() / count)), healthy.samples
         share = self.share.get(residual.channel, 1.0)
-        own = OF_RETURN if residual.channel == "return_temperature_C" else SCATTER
+        own = COARSE if residual.unit == "s" or residual.channel == "return_temperature_C" else SCATTER
         scatter = np.sqrt(own**2 + 0.5 * share / count + 0.5 * share / before)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
 
