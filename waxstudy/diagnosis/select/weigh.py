@@ -146,7 +146,9 @@ class Weighing:
     def _beside(self, given: Weighed, fitted: Hypothesis) -> Weighed:
         """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
         weighed = self.of(fitted)
-        more, (spread, most) = weighed.gain - given.gain, self._spread(fitted, given.fitted)
+        # what the form of the first effect may leave is no second one
+        more = weighed.gain - given.gain - FORM**2 * max(0.0, given.gain)
+        spread, most = self._spread(fitted, given.fitted)
         return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
 
     def of(self, fitted: Hypothesis) -> Weighed:
