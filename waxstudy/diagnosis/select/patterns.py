@@ -41,7 +41,7 @@ def patterns(record: Record) -> Iterator[Pattern]:
             words = f"every day from {hour:02d}:00 to {int(hour + hours) % 24:02d}:00"
             yield _pattern(words, (clock_h - hour) % DAY_H < hours, interval_h)
     for rest in (0, 1):
-        yield _pattern("every other day", record.day % 2 == rest, interval_h)
+        yield _pattern(f"every other day from day {rest + 1} on", record.day % 2 == rest, interval_h)
 
 
 def _pattern(words: str, acts: np.ndarray, interval_h: float) -> Pattern:
