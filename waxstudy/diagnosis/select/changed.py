@@ -27,7 +27,7 @@ def changed(search: Search, calibration: Calibration, whole: SegmentProblem, tic
     while True:
         found = _found(search, weighed, Choice.of(beliefs), beliefs)
         selection = search.selection(found, tried)
-        # how a room is tuned is no setting that a fit of another form could take for another
+        # a controller of another form looks as if it were tuned otherwise each time; a room has no settings
         is_room = search.problem.segment.with_room
         blurred = [] if is_room else search.blurred(found, selection.models, selection.without)
         if not blurred:
