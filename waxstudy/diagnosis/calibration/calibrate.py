@@ -202,7 +202,7 @@ def _of_room(
             found = replace(found, discrepancies=_discrepancies(problem, last.fitted, ahead or last.fitted))
     assert problem
     assert last
-    fitted = last.fitted
+    fitted = _settled(problem, last.fitted)
     count = len(lasting)
     found = replace(
         found,
@@ -234,6 +234,11 @@ def _best(estimator: Estimator[SegmentProblem], tried: Sequence[Hypothesis | Non
     if not done:
         raise ValueError(f"what is believed of {estimator.problem.name} cannot be simulated")
     return min(done, key=lambda each: estimator.score(each, ALL))
+
+
+def _settled(problem: SegmentProblem, fitted: Hypothesis) -> Hypothesis:
+    """Return a fit gone on with by slopes as they are: kept ones may end it early, and its intervals would be wrong."""
+    return Estimator(problem).nuisance_fit((), fitted.departures, fitted.convention, ALL) or fitted
 
 
 def _followed(problem: SegmentProblem, last: Followed | None) -> Followed:
