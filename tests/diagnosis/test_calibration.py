@@ -214,6 +214,7 @@ def test_links_are_independent_and_what_is_unknown_is_named_once_and_last() -> N
     ("beliefs", "groups"),
     [
         ({"none": 0.6, "let-by": 0.4}, ()),
+        ({"none": 0.3, "let-by": 0.7}, ()),
         ({"none": 0.1, "let-by": 0.9}, (("let-by",),)),
         ({"let-by": 0.6, "max-flow": 0.35, "stuck-open": 0.05}, (("let-by", "max-flow"),)),
         ({"let-by+max-flow": 0.9, "let-by": 0.1}, (("let-by",), ("max-flow",))),

@@ -13,7 +13,7 @@ from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.diagnosis.select.search import Found, Search, Selection
 from waxstudy.diagnosis.select.weigh import LIKELIER, NONE, UNKNOWN, Tick, Weighed, Weighing, posterior, score
 
-NAMED = 0.8  # probability from which on an effect is named alone
+NAMED = 0.8  # probability from which on anything is named, and an effect alone
 CREDIBLE = 0.9  # that a group holds
 LEAST_TOLD = 1e-4  # of a joint hypothesis
 
@@ -58,7 +58,7 @@ class Choice:
         for name, probability in beliefs.items():
             effects = frozenset(name.split("+")) - {NONE, UNKNOWN}
             sets[effects] = sets.get(effects, 0.0) + probability
-        if sets.get(frozenset(), 0.0) >= LIKELIER:
+        if sets.get(frozenset(), 0.0) > 1.0 - NAMED:
             return cls(())
         best = max((each for each in sets if each), key=lambda each: sets[each])
         groups = [_group(name, best, sets) for name in sorted(best)]
