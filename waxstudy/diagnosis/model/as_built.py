@@ -57,9 +57,7 @@ class Knob(Nuisance):
 
     def values(self, departure: float) -> dict[str, float]:
         """Return the parameters of the effect after a departure, within the bounds that it is looked for in."""
-        prior, still = self.effect.priors[self.parameter], self.neutral[self.parameter]
-        value = still * exp(departure) if prior.is_log else still + departure
-        return {**self.neutral, self.parameter: float(np.clip(value, prior.low, prior.high))}
+        return _values(self.effect, self.parameter, self.neutral, departure)
 
 
 def knobs(effects: Sequence[type[Effect]], stages: Sequence[str], belief: Belief) -> Iterator[Knob]:
@@ -69,12 +67,16 @@ def knobs(effects: Sequence[type[Effect]], stages: Sequence[str], belief: Belief
             for name, prior in effect.priors.items():
                 if prior.as_built:
                     apply = partial(_applied, effect, name, neutral)
-                    knob = Knob(
-                        f"{effect.name} {name}", prior.as_built, apply, False, prior.varies, effect, name, neutral
-                    )
-                    yield knob
+                    told = f"{effect.name} {name}"
+                    yield Knob(told, prior.as_built, apply, False, prior.varies, effect, name, neutral)
+
+
+def _values(effect: type[Effect], name: str, neutral: Mapping[str, float], departure: float) -> dict[str, float]:
+    prior, still = effect.priors[name], neutral[name]
+    value = still * exp(departure) if prior.is_log else still + departure
+    return {**neutral, name: float(np.clip(value, prior.low, prior.high))}
 
 
 def _applied(effect: type[Effect], name: str, neutral: Mapping[str, float], belief: Belief, departure: float) -> Belief:
-    values = Knob("", 0.0, lambda b, d: b, effect=effect, parameter=name, neutral=neutral).values(departure)
+    values = _values(effect, name, neutral, departure)
     return belief if values == dict(neutral) else effect.apply(belief, effect.Parameters(**values))

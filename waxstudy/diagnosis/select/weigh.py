@@ -255,9 +255,9 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
     logs: dict[str, float] = {}
     for each in found:
         gain = each.gain / (best.spread if best.names else each.spread) + each.ease
-        if not each.names:
+        if best.names and not each.names:
             # days and cycles can speak against it only so much
-            gain = max(gain, best.gain / best.spread - best.most) if best.names else gain
+            gain = max(gain, best.gain / best.spread - best.most)
         _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
         if each.always > 0.0:
             _add(logs, (), gain - each.price, each.misfit)
