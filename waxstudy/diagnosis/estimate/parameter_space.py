@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from waxstudy.diagnosis.model.as_built import Edits as Edits
 from waxstudy.plugin import Effect, FloatArray, Prior
 
 SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
@@ -15,7 +16,6 @@ NARROW, QUICK_NARROW = 1e-5, 1e-3  # share of a range that is not looked into
 
 Values = Mapping[str, float]
 EffectType = type[Effect]
-Edits = Sequence[tuple[EffectType, Values]]  # effects with their parameters
 
 
 class Space:
