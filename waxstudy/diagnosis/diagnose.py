@@ -13,6 +13,7 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
+from waxstudy.diagnosis.calibration.presumed import presumed
 from waxstudy.diagnosis.calibration.room import CalibratedRoom
 from waxstudy.diagnosis.calibration.stored import calibrated as stored
 from waxstudy.diagnosis.estimate.estimator import Estimator
@@ -141,6 +142,10 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
             tick(name, done / total)
 
         tick(segment.name, done / total)
+        if not (work.calibration and segment.name in work.calibration.healthy):
+            yield _presumed(work, segment, effects, work.seed + place, step)
+            done = first + len(effects) + 1
+            continue
         if work.calibration and segment.name in work.calibration.healthy:
             yield _changed(work, work.calibration, segment, effects, work.seed + place, step)
             done = first + len(effects) + 1
@@ -162,7 +167,18 @@ def _changed(
     problem = SegmentProblem(segment, record, belief, as_built=as_built, alike=whole)
     estimator = Estimator(problem, work.thorough, keeps=True)
     search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
-    return changed(search, calibration, whole, tick)
+    return changed(search, calibration.healthy[segment.name], whole, tick)
+
+
+def _presumed(work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
+    """Return what a link differs in from what is believed, by what noise and the form of its model may leave."""
+    record, belief, tolerance = work.record, work.belief, work.dataset.room_tolerance
+    healthy = presumed(segment, record, belief, tolerance, work.thorough)
+    problem = SegmentProblem(segment, record, belief, tolerance, alike=healthy.problem)
+    search = Search(
+        Estimator(problem, work.thorough, keeps=True), effects, np.random.default_rng(seed), lambda name: None
+    )
+    return changed(search, healthy, healthy.problem, tick)
 
 
 def _selection(

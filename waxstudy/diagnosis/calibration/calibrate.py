@@ -60,6 +60,10 @@ class Healthy:
     def whitened(self) -> Mapping[str, Discrepancy]:
         return self.problem.as_built.discrepancies if self.problem.as_built else {}
 
+    def room_loss(self, fitted: Hypothesis) -> float:
+        """Return what a hypothesis of a room misses of a later record, weighed by what the healthy one leaves."""
+        return sum(each.loss() / self.together(each.channel) for each in fitted.residuals)
+
     def left(self, channel: str) -> HealthyLeft | None:
         """Return what is left of a channel, None where it shows nothing."""
         residual = next((each for each in self.fitted.residuals if each.channel == channel), None)
@@ -68,6 +72,11 @@ class Healthy:
             return None
         whitened = float(np.sqrt(residual.loss() / count)) / self.scale.get(channel, 1.0)
         return HealthyLeft(whitened, count, len(np.unique(residual.block[residual.judged])))
+
+    def usual_loss(self, residual: Residual) -> float:
+        """Return what is missed of a later record's channel where nothing changed."""
+        healthy = self.left(residual.channel)
+        return healthy.whitened**2 * int(residual.judged.sum()) if healthy else 0.0
 
     def gain(self, effects: Edits) -> float:
         """Return by how much more likely the healthy record were with effects (logarithm), the rest fitted again."""

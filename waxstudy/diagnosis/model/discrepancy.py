@@ -38,20 +38,29 @@ class Discrepancy:
     @classmethod
     def of(cls, error: FloatArray, known: np.ndarray, least_K: float) -> Discrepancy:
         """Return what is likeliest to have left an error (n,), its noise at least `least_K`."""
-        from scipy.optimize import minimize
+        rms_K = float(np.sqrt(np.mean(error[known] ** 2))) if known.any() else 0.0
+        return cls.likeliest(error, known, least_K, max(least_K, rms_K))[0]
 
-        rms = max(least_K, float(np.sqrt(np.mean(error[known] ** 2))) if known.any() else 0.0)
+    @classmethod
+    def likeliest(
+        cls, error: FloatArray, known: np.ndarray, least_K: float, expected_K: float
+    ) -> tuple[Discrepancy, float]:
+        """Return what is likeliest to have left an error (n,) where about `expected_K` is expected, and -2 log of that.
+
+        Its noise is at least `least_K`; the prior is a factor of e wide: a few days say little of what hangs together
+        for days.
+        """
+        from scipy.optimize import minimize
 
         def loss(x: FloatArray) -> float:
             sd, length, noise = np.exp(x)
             white, log_sd = _innovations(error, known, sd, length, float(np.hypot(noise, least_K)))
-            # a prior a factor of e wide: a few days say little of what hangs together for days
             return float(white @ white + 2.0 * log_sd) + float(np.sum((x - start) ** 2))
 
-        start = np.log([rms, 16.0, 0.3 * rms])
+        start = np.log([expected_K, 16.0, 0.3 * expected_K])
         found = minimize(loss, start, method="Nelder-Mead", options={"maxfev": STEPS_MOST, "xatol": 1e-3})
         sd, length, noise = np.exp(found.x)
-        return cls(float(sd), float(length), float(np.hypot(noise, least_K)))
+        return cls(float(sd), float(length), float(np.hypot(noise, least_K))), float(found.fun)
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

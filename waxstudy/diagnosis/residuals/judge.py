@@ -59,9 +59,10 @@ class Judge:
         """Return what a belief predicts, then that with its drive perturbed; nothing where it cannot run."""
         if self.segment.with_room:
             return []
-        plain = [each for each in self.segment.conventions if not (each.is_raw or each.is_late)]
+        known = self._as_built.conventions.get(self.segment.name) if self._as_built else None
+        plain = known or [each for each in self.segment.conventions if not (each.is_raw or each.is_late)][-1]
         tried = [STILL, *(Perturbation(np.random.default_rng(seed)) for seed in range(PERTURBATIONS))]
         try:
-            return [self.segment.predict(self.record, belief, plain[-1], each) for each in tried]
+            return [self.segment.predict(self.record, belief, plain, each) for each in tried]
         except (SimulationError, ValueError):
             return []

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from waxstudy.diagnosis.calibration.calibrate import Calibration
+from waxstudy.diagnosis.calibration.calibrate import Healthy
+from waxstudy.diagnosis.calibration.presumed import Presumed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -18,10 +19,11 @@ CREDIBLE = 0.9  # that a group holds
 LEAST_TOLD = 1e-4  # of a joint hypothesis
 
 
-def changed(search: Search, calibration: Calibration, whole: SegmentProblem, tick: Tick) -> Selection:
+def changed(search: Search, healthy: Healthy | Presumed, whole: SegmentProblem, tick: Tick) -> Selection:
     """Return what changed at a link; `whole` is its problem with all days to fit."""
-    weighing = Weighing(whole, search.effects, calibration, search.estimator.thorough, tick)
-    search.estimator.before = weighing.estimator.followed
+    weighing = Weighing(whole, search.effects, healthy, search.estimator.thorough, tick)
+    if isinstance(healthy, Healthy):
+        search.estimator.before = weighing.estimator.followed
     weighed = weighing.weighed()
     beliefs, tried = posterior(weighed), _tried(search, weighed)
     while True:

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import Calibration, Healthy
+from waxstudy.diagnosis.calibration.calibrate import Healthy
+from waxstudy.diagnosis.calibration.presumed import Presumed
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
@@ -27,6 +28,9 @@ UNKNOWN_PRICE = 5.0  # of leaving something to what is unknown
 SCATTER, COARSE = 0.25, 0.5  # of the logarithm of what healthy records leave; of switches and the return, a few tell
 LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
 FORM = 0.1  # of what an effect explains, that its form may leave
+SURE = 1.25  # of the square of a misfit: the log likelihood by which a chain's more can outdo less
+ALIKE = 2.5  # power of the share that an effect leaves: the probability that something unknown looks like it so far
+LEAST_SHARE = 0.03  # of what an effect leaves
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
 SCREENED = 1.0  # of log likelihood that an effect of a chain must promise for a closer look
 DEEPER = 3  # hypotheses that others are tried beside
@@ -36,6 +40,12 @@ STRONGEST = 4.0  # times what an effect does always, that it may do at times
 UNKNOWN = "unknown"
 NONE = "none"
 Tick = Callable[[str], None]
+
+
+def typical(whitened: FloatArray) -> float:
+    """Return the standard deviations by which those samples are off that make up the gap; of mere noise root 3."""
+    squares = whitened**2
+    return float(np.sqrt(np.sum(squares**2) / max(float(np.sum(squares)), 1e-12)))
 
 
 @dataclass(frozen=True)
@@ -51,6 +61,8 @@ class Weighed:
     price: float  # of its parameters, and that anything of the kind happens
     spread: float  # variance of the gain from day to day or cycle to cycle, over that which independent errors have
     most: float  # gain that so many days or cycles can tell at all
+    left: float = 1.0  # share of what is missed beyond what nothing amiss leaves
+    stands: float = np.inf  # how far what it leaves stands out of what nothing amiss does, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
 
 
@@ -61,15 +73,14 @@ class Weighing:
         self,
         problem: SegmentProblem,
         effects: Sequence[EffectType],
-        calibration: Calibration,
+        healthy: Healthy | Presumed,
         thorough: float,
         tick: Tick,
     ) -> None:
-        self.problem, self.tick = problem, tick
+        self.problem, self.tick, self.healthy = problem, tick, healthy
         self.estimator = Estimator(problem, thorough, keeps=True)
-        self.healthy: Healthy = calibration.healthy[problem.segment.name]
         self.effects = [effect for effect in effects if not effect.hindrance(problem.belief)]
-        self.share = {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.residuals}
+        self.share = self._shares()
         if problem.segment.with_room:
             make: Callable[..., EffectType] = timed  # a cached function takes hashable arguments, which classes are
             self.effects += [make(effect) for effect in self.effects if can_be_timed(effect, problem.belief)]
@@ -80,6 +91,9 @@ class Weighing:
         one_more = Superposed(self.estimator, self.none).fits if len(self.problem.sd) else self._fits
         singles = list(one_more(self.effects, self.none, self.tick))
         self._settle(singles)
+        if isinstance(self.healthy, Presumed):
+            self.healthy = self.healthy.knowing(min((self.none, *singles), key=self._loss))
+            self.share = self._shares()
         found = [self.of(each) for each in (self.none, *singles)]
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
         if best and score(best[0]) > score(found[0]):
@@ -89,6 +103,10 @@ class Weighing:
                 others = [effect for effect in self.effects if effect.name not in each.fitted.names]
                 found += [self._beside(each, pair) for pair in one_more(others, each.fitted, self.tick)]
         return found
+
+    def _shares(self) -> dict[str, float]:
+        """Return how many samples of each channel count as one."""
+        return {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.residuals}
 
     def _settle(self, singles: Sequence[Hypothesis]) -> None:
         """Look for a better fit of nothing where the best effects led the room: else they gain what it had left."""
@@ -160,20 +178,36 @@ class Weighing:
         spread, most = self._spread(fitted)
         price = PRICE * parameters - float(np.log(PRIOR)) * len(fitted.effects)
         names = tuple(sorted(self._notable(fitted)))
-        return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), price, spread, most)
+        rest = spread, most, self._left(fitted), self._stands(fitted)
+        return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), price, *rest)
+
+    def _stands(self, fitted: Hypothesis) -> float:
+        """Return how far what is left stands out; of switches a few may. A healthy record tells it by its own gains."""
+        if self.problem.segment.with_room or not isinstance(self.healthy, Presumed):
+            return np.inf
+        few = [
+            float(np.log(max(typical(each.whitened), 1e-9) / 3.0**0.5)) / SCATTER
+            for each in fitted.residuals
+            if each.unit == "s"
+        ]
+        return max(self.misfit(fitted), *few, 0.0)
+
+    def _left(self, fitted: Hypothesis) -> float:
+        """Return which share of what is missed beyond what nothing amiss leaves a hypothesis leaves."""
+        before, after = self._beyond(self.none), self._beyond(fitted)
+        return max(LEAST_SHARE, min(1.0, (after / before) ** 0.5)) if before > 0.0 else 1.0
+
+    def _beyond(self, fitted: Hypothesis) -> float:
+        return sum(max(0.0, each.loss() - self.healthy.usual_loss(each)) for each in fitted.residuals)
 
     def _loss(self, fitted: Hypothesis) -> float:
         """Return what a hypothesis misses; of a chain at least what a healthy record does."""
         strain = self.estimator.strain(fitted)
         if self.problem.segment.with_room:
-            return float(np.sum(self._missed(fitted) ** 2)) + strain
-        pairs = ((each.loss(), self._usual_loss(each)) for each in fitted.residuals)
+            return self.healthy.room_loss(fitted) + strain
+        pairs = ((each.loss(), self.healthy.usual_loss(each)) for each in fitted.residuals)
         shares = (self.share.get(each.channel, 1.0) for each in fitted.residuals)
         return strain + sum(max(pair) / share for pair, share in zip(pairs, shares, strict=True))
-
-    def _usual_loss(self, residual: Residual) -> float:
-        healthy = self.healthy.left(residual.channel)
-        return healthy.whitened**2 * int(residual.judged.sum()) if healthy else 0.0
 
     def _missed(self, fitted: Hypothesis) -> FloatArray:
         """Return whitened residuals (m,), weighed by how many of them count as one."""
@@ -221,6 +255,8 @@ class Weighing:
         healthy = self.healthy.left(residual.channel)
         if not count or healthy is None:
             return 0.0
+        if isinstance(self.healthy, Presumed) and self.problem.segment.with_room:
+            return self.healthy.misfit(residual)
         usual = max(healthy.whitened, LEAST_OFF if residual.unit == "s" else LEAST_LEFT)
         # a valve that moves more often is missed more often: of samples and cycles the ones that tell less
         cycles = len(np.unique(residual.block[residual.judged]))
@@ -252,13 +288,12 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
     The first is that nothing changed. What was so from the start is no change.
     """
     best = max(found, key=score)
+    gains = _gains(found, best)
     logs: dict[str, float] = {}
-    for each in found:
-        gain = each.gain / (best.spread if best.names else each.spread) + each.ease
-        if best.names and not each.names:
-            # days and cycles can speak against it only so much
-            gain = max(gain, best.gain / best.spread - best.most)
+    for each, gain in zip(found, gains, strict=True):
         _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
+        # something unknown may look like an effect, the less likely the more alike
+        _raise(logs, (UNKNOWN,), gain - max(0.0, each.always) + ALIKE * float(np.log(each.left)) - UNKNOWN_PRICE)
         if each.always > 0.0:
             _add(logs, (), gain - each.price, each.misfit)
     most = max(logs.values())
@@ -267,8 +302,31 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
     return {name: weight / whole for name, weight in weights.items()}
 
 
+def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
+    """Return what speaks for each hypothesis; what leaves as little as nothing amiss does cannot be outdone by more."""
+    gains = [each.gain / (best.spread if best.names else each.spread) + each.ease for each in found]
+    order = sorted(range(len(found)), key=lambda place: -len(found[place].fitted.effects))
+    for place in order:
+        each = found[place]
+        if best.names and not each.names:
+            # days and cycles can speak against it only so much
+            gains[place] = max(gains[place], best.gain / best.spread - best.most)
+        more = [gains[n] for n, other in enumerate(found) if _is_within(each.fitted, other.fitted)]
+        gains[place] = max([gains[place], *(gain - SURE * each.stands**2 for gain in more)])
+    return gains
+
+
+def _is_within(one: Hypothesis, other: Hypothesis) -> bool:
+    return set(one.names) < set(other.names)
+
+
 def _add(logs: dict[str, float], names: Sequence[str], value: float, misfit: float) -> None:
     """Take a hypothesis in, with something unknown beside it and without; of several the best counts."""
     pairs = (("+".join(names) or NONE, 0.5 * misfit**2), ("+".join((*names, UNKNOWN)), UNKNOWN_PRICE))
     for key, price in pairs:
-        logs[key] = max(logs.get(key, -np.inf), value - price)
+        _raise(logs, key.split("+"), value - price)
+
+
+def _raise(logs: dict[str, float], names: Sequence[str], value: float) -> None:
+    key = "+".join(names)
+    logs[key] = max(logs.get(key, -np.inf), value)
