@@ -123,4 +123,4 @@ def _discrepancies(problem: SegmentProblem, fitted: Hypothesis) -> dict[str, Dis
 
 def _least_K(problem: SegmentProblem, residual: Residual) -> float:
     """Return the noise of means over quarters of an hour."""
-    return problem.record.noise[residual.channel] * float(len(residual.error) / len(problem.record)) ** 0.5
+    return float(problem.record.noise[residual.channel] * (len(residual.error) / len(problem.record)) ** 0.5)
