@@ -209,7 +209,8 @@ class StuckOpen(Effect):
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
-        return [{"opening": opening} for opening in (0.1, 0.18, 0.2, 0.25, 0.5)]
+        # little flows at first: a point beside the opening at which the valve lifts shows nothing, or far too much
+        return [{"opening": percent / 100.0} for percent in (*range(2, 30, 2), 40, 60)]
 
 
 class MaxFlowParameters(Parameters):

@@ -293,7 +293,9 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
     for each, gain in zip(found, gains, strict=True):
         _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
         # something unknown may look like an effect, the less likely the more alike
-        _raise(logs, (UNKNOWN,), gain - max(0.0, each.always) + ALIKE * float(np.log(each.left)) - UNKNOWN_PRICE)
+        parameters = PRICE * sum(len(effect.priors) for effect, _ in each.fitted.effects)
+        mimicked = gain - max(0.0, each.always) - parameters + ALIKE * float(np.log(each.left))
+        _raise(logs, (UNKNOWN,), mimicked - UNKNOWN_PRICE)
         if each.always > 0.0:
             _add(logs, (), gain - each.price, each.misfit)
     most = max(logs.values())
