@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, study
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.select.patterns import patterns
+from waxstudy.diagnosis.select.patterns import concentrated, patterns
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.diagnosis.select.weigh import Weighed, posterior
 from waxstudy.plugin import Belief, Inputs, open_share
@@ -102,6 +102,31 @@ def test_what_grows_is_as_strong_as_always_in_the_mean() -> None:
     assert growing.words == "growing"
     assert growing.strength.mean() == pytest.approx(1.0)
     assert np.all(np.diff(growing.strength) > 0.0)
+
+
+# --- when what is unknown shows ----------------------------------------------------------------------
+
+
+def missed(seen: Record, more: np.ndarray, seed: int) -> Residual:
+    """Return a residual of noise, and of thrice as much where `more` is."""
+    whitened = np.random.default_rng(seed).normal(size=len(seen)) * np.where(more, 3.0, 1.0)
+    judged, sample = np.ones(len(seen), dtype=bool), np.arange(len(seen))
+    return Residual("flow_L_h", "L/h", whitened, whitened, judged, seen.day, seen.day, sample)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_missed_by_more_in_the_evenings_is_told_so(seed: int) -> None:
+    seen = record(6)
+    hour = (np.arange(len(seen)) + 0.5) / 6.0 % 24.0
+    course = concentrated(missed(seen, hour >= 18.0, seed), 1.0, seen)
+    assert course is not None
+    assert course.words == "every day from 18:00 to 00:00"
+
+
+def test_what_is_missed_alike_at_all_times_has_no_times() -> None:
+    seen = record(6)
+    never = np.zeros(len(seen), dtype=bool)
+    assert [concentrated(missed(seen, never, seed), 1.0, seen) for seed in range(20)] == [None] * 20
 
 
 # --- heat at hours -----------------------------------------------------------------------------------

@@ -149,7 +149,8 @@ class Unexplained:
     is_covered: bool = False  # within what the believed model's published uncertainty covers
     is_of_drives: bool = False  # as little as what drives the room and was not recorded could make
     channel: str = ""  # that it is judged by
-    probability: float = nan  # that something unknown is there; where a healthy record is known
+    probability: float = nan  # that something unknown is there
+    when: When | None = None  # where it is missed by more at certain times
 
     @property
     def is_finding(self) -> bool:

@@ -7,12 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from waxstudy.diagnosis.calibration.calibrate import together
 from waxstudy.diagnosis.criteria import Criterion, Question, criteria, limit, meets
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
-from waxstudy.diagnosis.result import Unexplained, in_floors
+from waxstudy.diagnosis.result import Unexplained, When, in_floors
 from waxstudy.diagnosis.select.evidence import Left
 from waxstudy.diagnosis.select.null import by_block, redrawn
+from waxstudy.diagnosis.select.patterns import concentrated
 from waxstudy.diagnosis.select.search import Selection, runs_on_at
 from waxstudy.diagnosis.select.weigh import LIKELIER, UNKNOWN
 from waxstudy.plugin import FloatArray
@@ -43,7 +45,10 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
         floor = selection.floor.plain
         worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
         stage = stage_of(selection, worst.channel)
-        yield Unexplained(stage, worst.gap(), floor[worst.channel], 1.0 - held, channel=worst.channel)
+        course = concentrated(worst, together(worst), selection.problem.record)
+        when = When(course.words, list(course.spans_h)) if course else None
+        gap = worst.gap(), floor[worst.channel]
+        yield Unexplained(stage, *gap, 1.0 - held, channel=worst.channel, when=when)
 
 
 def _left(selection: Selection, residual: Residual, random: np.random.Generator) -> Left:

@@ -182,8 +182,8 @@ class Weighing:
         return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), price, *rest)
 
     def _stands(self, fitted: Hypothesis) -> float:
-        """Return how far what is left stands out; of switches a few may. A healthy record tells it by its own gains."""
-        if self.problem.segment.with_room or not isinstance(self.healthy, Presumed):
+        """Return how far what is left of a chain stands out; of switches a few may."""
+        if self.problem.segment.with_room:
             return np.inf
         few = [
             float(np.log(max(typical(each.whitened), 1e-9) / 3.0**0.5)) / SCATTER

@@ -200,7 +200,8 @@ def _left(diagnosis: Diagnosis) -> list[str]:
 def _gap_left(diagnosis: Diagnosis, left: Unexplained) -> str:
     gap = with_unit(number(left.gap), unit_of(diagnosis, left))
     channel = f" {channel_words(left.channel)}" if left.channel else ""
-    return f"{stage_words(left.stage)}:{channel} {gap}, floor {number(left.noise_floor)}, {_how_sure_of(left)}"
+    when = f", mostly {left.when.pattern}" if left.when else ""
+    return f"{stage_words(left.stage)}:{channel} {gap}{when}, floor {number(left.noise_floor)}, {_how_sure_of(left)}"
 
 
 def _how_sure_of(left: Unexplained) -> str:
@@ -210,12 +211,13 @@ def _how_sure_of(left: Unexplained) -> str:
 
 
 def remarks(left: Unexplained) -> list[str]:
-    """What keeps an unexplained gap from being a finding."""
+    """When an unexplained gap shows, and what keeps it from being a finding."""
     form = "no finding: as much as a model of this form misses where nothing is wrong"
     covered = "no finding: within the believed model's published uncertainty"
     drives = "no finding: as little as the sun or gains that nobody recorded may leave"
     told = ((form, left.is_room_form), (covered, left.is_covered), (drives, left.is_of_drives))
-    return [words for words, holds in told if holds]
+    when = [f"mostly {left.when.pattern}"] if left.when else []
+    return [*when, *(words for words, holds in told if holds)]
 
 
 def _not_tested(diagnosis: Diagnosis) -> list[str]:
