@@ -29,7 +29,7 @@ NOTHING = Weighed(
     spread=1.0,
     most=0.0,
 )
-LEAK = replace(NOTHING, names=("infiltration",), gain=30.0, price=6.0, most=50.0, always=-20.0)
+LEAK = replace(NOTHING, names=("infiltration",), gain=30.0, price=6.0, most=50.0, always=-20.0, left=0.05)
 
 
 # --- probabilities -----------------------------------------------------------------------------------
