@@ -9,6 +9,7 @@ from waxstudy.plugin import Belief, Choice, Effect, Parameters, Prior, clock, pa
 from waxstudy_effects.wrapping import believed, is_wrapped, parameter_name, wrapped
 
 DAY_H = 24.0
+OFFSETS_K = (0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.5, 2.5)  # an on-off controller answers in jumps: a fit begins near
 ALL_DAY_H = 23.5  # what leaves out less than the half hour that is noticeable is there always
 
 
@@ -196,7 +197,8 @@ class SetpointOffset(Effect):
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
-        always = [{"offset_K": offset_K, "from_h": 0.0, "to_h": DAY_H} for offset_K in (-1.0, -0.3, 0.3, 1.0)]
+        sizes_K = [side * size_K for size_K in OFFSETS_K for side in (-1.0, 1.0)]
+        always = [{"offset_K": offset_K, "from_h": 0.0, "to_h": DAY_H} for offset_K in sizes_K]
         hours = [(2.0 * hour, lasts_h) for hour in range(12) for lasts_h in (3.0, 8.0)]
         found = [
             {"offset_K": offset_K, "from_h": from_h, "to_h": (from_h + lasts_h) % DAY_H}
