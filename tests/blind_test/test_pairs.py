@@ -170,7 +170,7 @@ def test_most_pairs_have_all_channels_and_some_neither_sun_nor_gains() -> None:
 
 
 def test_earlier_keys_draw_what_they_did_before() -> None:
-    """The digest was made of the draws before there were pairs."""
+    """The digest was made once the setpoint was an effect; what is added must leave the draws of a key alone."""
     plan = Plan(
         strata=("other-null", "other-single", "other-pair", "family", "spread"),
         engines=("other-plant", "thin-floor-plant", "energyplus-room"),  # no library of effects can change these
