@@ -13,6 +13,7 @@ EFFECTS: tuple[type[Effect], ...] = (
     sensor.SensorBias,
     controller.DeadBand,
     controller.PITuning,
+    controller.SetpointOffset,
     modulator.Modulation,
     modulator.PwmPeriod,
     modulator.MinPulse,

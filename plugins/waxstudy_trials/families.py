@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from waxstudy_trials.family import Family, logged
 from waxstudy_trials.family_chain import (
     Lockout,
-    NightSetback,
     PolledBus,
     PumpPauses,
     StickingValve,
@@ -26,7 +25,6 @@ FAMILIES: Mapping[str, type[Family]] = {
         SunlitSensor,
         WanderingSensor,
         Lockout,
-        NightSetback,
         PolledBus,
         WeakAtNight,
         StickingValve,

@@ -92,31 +92,6 @@ class Lockout(Family):
         return belief.with_block("controller", wrapped(belief.blocks["controller"], cls, p, locked, memory=Held))
 
 
-def set_back(p: Any, x: Any, u: float, t: float, dt: float) -> float:
-    """Take the setpoint back from 22 to 6 h."""
-    hour = t / 3600.0 % 24.0
-    return believed(p, x, u - p.night_setback_drop_K if hour >= 22.0 or hour < 6.0 else u, t, dt)
-
-
-class NightSetback(Family):
-    """The controller lowers its setpoint at night, and nobody knows."""
-
-    name = "night-setback"
-    stage = "controller"
-    stages = ("controller", "sensor")
-    is_kept = True
-    Parameters = one("drop_K", 0.0, "K", "How much lower the setpoint is from 22 to 6 h.", 0.0, 5.0)
-    priors = {"drop_K": Prior(0.0, 3.0, noticeable=0.05)}
-
-    @classmethod
-    def hindrance(cls, belief: Belief) -> str:
-        return "" if "controller" in belief.blocks else "no controller is believed"
-
-    @classmethod
-    def apply(cls, belief: Belief, p: Any) -> Belief:
-        return belief.with_block("controller", wrapped(belief.blocks["controller"], cls, p, set_back))
-
-
 class PollParameters(Parameters):
     poll_s: float = parameter(
         0.0, unit="s", description="Time between two looks at the output.", source="chosen", ge=0.0, le=7200.0

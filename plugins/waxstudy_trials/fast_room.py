@@ -1,4 +1,7 @@
-"""The fast room: the library's own effects, and families outside it, in the room that a diagnosis believes in."""
+"""The fast room: the library's own effects, and families outside it, in a room of the believed model.
+
+The room strays from the believed one in all that nobody knows of it, as no room stands as it was described.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import Belief, Choice, Effect, Inputs, SimulationError
+from waxstudy.plugin import Belief, Choice, Effect, Inputs, Room, SimulationError
 from waxstudy.plugin.registry import PluginError, installed
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged, Unmakeable
 from waxstudy.simulation.run import InputError
@@ -19,6 +22,7 @@ from waxstudy.study.read import read_study
 from waxstudy.synthetic.effects import EffectError, with_effects
 from waxstudy.synthetic.simulate import RealityError
 from waxstudy.synthetic.write import Telling
+from waxstudy_trials.as_built import MOST_SD
 from waxstudy_trials.families import FAMILIES, Family, logged
 from waxstudy_trials.severity import severity
 from waxstudy_trials.when import whens
@@ -28,10 +32,18 @@ CLEAR_DAY = {"january": 0.08, "february": 0.4}  # kWh/m2 of a day with nearly al
 GAINS_W_M2 = (2.5, 6.0)
 SHIFT_K = 0.7  # of the setpoint, to either side
 WEEK_DAYS = 7
+# how far heat strays from what is recorded of it, as the logarithm of a factor, whatever the causes are
+HEAT_SD = {
+    "internal_gain_W": 0.05,  # what a meter of plugs and a count of people leave open
+    "solar_gain_W": 0.07,  # panes' g and shadows, where the irradiance was measured
+}
 
 
 class FastRoom(Engine):
-    """The paper's room and chains with effects of the library in them: the same code makes and fits these records."""
+    """The paper's room and chains with effects of the library in them: the same code makes and fits these records.
+
+    What nobody knows of the room, and of its gains and sun, strays alike in nulls and where there are causes.
+    """
 
     name = "fast-room"
 
@@ -48,6 +60,7 @@ class FastRoom(Engine):
             "gains_W_m2": round(float(random.uniform(*GAINS_W_M2)), 2),
             "shift_K": round(float(random.uniform(-SHIFT_K, SHIFT_K)), 2),
             "days": days,
+            "departures": {name: _strayed(random) for name in _spreads()},
         }
         fitting = [case for case in places if all(_applies(name, case) for name in names)]
         if not fitting:
@@ -65,15 +78,17 @@ class FastRoom(Engine):
         choices = [Choice.of(edit(each["name"]), each["values"]) for each in scene["causes"]]
         edits = [None if _is_logger(choice) else choice for choice in choices]
         inside = [choice for choice in edits if choice is not None]
+        departures = {name: sd * _spreads()[name] for name, sd in scene["departures"].items()}
         try:
-            true, reality = with_effects(ours, case, weeks, scene["days"], setpoint_C, inside)
+            true, reality = with_effects(ours, case, weeks, scene["days"], setpoint_C, inside, departures)
         except (EffectError, RealityError, PluginError, SimulationError, InputError) as error:
             raise Unmakeable(str(error)) from error
         channels, without = logged(reality.week.channels, reality.week.step_s, choices)
         telling = Telling(ours, true, case, weeks, setpoint_C)
         described = {"nominal": telling.nominal(), "room": ours.room.described()}
         acts = whens(scene["causes"], channels, reality.week.step_s)
-        return Staged(channels, reality.week.step_s, reality.first_day, described, edits, without, when=acts)
+        kept = channels, reality.week.step_s, reality.first_day, described
+        return Staged(*kept, edits, without, when=acts, departures=departures)
 
 
 def _is_logger(choice: Choice) -> bool:
@@ -90,6 +105,19 @@ def effects() -> Mapping[str, type[Effect]]:
 def edit(name: str) -> type[Effect]:
     """Return an effect of the library or a family."""
     return FAMILIES[name] if name in FAMILIES else effects()[name]
+
+
+@cache
+def _spreads() -> Mapping[str, float]:
+    """Return the standard deviation of all that strays: the room's own uncertainties, and its heat."""
+    room = study().room
+    assert issubclass(room.component, Room)
+    return {each.name: each.sd for each in room.component.uncertainties(room.parameters)} | HEAT_SD
+
+
+def _strayed(random: np.random.Generator) -> float:
+    """Return a departure in standard deviations; one that would lie farther off lies there."""
+    return round(float(np.clip(random.normal(), -MOST_SD, MOST_SD)), 3)
 
 
 def _week(random: np.random.Generator) -> dict[str, Any]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from waxstudy_trials.dial import RESTLESS_DIAL
 from waxstudy_trials.family_logger import CoarseMeter, DriftingClock, SlowLogger
 from waxstudy_trials.put import Range, as_it_is, family, logger
 
 OF_CHAIN = (
     family("sunlit-sensor", ("sensor", "controller"), as_it_is("sun_K_kW", "K_kW"), K_kW=Range(0.3, 12.0)),
     family("lockout", ("controller", "modulator"), as_it_is("lockout_s", "hold_s"), hold_s=Range(1800.0, 43_200.0)),
-    family("night-setback", ("controller", "sensor"), as_it_is("setback_K", "drop_K"), True, drop_K=Range(0.05, 2.5)),
+    RESTLESS_DIAL,
     family(
         "weak-at-night",
         ("actuator", "valve"),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from waxstudy.plugin import FloatArray
+from waxstudy_effects.controller import ALL_DAY_H, lasting_h
 from waxstudy_trials.family import Channels
 
 HOUR_S, DAY_H = 3600.0, 24.0
@@ -38,6 +39,11 @@ def _window(values: Values, channels: Channels, hour: FloatArray) -> np.ndarray:
     return _between(hour, (begin, values["to_h"] if "to_h" in values else begin + values["hours"]))
 
 
+def _aimed(values: Values, channels: Channels, hour: FloatArray) -> np.ndarray:
+    length_h = lasting_h(values["from_h"], values["to_h"])
+    return np.asarray((hour - values["from_h"]) % DAY_H < (length_h if length_h < ALL_DAY_H else DAY_H))
+
+
 def _paused(values: Values, channels: Channels, hour: FloatArray) -> np.ndarray:
     return np.asarray(hour % 2.0 < values["pause_s"] / HOUR_S)
 
@@ -63,7 +69,7 @@ def _second_half(values: Values, channels: Channels, hour: FloatArray) -> np.nda
 
 ACTS: Mapping[str, Acts] = {
     "window-opening": _window,
-    "night-setback": daily((22.0, 6.0)),
+    "setpoint-offset": _aimed,
     "weak-at-night": daily((17.0, 23.0)),
     "pump-pauses": _paused,
     "stove": _lit,

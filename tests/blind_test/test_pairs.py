@@ -37,7 +37,7 @@ PAIRED = ("energyplus-room", "other-plant", "thin-floor-plant")
 KEY = Key(11, 32 * "d")  # no secret
 STRATA = ("built-null", "built-pair")
 STAMP = len("2021-01-01T00:01:00")
-DRAWN_BEFORE = "5194870c71e05b87b59a55cdec8560b3c88b6d11adf34075b36a935309234600"
+DRAWN_BEFORE = "68ae3ff8c5fa8fb4d1e26f9e27737dc7022925307a310a30291437021542170a"
 LOOK = """\
 import json, pathlib, sys
 folder = pathlib.Path(sys.argv[-1])
@@ -170,7 +170,7 @@ def test_most_pairs_have_all_channels_and_some_neither_sun_nor_gains() -> None:
 
 
 def test_earlier_keys_draw_what_they_did_before() -> None:
-    """The digest was made of the draws before there were pairs."""
+    """The digest was made once the setpoint was an effect; what is added must leave the draws of a key alone."""
     plan = Plan(
         strata=("other-null", "other-single", "other-pair", "family", "spread"),
         engines=("other-plant", "thin-floor-plant", "energyplus-room"),  # no library of effects can change these
@@ -202,7 +202,8 @@ TWO_DAYS = {"outdoor_C": np.repeat([-5.0, 1.0], 24), "solar_gain_W": np.tile([0.
 @pytest.mark.parametrize(
     ("name", "values", "spans"),
     [
-        ("night-setback", {"drop_K": 1.0}, [(0.0, 6.0), (22.0, 30.0), (46.0, 48.0)]),
+        ("setpoint-offset", {"from_h": 22.0, "to_h": 6.0}, [(0.0, 6.0), (22.0, 30.0), (46.0, 48.0)]),
+        ("setpoint-offset", {"from_h": 0.0, "to_h": 24.0}, [(0.0, 48.0)]),
         ("weak-at-night", {"less": 0.5}, [(17.0, 23.0), (41.0, 47.0)]),
         ("window-opening", {"from_h": 23.0, "hours": 2.0}, [(0.0, 1.0), (23.0, 25.0), (47.0, 48.0)]),
         ("window-opening", {"from_h": 23.0, "to_h": 1.0}, [(0.0, 1.0), (23.0, 25.0), (47.0, 48.0)]),

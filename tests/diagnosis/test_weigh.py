@@ -77,16 +77,25 @@ def test_what_a_healthy_record_would_not_leave_is_unknown() -> None:
 # --- courses over time -------------------------------------------------------------------------------
 
 
-def record(days: int, start_h: float = 0.0) -> Record:
-    return Record(600.0, 3600.0 * start_h, {"flow_L_h": np.ones(days * 144)}, {}, ())
+def record(days: int, start_h: float = 0.0, first_weekday: int | None = None) -> Record:
+    values = {"flow_L_h": np.ones(days * 144)}
+    return Record(600.0, 3600.0 * start_h, values, {}, (), first_weekday=first_weekday)
 
 
-@pytest.mark.parametrize("start_h", [0.0, 7.5])
-def test_each_course_acts_in_its_hours_and_in_no_others(start_h: float) -> None:
-    seen = record(5, start_h)
+def spans_h(words: str, seen: Record) -> list[tuple[float, float]]:
+    (found,) = [each for each in patterns(seen) if each.words == words]
+    return list(found.spans_h)
+
+
+@pytest.mark.parametrize(
+    ("days", "start_h", "first_weekday"), [(5, 0.0, None), (5, 7.5, 2), (2, 0.0, 4), (9, 0.0, 5), (16, 3.0, 0)]
+)
+def test_each_course_acts_in_its_hours_and_in_no_others(days: int, start_h: float, first_weekday: int | None) -> None:
+    seen = record(days, start_h, first_weekday)
     time_h = (np.arange(len(seen)) + 0.5) / 6.0
     tried = list(patterns(seen))
     assert len({each.words for each in tried}) == len(tried)
+    assert len({each.strength.tobytes() for each in tried}) == len(tried)
     for each in tried[1:]:
         told = sum(((time_h >= begin) & (time_h < end)).astype(float) for begin, end in each.spans_h)
         assert np.array_equal(each.strength, np.broadcast_to(told, len(seen)))
@@ -95,6 +104,18 @@ def test_each_course_acts_in_its_hours_and_in_no_others(start_h: float) -> None:
 def test_a_course_between_hours_goes_by_the_clock() -> None:
     evening = next(each for each in patterns(record(3, 12.0)) if each.words == "every day from 22:00 to 06:00")
     assert evening.spans_h == ((10.0, 18.0), (34.0, 42.0), (58.0, 66.0))
+
+
+def test_courses_of_the_week_go_by_the_calendar() -> None:
+    from_friday = record(9, 12.0, first_weekday=4)
+    assert spans_h("on Saturdays and Sundays", from_friday) == [(12.0, 60.0), (180.0, 216.0)]
+    assert spans_h("from Mondays to Fridays", from_friday) == [(0.0, 12.0), (60.0, 180.0)]
+    assert spans_h("on Saturdays", from_friday) == [(12.0, 36.0), (180.0, 204.0)]
+    assert spans_h("on day 3 only", from_friday) == [(36.0, 60.0)]
+    words = {each.words for each in patterns(from_friday)}
+    assert "on Mondays" not in words  # there is but one: that is day 4
+    unknown = {each.words for each in patterns(record(9))}
+    assert not {"on Saturdays", "on Saturdays and Sundays", "from Mondays to Fridays"} & unknown
 
 
 def test_what_grows_is_as_strong_as_always_in_the_mean() -> None:

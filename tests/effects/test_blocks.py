@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.effects.believed import CONTINUOUS, IDEAL, MODULATED, REAL, Words, belief, output, with_effect
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import Belief, FloatArray
 
 STEP_S = 5.0
 
@@ -77,6 +77,48 @@ def test_pi_tuning_multiplies_the_output_by_the_gain() -> None:
     weak, strong = (with_effect("pi-tuning", belief(CONTINUOUS), gain=gain, integration_time_s=1e5) for gain in (1, 4))
     error_K = np.full(10, 0.1)
     assert output(strong, "controller", error_K) == pytest.approx(4.0 * output(weak, "controller", error_K), rel=1e-6)
+
+
+DAY_S = 86_400.0
+STILL = np.zeros(round(DAY_S / STEP_S))  # a day in which the room is where it should be
+
+
+def heats(of: Belief) -> list[float]:
+    """Hours of a day at which an on-off controller heats a room that is where it should be."""
+    on = output(of, "controller", STILL) > 0.0
+    edges = np.flatnonzero(np.diff(on, prepend=False, append=False))
+    return [float(each) for each in edges * STEP_S / 3600.0]
+
+
+@pytest.mark.parametrize("chain", [IDEAL, MODULATED, CONTINUOUS])
+def test_a_setpoint_offset_is_an_error_of_as_much_whatever_the_controller(chain: Words) -> None:
+    warmer = with_effect("setpoint-offset", belief(chain), offset_K=0.4)
+    assert output(warmer, "controller", ERROR_K) == pytest.approx(output(belief(chain), "controller", ERROR_K + 0.4))
+
+
+def test_a_setpoint_offset_acts_between_its_hours_over_midnight_too() -> None:
+    def between(from_h: float, to_h: float) -> Belief:
+        return with_effect("setpoint-offset", belief(), offset_K=1.0, from_h=from_h, to_h=to_h)
+
+    # an on-off controller stays as it was within its dead band: what heats goes on
+    assert heats(between(5.0, 9.0))[0] == 5.0
+    colder = [1.0 - hour for hour in heats(between(22.0, 6.0))[:1]]
+    assert colder == [1.0]
+    assert heats(between(0.0, 24.0)) == [0.0, 24.0]
+
+
+def test_a_setback_on_top_of_a_dial_that_is_off_keeps_both() -> None:
+    off = with_effect("setpoint-offset", belief(CONTINUOUS), offset_K=-0.3)
+    both = with_effect("setpoint-offset", off, offset_K=-2.0, from_h=22.0, to_h=6.0)
+    hour = np.arange(len(STILL)) * STEP_S / 3600.0
+    error_K = 0.2 - 0.3 - np.where((hour >= 22.0) | (hour < 6.0), 2.0, 0.0)
+    expected = output(belief(CONTINUOUS), "controller", error_K)
+    assert output(both, "controller", STILL + 0.2) == pytest.approx(expected)
+    assert output(with_effect("setpoint-offset", off, offset_K=0.3), "controller", ERROR_K) == pytest.approx(
+        output(belief(CONTINUOUS), "controller", ERROR_K)
+    )
+    with pytest.raises(ValueError, match="between other hours already"):
+        with_effect("setpoint-offset", both, offset_K=1.0, from_h=5.0, to_h=9.0)
 
 
 def test_modulation_makes_pulses_of_the_same_mean() -> None:

@@ -24,6 +24,7 @@ TABLE: Mapping[str, tuple[str, str]] = {
     "sensor-bias": ("sensor", "bias_K"),
     "dead-band": ("controller", "dead_band_K"),
     "pi-tuning": ("controller", "gain integration_time_s"),
+    "setpoint-offset": ("controller", "offset_K from_h to_h"),
     "modulation": ("modulator", "period_s min_pulse_s"),
     "pwm-period": ("modulator", "period_s"),
     "min-pulse": ("modulator", "min_pulse_s"),

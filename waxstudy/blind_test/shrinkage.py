@@ -76,9 +76,10 @@ def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: 
     from waxstudy.blind_test.truth import Stand, library
 
     case = _case(box)
-    about = without_noise(engine_of(case.engine).make(case.scene), case.measured)
+    staged = engine_of(case.engine).make(case.scene)
+    about = without_noise(staged, case.measured)
     free = Record.of(about.values, about)
-    stand = Stand(about, free, ())
+    stand = Stand(about, free, (), staged.departures)
     stretch = stand.stretch_of(case.causes[0])
     effect = next((each for each in library() if each.name == effect_name), None)
     if stretch is None or effect is None:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.plugin import Belief, Choice, Effect
 from waxstudy.plugin.registry import installed
 from waxstudy.plugin.trial import Cause, Staged
+from waxstudy.synthetic.departures import Departures, departed
 from waxstudy.synthetic.effects import EffectError, applied
 
 TIMES = 4  # that a record is measured for its floor: whether a switch comes early hangs on single samples
@@ -56,25 +58,34 @@ class Size:
 
 @dataclass(frozen=True)
 class Stand:
-    """A record without noise, some with noise and nothing missing, and what is believed."""
+    """A record without noise, some with noise and nothing missing, what is believed, and what strays from that."""
 
     about: Dataset
     free: Record
     noisy: Sequence[Record]
+    departures: Departures = field(default_factory=dict)
 
-    def belief(self, record: Record, effects: Sequence[Choice] = ()) -> Belief:
-        """Return what is believed of a record with effects; raise `EffectError`."""
-        return applied(effects, record.belief(self.about))
+    def truth(self, record: Record, effects: Sequence[Choice] = ()) -> Belief:
+        """Return what is true of a record with effects, but for form that no belief has; raise `EffectError`."""
+        return applied(effects, departed(record.belief(self.about), self.departures))
 
     def stretch_of(self, cause: Cause) -> Stretch | None:
-        return stretch_of(cause.stages[0], self.free, self.belief(self.free))
+        return stretch_of(cause.stages[0], self.free, self.free.belief(self.about))
 
     def missed(self, stretch: Stretch, record: Record, effects: Sequence[Choice]) -> Missed:
         """Return what is missed of a record, driven by itself, with effects."""
-        return missed(stretch, record, stretch.shown(record, self.belief(record, effects)))
+        return missed(stretch, record, stretch.shown(record, self.truth(record, effects)))
 
     def refit(self, stretch: Stretch, record: Record, effects: Sequence[Choice], limits: Gaps) -> Refit:
-        return Refit(stretch, record, self.belief(record, effects), limits, self.about.room_tolerance)
+        return Refit(
+            stretch,
+            record,
+            record.belief(self.about),
+            limits,
+            self.about.room_tolerance,
+            departures=self.departures,
+            others=partial(applied, effects),
+        )
 
 
 @dataclass(frozen=True)
@@ -96,7 +107,7 @@ def sizes(case: Case, staged: Staged, seen: Dataset, with_alike: bool = True) ->
     how = replace(case.measured, missing=0.0)
     again = [] if staged.is_measured else [replace(how, seed=how.seed + time) for time in range(TIMES)]
     noisy = [_record(staged, each, seen, noise=True) for each in again]
-    stand = Stand(seen, _record(staged, how, seen), noisy)
+    stand = Stand(seen, _record(staged, how, seen), noisy, staged.departures)
     return [_size(case, staged, stand, place, with_alike) for place in range(len(case.causes))]
 
 
@@ -163,9 +174,9 @@ def _noise(stand: Stand, stretch: Stretch, others: Sequence[Choice], record: Rec
     levels = set(LEVELS) & set(stretch.judged)
     if not levels:
         return gaps(own)
-    still = stretch.shown(stand.free, stand.belief(stand.free, others))
+    still = stretch.shown(stand.free, stand.truth(stand.free, others))
     believed = replace(stand.free, values={**stand.free.values, **{level: still[level] for level in levels}})
-    moved = missed(stretch, believed, stretch.shown(record, stand.belief(record, others)))
+    moved = missed(stretch, believed, stretch.shown(record, stand.truth(record, others)))
     return gaps({channel: moved[channel] if channel in levels else own[channel] for channel in own})
 
 

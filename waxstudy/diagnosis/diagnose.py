@@ -115,7 +115,8 @@ def record_of(dataset: Dataset) -> Record:
         values["setpoint_C"] = np.full(len(dataset.time), dataset.setpoint_C)
     first = dataset.time[0]
     start_s = (first - first.normalize()).total_seconds() - dataset.interval_s
-    record = Record(dataset.interval_s, start_s, values, dataset.noise, dataset.assumed)
+    about = dataset.interval_s, start_s, values, dataset.noise, dataset.assumed
+    record = Record(*about, first_weekday=first.day_of_week)
     lacking = [channel for channel in (SUN, GAINS) if not record.has(channel)]
     if dataset.room is None or not record.has_inputs or not lacking:
         return record

@@ -46,7 +46,9 @@ class Staged:
 
     `described` holds the tables of dataset.toml that say what is believed: nominal, and room or building. `effects`
     has each cause as an edit of that belief, where it is one, and None where it is not; then `without` has the channels
-    that would show another value had the cause not been there and everything before it been the same.
+    that would show another value had the cause not been there and everything before it been the same. `departures`
+    say by how much the true room strays from the believed one, as its `uncertainties` take it, and the heat of a
+    channel, as the logarithm of a factor, where the engine is the believed model but for them.
     """
 
     channels: Mapping[str, FloatArray]
@@ -58,6 +60,7 @@ class Staged:
     inputs: tuple[str, ...] = ("solar_gain_W", "internal_gain_W")  # channels that are assumed
     # of each cause the hours since the record began in which it acts; all of them where nothing is said
     when: Sequence[Sequence[tuple[float, float]] | None] = ()
+    departures: Mapping[str, float] = field(default_factory=dict)
     is_measured: bool = False  # the noise is in it already, and nobody has stated it
     about: Mapping[str, Any] = field(default_factory=dict)  # whatever the truth should tell besides
 

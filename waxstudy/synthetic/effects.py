@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -15,7 +16,8 @@ from waxstudy.simulation.modes import drive
 from waxstudy.simulation.outside import OutsideLoop
 from waxstudy.simulation.run import loop_of
 from waxstudy.study.model import Case, Study
-from waxstudy.synthetic.feedback import march
+from waxstudy.synthetic.departures import Departures, departed, departed_inputs
+from waxstudy.synthetic.feedback import Change, march
 from waxstudy.synthetic.simulate import (
     ROLE_CHANNELS,
     Reality,
@@ -34,48 +36,55 @@ class EffectError(ValueError):
 
 
 def with_effects(
-    study: Study, case: Case, weeks: Sequence[str], days: int | None, setpoint_C: float, effects: Sequence[Choice]
+    study: Study,
+    case: Case,
+    weeks: Sequence[str],
+    days: int | None,
+    setpoint_C: float,
+    effects: Sequence[Choice],
+    departures: Departures = MappingProxyType({}),
 ) -> tuple[Case, Reality]:
     """Return a case with effects in its chain, and what happens in its room with all of them.
 
-    What is recorded of supply, sun, gains and air outside is what is believed, without the effects. Raises as
-    `reality_loop` and `march` do, and `EffectError`.
+    Room and heat stray from what is believed by `departures`, which are nobody's effect. What is recorded of supply,
+    sun, gains and air outside is what is believed, without either. Raises as `reality_loop` and `march` do, and
+    `EffectError`.
     """
     believed = reality_loop(study, case, weeks, days)
     belief = Belief(case.blocks, study.room, believed_inputs(believed, setpoint_C))
-    true = applied(effects, belief)
+    true = applied(effects, departed(belief, departures))
     assert true.room
     case, study = replace(case, blocks=true.blocks), replace(study, room=true.room)
     loop = reality_loop(study, case, weeks, days)
-    if true.inputs is belief.inputs:
+    inputs = belief.inputs
+    if inputs is None or true.inputs is inputs:
         return case, simulate(loop, study, setpoint_C, believed)
-    return case, _with_inputs(loop, study, case, belief, effects, setpoint_C, believed)
+
+    def change(seen: Inputs) -> Inputs:
+        changed = applied(effects, replace(belief, inputs=departed_inputs(seen, departures))).inputs
+        assert changed
+        return changed
+
+    return case, _with_inputs(loop, study, case, inputs, change, setpoint_C, believed)
 
 
 def _with_inputs(
     loop: Loop | OutsideLoop,
     study: Study,
     case: Case,
-    belief: Belief,
-    effects: Sequence[Choice],
+    inputs: Inputs,
+    change: Change,
     setpoint_C: float,
     believed: Loop | OutsideLoop,
 ) -> Reality:
-    """Return what happens under inputs that the effects change, by the minute."""
-    assert belief.inputs
-
-    def change(inputs: Inputs) -> Inputs:
-        changed = applied(effects, replace(belief, inputs=inputs)).inputs
-        assert changed
-        return changed
-
+    """Return what happens under inputs that are changed, by the minute."""
     with told("[room]"):
-        parts = round(loop.driven.weather.interval_s / belief.inputs.interval_s)
+        parts = round(loop.driven.weather.interval_s / inputs.interval_s)
         weather = with_series(loop.driven.weather, lambda values: np.repeat(values, parts))
-        weather = replace(weather, interval_s=belief.inputs.interval_s)
+        weather = replace(weather, interval_s=inputs.interval_s)
         by_minute = loop_of(study, case, drive(loop.driven.room, weather, study.step_s))
     assert isinstance(by_minute, Loop)
-    true, week = march(by_minute, belief.inputs, change, setpoint_C, ensemble.starts(study.ensemble)[0])
+    true, week = march(by_minute, inputs, change, setpoint_C, ensemble.starts(study.ensemble)[0])
     return happened(true, week, study, setpoint_C, believed)
 
 

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from waxstudy.plugin import FloatArray
+from waxstudy_trials.dial import turn_of
 from waxstudy_trials.energyplus.description import House
 from waxstudy_trials.plant.weather import PART_S, Weather
 
@@ -66,7 +67,8 @@ class Controller:
 
     def step(self, u: float, time_s: float) -> float:
         house, hour = self.house, hour_of(time_s)
-        aim_C = self.setpoint_C - (house.setback_K if hour >= 22.0 or hour < 6.0 else 0.0)
+        is_elsewhere = (hour - house.aim_from_h) % 24.0 < (house.aim_to_h - house.aim_from_h) % 24.0
+        aim_C = self.setpoint_C + is_elsewhere * house.aim_K + house.turned_K * turn_of(time_s)
         wanted = self._pi(aim_C - u) if house.is_pi else self._switch(aim_C - u)
         self.since_s += STEP_S
         is_switch = (wanted > 0.0) != (self.output > 0.0)

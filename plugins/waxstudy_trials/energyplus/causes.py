@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from waxstudy_trials.dial import SETPOINT_OFFSET
 from waxstudy_trials.put import Change, Put, Range, as_it_is, effect
 from waxstudy_trials.put_families import OF_CHAIN, OF_ROOM
 
@@ -33,6 +34,7 @@ CONTROL = (
     effect(
         "dead-band", "controller", lambda house, v: {"band_K": house.band_K + v["wider_K"]}, wider_K=Range(0.04, 1.5)
     ),
+    SETPOINT_OFFSET,
     effect(
         "pi-tuning",
         "controller",

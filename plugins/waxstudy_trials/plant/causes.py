@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from waxstudy_trials.dial import SETPOINT_OFFSET
 from waxstudy_trials.put import Put, Range, as_it_is, effect, family
 from waxstudy_trials.put_families import OF_CHAIN, OF_ROOM
 
@@ -19,6 +20,7 @@ EFFECTS = (
         lambda plant, v: {"band_K": max(0.05, plant.band_K + v["wider_K"])},
         wider_K=Range(0.04, 1.5),
     ),
+    SETPOINT_OFFSET,
     effect("slow-actuator", "actuator", as_it_is("inertia", "factor"), factor=Range(0.05, 3.0, is_factor=True)),
     effect(
         "limited-travel",

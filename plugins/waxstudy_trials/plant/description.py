@@ -68,7 +68,10 @@ class Plant(NamedTuple):
     bias_K: float = 0.0
     sun_K_kW: float = 0.0  # what the sun makes the thermostat read too much
     lockout_s: float = 0.0
-    setback_K: float = 0.0  # from 22 to 6 h
+    aim_K: float = 0.0  # added to the setpoint between two hours
+    aim_from_h: float = 22.0
+    aim_to_h: float = 6.0
+    turned_K: float = 0.0  # at most, every day to another place
     inertia: float = 1.0  # of the motor
     evening_power: float = 1.0  # from 17 to 23 h
     stop: float = 1.0  # of the stem

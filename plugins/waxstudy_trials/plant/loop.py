@@ -12,9 +12,11 @@ import numba
 import numpy as np
 
 from waxstudy.plugin import FloatArray
+from waxstudy_trials.dial import turn_of
 from waxstudy_trials.plant.description import WARM_UP_S, Plant
 from waxstudy_trials.plant.weather import PART_S, Weather
 
+_turn_of = numba.njit(cache=True)(turn_of)
 WATER_J_L_K = 4180.0
 AIR_J_L_K = 1.206
 CELLS = 9  # of the floor: four above the pipes, two below, three of concrete
@@ -106,7 +108,8 @@ def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: bool, found: An
         reading = housed + p.bias_K + p.sun_K_kW * w.sun_W[part] / 1000.0
         # controller
         told = before[n, READING] if forced else reading
-        aim = setpoint_C - (p.setback_K if hour >= 22.0 or hour < 6.0 else 0.0)
+        is_elsewhere = (hour - p.aim_from_h) % 24.0 < (p.aim_to_h - p.aim_from_h) % 24.0
+        aim = setpoint_C + (p.aim_K if is_elsewhere else 0.0) + p.turned_K * _turn_of(n - float(WARM_UP_S))
         since_s += 1.0
         wanted = output
         if told < aim - 0.5 * p.band_K:

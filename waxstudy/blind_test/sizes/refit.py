@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -16,6 +16,7 @@ from waxstudy.blind_test.sizes.record import Record
 from waxstudy.blind_test.sizes.room import Unknown, unknowns
 from waxstudy.blind_test.sizes.stretch import Shown, Stretch
 from waxstudy.plugin import Belief, Effect, FloatArray, Prior, SimulationError
+from waxstudy.synthetic.departures import Departures
 
 LOOKS, MANY_LOOKS = {1: 32, 2: 128}, 256  # points of a first look, by the number of parameters
 OF_ROOM = 0.25  # share of them where a room takes part: it is slow, and answers smoothly
@@ -38,7 +39,7 @@ def as_believed(belief: Belief) -> Belief:
 
 @dataclass(frozen=True)
 class Fit:
-    """What an edited belief misses at given departures (unknowns,), in units of the usual ones."""
+    """What an edited belief misses at given departures from what is true (unknowns,), in units of the usual ones."""
 
     departures: FloatArray
     missed: Missed
@@ -53,7 +54,9 @@ class Fit:
 class Refit:
     """A stretch of a record without noise, and how much of each of its channels may be left (`limits`).
 
-    What lies in the last part of the record, the share `held_out`, is not fitted.
+    What lies in the last part of the record, the share `held_out`, is not fitted. Where it is known by how much the
+    true room and its heat stray from the belief (`departures`), everything is looked for from there, and as far from
+    the belief as ever; `others` are effects that are known.
     """
 
     stretch: Stretch
@@ -62,6 +65,8 @@ class Refit:
     limits: Gaps
     room_tolerance: float = 1.0
     held_out: float = 0.0
+    departures: Departures = field(default_factory=dict)
+    others: Edit = as_believed
 
     @property
     def beyond(self) -> float:
@@ -76,9 +81,9 @@ class Refit:
 
     def is_alike(self, effect: type[Effect]) -> bool:
         """Return whether an effect, and the unknowns with it, can leave less than the limit of every channel."""
-        if effect.hindrance(self.belief):
+        if effect.hindrance(self._true):
             return False
-        if self.beyond <= 1.0 and effect.neutral(self.belief) is not None:
+        if self.beyond <= 1.0 and effect.neutral(self._true) is not None:
             return True  # the unknowns do alone, with an effect that does nothing
         looked = sorted((self._look(effect, point), *point) for point in self._points(effect))
         starts = [np.array(point) for _, *point in looked[:CLOSER]]
@@ -95,7 +100,7 @@ class Refit:
         count = len(effect.priors)
         looks = LOOKS.get(count, MANY_LOOKS) * (OF_ROOM if self.stretch.has_room else 1.0)
         yield from qmc.Sobol(count, scramble=False).random(round(looks)) if count else np.zeros((1, 0))
-        for start in effect.starts(self.belief):
+        for start in effect.starts(self._true):
             yield np.array([_place(prior, start[name]) for name, prior in effect.priors.items()])
 
     def _closer(self, effect: type[Effect], start: FloatArray) -> Iterator[FloatArray]:
@@ -126,8 +131,17 @@ class Refit:
         return list(unknowns(self.belief, self.record, self.room_tolerance)) if self.stretch.has_room else []
 
     @cached_property
+    def _centre(self) -> FloatArray:
+        """How far what is true lies from what is believed (unknowns,), in units of the usual departures."""
+        return np.array([self.departures.get(each.name, 0.0) / each.usual for each in self._unknowns])
+
+    @cached_property
+    def _true(self) -> Belief:
+        return self._departed(tuple(np.zeros(len(self._unknowns))))
+
+    @cached_property
     def _believed(self) -> Fit:
-        """The belief itself; raise `ValueError` where it cannot be simulated."""
+        """The belief as far as it is known; raise `ValueError` where it cannot be simulated."""
         found = self.fit(as_believed, np.zeros(len(self._unknowns)))
         if found is None:
             raise ValueError(f"what is believed of {self.stretch.name} cannot be simulated")
@@ -173,7 +187,8 @@ class Refit:
         # the triangle of a QR decomposition is as good as all slopes, and small
         turned, triangle = np.linalg.qr(np.vstack((slopes, HOLD * np.eye(len(fit.departures)))))
         wanted = -turned.T @ np.concatenate((fit.weighed, HOLD * fit.departures))
-        reach = -MOST_SD - TINY - fit.departures, MOST_SD + TINY - fit.departures
+        from_belief = self._centre + fit.departures
+        reach = -MOST_SD - TINY - from_belief, MOST_SD + TINY - from_belief
         return np.asarray(fit.departures + lsq_linear(triangle, wanted, reach, method="bvls").x)
 
     def fit(self, edit: Edit, departures: FloatArray) -> Fit | None:
@@ -196,18 +211,18 @@ class Refit:
 
     @cached_property
     def _finer(self) -> Shown:
-        fine, rough = (self.stretch.shown(self.record, self.belief, is_rough=way) for way in (False, True))
+        fine, rough = (self.stretch.shown(self.record, self._true, is_rough=way) for way in (False, True))
         return {channel: fine[channel] - rough[channel] for channel in fine}
 
     @cached_property
     def _departed(self) -> Callable[[tuple[float, ...]], Belief]:
-        """departures -> the belief with them; the last ones are kept, as most is looked at from the same."""
+        """departures from what is true -> the belief; the last ones are kept: most is looked at from the same."""
 
         def departed(departures: tuple[float, ...]) -> Belief:
             belief = self.belief
-            for (usual, apply), departure in zip(self._unknowns, departures, strict=True):
-                belief = apply(belief, usual * departure)
-            return belief
+            for each, true, departure in zip(self._unknowns, self._centre, departures, strict=True):
+                belief = each.apply(belief, each.usual * (true + departure))
+            return self.others(belief)
 
         return lru_cache(maxsize=2)(departed)
 

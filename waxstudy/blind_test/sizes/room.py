@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from math import exp
 from typing import Any
 
 import numpy as np
 
 from waxstudy.blind_test.sizes.record import Record
-from waxstudy.plugin import ROOM_OUTPUTS, Belief, Choice, FloatArray, LinearRoom, Room, Uncertainty
+from waxstudy.plugin import ROOM_OUTPUTS, Belief, Choice, FloatArray, LinearRoom, Room
 from waxstudy.simulation.recorded import driven_by, respond
+from waxstudy.synthetic.departures import departed
 
 OUTPUTS = {
     "air_temperature_C": "air_C",
@@ -26,10 +26,16 @@ ROUGH_S = 300.0
 FLOWING = 0.2  # of the largest flow, from which on a return is judged
 START_K = 2.0  # nobody knows the weather before the record
 # chosen: how well gains and sun are known, as logarithms of a factor: measured, assumed
-GAINS = {"internal_gain_W": ("gains_W", 0.05, 0.15), "solar_gain_W": ("solar_W", 0.07, 0.12)}
+GAINS = {"internal_gain_W": (0.05, 0.15), "solar_gain_W": (0.07, 0.12)}
 
-# something that nobody knows: a usual departure from what is believed, and the belief with one
-Unknown = tuple[float, Callable[[Belief, float], Belief]]
+
+@dataclass(frozen=True)
+class Unknown:
+    """Something that nobody knows: a usual departure from what is believed, and the belief with one."""
+
+    name: str
+    usual: float
+    apply: Callable[[Belief, float], Belief]
 
 
 @lru_cache(maxsize=256)
@@ -105,21 +111,17 @@ def unknowns(belief: Belief, record: Record, tolerance: float) -> Iterator[Unkno
     assert issubclass(room.component, Room)
     if tolerance > 0.0:
         for each in room.component.uncertainties(room.parameters):
-            yield tolerance * each.sd, partial(_departed, each)
-        for channel, (name, measured, assumed) in GAINS.items():
+            yield Unknown(each.name, tolerance * each.sd, partial(_departed, each.name))
+        for channel, (measured, assumed) in GAINS.items():
             if channel in record.values:
-                yield tolerance * (assumed if channel in record.assumed else measured), partial(_scaled, name)
+                usual = tolerance * (assumed if channel in record.assumed else measured)
+                yield Unknown(channel, usual, partial(_departed, channel))
     for name in ("start_K", "start_floor_K"):
-        yield START_K, partial(_set, name)
+        yield Unknown(name, START_K, partial(_set, name))
 
 
-def _departed(uncertainty: Uncertainty, belief: Belief, departure: float) -> Belief:
-    assert belief.room
-    return replace(belief, room=uncertainty.apply(belief.room, departure))
-
-
-def _scaled(name: str, belief: Belief, departure: float) -> Belief:
-    return _set(name, belief, exp(departure) * getattr(belief.inputs, name))
+def _departed(name: str, belief: Belief, departure: float) -> Belief:
+    return departed(belief, {name: departure})
 
 
 def _set(name: str, belief: Belief, value: Any) -> Belief:

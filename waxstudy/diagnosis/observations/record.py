@@ -48,6 +48,7 @@ class Record:
     stated_noise: Mapping[str, float] = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
     stand_ins: Mapping[str, StandIn] = field(default_factory=dict)  # for what drove the room and was not recorded
+    first_weekday: int | None = None  # of day 0, Monday is 0; None where nobody knows
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))

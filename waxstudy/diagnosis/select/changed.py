@@ -31,7 +31,9 @@ def changed(search: Search, healthy: Healthy | Presumed, whole: SegmentProblem, 
         selection = search.selection(found, tried)
         # a controller of another form looks as if it were tuned otherwise each time; a room has no settings
         is_room = search.problem.segment.with_room
-        blurred = [] if is_room else search.blurred(found, selection.models, selection.without)
+        doubted = [] if is_room else search.blurred(found, selection.models, selection.without)
+        # of what comes and goes the days without it blur what is fitted as if it acted always
+        blurred = [each for each in doubted if each.found.pattern is None]
         if not blurred:
             return replace(selection, posterior=beliefs)
         beliefs = _without(beliefs, {name for each in blurred for name in each.found.group})

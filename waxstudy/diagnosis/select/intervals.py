@@ -19,6 +19,9 @@ from waxstudy.plugin import FloatArray, Prior
 DRAWS = 1000
 WIDER = 1.4  # chosen: by so much intervals that are straight lines from one fit have to be wider to cover the truth
 WIDTH = 0.02  # of a parameter's range, over which slopes are taken
+# chosen: an end farther than this share of a range is looked at; where by so many times more is missed than a straight
+# line has it, it is drawn in: a setback below what the night cools to says no more than that it is one
+FAR, BENT, HALVINGS = 0.1, 4.0, 8
 LEAST_WIDTH = 1e-5  # over which it is seen whether anything changes at all
 RANGE = (2.5, 97.5)
 TIMING = 1.0 / 6.0  # of an interval: standard deviation of a time that switches within it leave open
@@ -73,30 +76,52 @@ class _Local:
         self.problem, self.fitted, self.now = problem, fitted, fitted.whitened
         self.spaces = {effect: Space(effect) for effect, _ in fitted.effects}
         self.inside = {effect: self.spaces[effect].inside(values) for effect, values in fitted.effects}
+        _, part, _ = whole(fitted)
+        self.seen = (part == FIT) | (part == SELECT)
         self.rows = [(effect, place) for effect, space in self.spaces.items() for place in range(len(space.names))]
 
     def intervals(self) -> dict[EffectType, dict[str, Interval]]:
         found: dict[EffectType, dict[str, Interval]] = {effect: {} for effect in self.spaces}
         if not self.rows:
             return found
-        sd, wide = self._deviations()
+        slopes = self._slopes()
+        sd, wide = self._deviations(slopes)
         for number, (effect, place) in enumerate(self.rows, start=len(self.problem.sd)):
             half = self._half_width(effect, place, wide * float(sd[number]))
+            most = BENT * half**2 * float(np.sum(slopes[self.seen, number] ** 2))
             low, high = self.inside[effect].copy(), self.inside[effect].copy()
-            low[place] -= max(half, self._still(effect, place, -1))
-            high[place] += max(half, self._still(effect, place, 1))
+            low[place] -= max(self._drawn_in(effect, place, -half, most), self._still(effect, place, -1))
+            high[place] += max(self._drawn_in(effect, place, half, most), self._still(effect, place, 1))
             space, name = self.spaces[effect], self.spaces[effect].names[place]
             ends = space.values(low)[name], space.values(high)[name]
             found[effect][name] = Interval(dict(self.fitted.effects)[effect][name], *ends)
         return found
 
-    def _deviations(self) -> tuple[FloatArray, float]:
+    def _drawn_in(self, effect: EffectType, place: int, step: float, most: float) -> float:
+        """Return how far a parameter may go one way, no farther than where `most` more is missed."""
+        if abs(step) < FAR or self._missed_more(effect, place, step) <= most:
+            return abs(step)
+        near, far = 0.0, step
+        for _ in range(HALVINGS):
+            middle = 0.5 * (near + far)
+            near, far = (middle, far) if self._missed_more(effect, place, middle) <= most else (near, middle)
+        return abs(far)
+
+    def _missed_more(self, effect: EffectType, place: int, step: float) -> float:
+        """Return by how much more is missed a step away than by the fit; what cannot be is missed by no more."""
+        there = float(np.clip(self.inside[effect][place] + step, 0.0, 1.0))
+        other = self._at(effect, place, there)
+        if other is None:
+            return 0.0
+        before, after = (float(np.sum(each[self.seen] ** 2)) for each in (self.now, other.whitened))
+        return after - before
+
+    def _deviations(self, slopes: FloatArray) -> tuple[FloatArray, float]:
         """Return the standard deviation of each departure and parameter, and how many of them an interval is wide."""
         from scipy.stats import t
 
-        residual, part, block = whole(self.fitted)
-        seen = (part == FIT) | (part == SELECT)
-        missed = self._slopes()[seen]
+        residual, _, block = whole(self.fitted)
+        seen, missed = self.seen, slopes[self.seen]
         nuisances = len(self.problem.sd)
         prior = 1e-9 * np.eye(nuisances + len(self.rows))
         prior[:nuisances, :nuisances] = self.problem.prior.T @ self.problem.prior

@@ -16,6 +16,7 @@ TINY = 1e-9
 CLEARLY = 1.5  # times what is missed at other times, that is missed when something acts
 LEAST_SHARE, MOST_SHARE = 0.02, 0.9  # of a record, in which something acts at times
 LENGTHS_H = (2.0, 4.0, 6.0, 8.0, 12.0)
+WEEK = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,20 @@ class Pattern:
 
 
 def patterns(record: Record) -> Iterator[Pattern]:
-    """Yield the courses that are tried: growing, from a day on, up to one, between hours, on every other day."""
+    """Yield the courses that are tried, each once: what is the same under two names would be paid for twice.
+
+    They are: growing, from a day on, up to one, on one alone, between hours, on every other day, and, where it is known
+    which days of the week a record has, at weekends or between them, and on a day of the week that comes again.
+    """
+    seen: set[bytes] = set()
+    for each in _named(record):
+        strength = each.strength.tobytes()
+        if strength not in seen:
+            seen.add(strength)
+            yield each
+
+
+def _named(record: Record) -> Iterator[Pattern]:
     interval_h, count = record.interval_s / 3600.0, len(record)
     time_h = (np.arange(count) + 0.5) * interval_h
     length_h = count * interval_h
@@ -45,12 +59,30 @@ def patterns(record: Record) -> Iterator[Pattern]:
         begin_h = day * DAY_H - first_h
         yield _pattern(f"from day {day + 1} on", time_h >= begin_h, interval_h)
         yield _pattern(f"up to day {day}", time_h < begin_h, interval_h)
+        yield _pattern(f"on day {day + 1} only", record.day == day, interval_h)
     for hour in range(24):
         for hours in LENGTHS_H:
             words = f"every day from {hour:02d}:00 to {int(hour + hours) % 24:02d}:00"
             yield _pattern(words, (clock_h - hour) % DAY_H < hours, interval_h)
     for rest in (0, 1):
         yield _pattern(f"every other day from day {rest + 1} on", record.day % 2 == rest, interval_h)
+    for words, acts in _of_week(record):
+        yield _pattern(words, acts, interval_h)
+
+
+def _of_week(record: Record) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the courses by the days of the week: when each acts (n,)."""
+    if record.first_weekday is None:
+        return
+    weekday = (record.day + record.first_weekday) % len(WEEK)
+    is_weekend = weekday >= WEEK.index("Saturday")
+    if is_weekend.any() and not is_weekend.all():
+        yield "on Saturdays and Sundays", is_weekend
+        yield "from Mondays to Fridays", ~is_weekend
+    for place, name in enumerate(WEEK):
+        acts = weekday == place
+        if len(np.unique(record.day[acts])) > 1:
+            yield f"on {name}s", acts
 
 
 def concentrated(residual: Residual, together: float, record: Record) -> Pattern | None:

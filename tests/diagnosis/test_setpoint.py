@@ -1,0 +1,46 @@
+"""Claims about a controller that aims elsewhere: named with its hours, not on a healthy record, a group with a bias."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.diagnosis.realities import Effects, dataset, effects, rows
+from waxstudy.diagnosis.diagnose import diagnose
+from waxstudy.diagnosis.result import Diagnosis
+
+AROUND_CONTROLLER = ["time", "sensor_temperature_C", "air_temperature_C", "control_output"]
+SETBACK = effects(setpoint_offset={"offset_K": -2.0, "from_h": 22.0, "to_h": 6.0})
+CASES = ["LATE", pytest.param("PWM", marks=pytest.mark.slow)]  # an on-off controller and a PI controller
+
+
+def told(case: str, put_in: Effects, without: str = "") -> Diagnosis:
+    data = rows(case, 7, put_in)[AROUND_CONTROLLER].drop(columns=without or [])
+    return diagnose(dataset(data, case))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_setback_at_night_is_named_with_its_hours(case: str) -> None:
+    (effect,) = told(case, SETBACK).effects
+    assert effect.group == ["setpoint-offset"]
+    values = {name: each.value for name, each in effect.parameters.items()}
+    assert values["from_h"] == pytest.approx(22.0, abs=0.5)
+    assert values["to_h"] == pytest.approx(6.0, abs=0.5)
+    # below what a night cools to nothing says how much lower it aims, but that it does
+    offset_K = effect.parameters["offset_K"]
+    assert offset_K.low <= -2.0 <= offset_K.high < -0.5
+    assert effect.when.spans_h[1] == pytest.approx((22.0, 30.0), abs=0.5)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_healthy_controller_aims_at_its_setpoint(case: str) -> None:
+    assert not told(case, ()).effects
+
+
+def test_beside_a_reading_it_is_told_from_a_bias_and_without_one_they_are_a_group() -> None:
+    off = effects(setpoint_offset={"offset_K": 0.5})
+    (effect,) = told("LATE", off).effects
+    assert effect.group == ["setpoint-offset"]
+    assert "at all times" in effect.sentence
+    assert effect.when.pattern == "always"
+    (either,) = told("LATE", off, without="sensor_temperature_C").effects
+    assert {"setpoint-offset", "sensor-bias"} <= set(either.group)
