@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -33,6 +33,7 @@ class Presumed:
     problem: SegmentProblem
     fitted: Hypothesis
     floor: Mapping[str, float]  # of the whitened errors of each channel of a chain
+    _losses: dict[tuple[str, bytes], float] = field(default_factory=dict, repr=False)  # by channel and errors
 
     def together(self, channel: str) -> float:
         """Return how many samples of a channel count as one."""
@@ -78,11 +79,14 @@ class Presumed:
         return EVEN * max(0.0, float(over))
 
     def _loss(self, residual: Residual) -> float:
-        least_K = _least_K(self.problem, residual)
-        expected_K = float(np.hypot(error_of(self.problem.belief, residual.channel).typical_K, least_K))
-        _, loss = Discrepancy.likeliest(residual.error, residual.judged, least_K, expected_K)
-        assert self.problem.as_built
-        return loss / self.problem.as_built.discrepancies[residual.channel].shared
+        key = residual.channel, residual.error.tobytes()
+        if key not in self._losses:
+            assert self.problem.as_built
+            known, least_K = self.problem.as_built.discrepancies[residual.channel], _least_K(self.problem, residual)
+            expected_K = float(np.hypot(error_of(self.problem.belief, residual.channel).typical_K, least_K))
+            _, loss = Discrepancy.likeliest(residual.error, residual.judged, least_K, expected_K)
+            self._losses[key] = loss / known.shared
+        return self._losses[key]
 
 
 def presumed(segment: Segment, record: Record, belief: Belief, tolerance: float, thorough: float) -> Presumed:
