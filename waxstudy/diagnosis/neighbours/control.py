@@ -26,8 +26,14 @@ class Control:
     room: RoomSeries
     patterns: tuple[Pattern, ...]
     names: tuple[str, ...]
-    regressors: FloatArray  # (n, p); NaN where a drive is not known
+    regressors: FloatArray  # (n, p)
     fit: Fit
+    healed: Mapping[str, FloatArray]  # the rooms' air without what departs in them
+
+    def without(self, number: int) -> Control:
+        """Return the room with all its patterns but one."""
+        others = [each for i, each in enumerate(self.patterns) if i != number]
+        return controlled(self.house, self.room, self.healed, others)
 
     def place(self, number: int) -> slice:
         """Return which regressors are those of a pattern."""
@@ -70,7 +76,7 @@ def controlled(
         columns |= {f"{name} {tau:g} h": response(filled, tau, house.step_h, start) for tau in TAUS_H[kind]}
     rows = np.column_stack([*columns.values(), *(each.shapes(house) for each in patterns)])
     fit = fitted(np.where(known, room.air_C, np.nan), rows, _regimes(house, room))
-    return Control(house, room, tuple(patterns), tuple(columns), rows, fit)
+    return Control(house, room, tuple(patterns), tuple(columns), rows, fit, dict(healed))
 
 
 def _drives(house: House, room: RoomSeries, healed: Mapping[str, FloatArray]) -> Iterator[tuple[str, str, FloatArray]]:

@@ -25,6 +25,7 @@ class RoomSeries:
     air_C: FloatArray
     gain_W: FloatArray | None = None
     capacity_Wh_K: float | None = None  # assumed
+    samples_C: FloatArray | None = None  # the air as it was sampled
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class House:
     sun: Mapping[str, FloatArray]  # (n,) by the name of its column, in its unit
     begin: pd.Timestamp  # of the first step, local standard time
     step_s: float
+    per_step: int = 1  # samples
 
     def __len__(self) -> int:
         return len(self.rooms[0].air_C)

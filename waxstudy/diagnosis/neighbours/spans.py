@@ -78,6 +78,13 @@ def days_paid(count: int, chosen: int) -> float:
     return float(2.0 * (gammaln(count + 1) - gammaln(chosen + 1) - gammaln(count - chosen + 1)))
 
 
+def unrest_of(house: House, fit: Fit, pattern: Pattern) -> float:
+    """Return by how much the variance of a pattern's size is above what the errors alone would give, at least 1."""
+    begin, end = pattern.spans[0]
+    steps = max(1, min(end - begin, round(UNREST_MOST_H / house.step_h)))
+    return max(_unrest(*_pulls(house, fit, steps, tau_h)) for tau_h in pattern.taus_h)
+
+
 def _gains(pull: FloatArray, weight: FloatArray) -> FloatArray:
     return np.asarray(np.where(weight > 0.0, pull**2 / np.where(weight > 0.0, weight, 1.0), 0.0))
 
