@@ -130,7 +130,7 @@ def _baseline_path(check: Check, folder: Path, path: str) -> Path:
 def _record(
     path: Path, described: Description, full_L_h: float | None, notes: Notes
 ) -> tuple[pd.DataFrame, float, Neighbours | None] | None:
-    """Return the channels on the grid, looked at, its interval [s], and the rooms beside each other; note what is wrong with them."""
+    """Return the channels on the grid, looked at, its interval [s], and the rooms; note what is wrong with them."""
     table = read_table(path, described.about, notes)
     if table is None:
         return None

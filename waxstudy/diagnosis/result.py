@@ -305,6 +305,7 @@ class RoomsBeside:
     events: Sequence[NeighbourEvent] = ()
     sentence: str = ""
     courses: Mapping[str, RoomCourse] = field(default_factory=dict)  # of rooms with events
+    begins: str = ""  # the record, in local time
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from waxstudy.plugin import FloatArray
 
 HARMONICS = 3  # of a room's ordinary day: waking and sleeping, and cooking in between
 # chosen: a room answers to each drive at once and later; hours
-TAUS_H = {"outdoors": (4.0, 24.0), "sun": (1.0, 8.0), "own heat": (0.5, 6.0), "neighbours": (0.0, 6.0)}
+TAUS_H = {"outdoors": (4.0, 24.0), "sun": (1.0, 8.0), "own heat": (0.3, 1.0, 8.0), "neighbours": (0.0, 6.0)}
 BUSY = 0.2  # of the largest change of own heat: beyond, the room is in use
 
 
@@ -97,5 +97,5 @@ def _regimes(house: House, room: RoomSeries) -> np.ndarray:
         gain = bridged(room.gain_W)
         change = np.abs(np.diff(gain, prepend=gain[0]))
         busy = change > BUSY * change.max()
-        found = found + 2 * (busy | np.roll(busy, 1))
+        found = found + 2 * (busy | np.roll(busy, 1) | np.roll(busy, 2))
     return found

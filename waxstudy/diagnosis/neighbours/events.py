@@ -71,7 +71,7 @@ class Happening:
             place = control.place(part)
             means[place] = control.regressors[self.inside][:, place].mean(axis=0)
         unrest = unrest_of(control.house, control.fit, control.patterns[self.main])
-        return float(max(0.0, unrest * means @ control.fit.covariance @ means) ** 0.5)
+        return float(np.sqrt(unrest * max(0.0, float(means @ control.fit.covariance @ means))))
 
     @property
     def _of_ends_K(self) -> float:
@@ -122,7 +122,9 @@ def _mean_K(without: Control, pattern: Pattern, inside: np.ndarray) -> float:
 
 def answer_K_W(control: Control, inside: np.ndarray) -> Interval | None:
     """Return by how much a watt in some steps (n,) warms the air there [K/W]; None where own heat does not tell."""
-    own = [(i, tau) for tau in TAUS_H["own heat"] for i, name in enumerate(control.names) if name == f"own heat {tau:g} h"]
+    own = [
+        (i, tau) for tau in TAUS_H["own heat"] for i, name in enumerate(control.names) if name == f"own heat {tau:g} h"
+    ]
     if not own:
         return None
     places = [place for place, _ in own]

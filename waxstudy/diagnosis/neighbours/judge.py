@@ -37,12 +37,10 @@ def judged(
     events = [_event(each, found, house) for each in found]
     rooms = [_room(control) for control in controls.values()]
     courses = {name: _course(control) for name, control in controls.items() if any(e.room == name for e in events)}
-    return RoomsBeside(rooms, events, sentence(events, rooms), courses)
+    return RoomsBeside(rooms, events, sentence(events, rooms), courses, house.begin.isoformat())
 
 
-def house_of(
-    neighbours: Neighbours, outdoor_C: FloatArray | None, time: pd.DatetimeIndex, interval_s: float
-) -> House:
+def house_of(neighbours: Neighbours, outdoor_C: FloatArray | None, time: pd.DatetimeIndex, interval_s: float) -> House:
     """Return a record's rooms on steps of half an hour, or of its own interval if that is longer."""
     per_step = max(1, round(STEP_S / interval_s))
 

@@ -63,8 +63,8 @@ def fitted(air_C: FloatArray, regressors: FloatArray, regimes: np.ndarray) -> Fi
         errors = _errors(air_C - regressors @ coefficients, regimes)
     rows, target, known = _rows(air_C, regressors, errors)
     white, basis = np.zeros(len(air_C)), np.zeros(regressors.shape)
-    white[known], basis[known] = target - rows @ coefficients, np.linalg.qr(rows)[0]
-    covariance = np.linalg.inv(rows.T @ rows + _ridge(rows))
+    white[known], basis[known] = target - rows @ coefficients, np.asarray(np.linalg.qr(rows)[0], dtype=float)
+    covariance = np.asarray(np.linalg.inv(rows.T @ rows + _ridge(rows)), dtype=float)
     return Fit(coefficients, covariance, air_C - regressors @ coefficients, errors, white, basis, known)
 
 
@@ -76,13 +76,13 @@ def _rows(air_C: FloatArray, regressors: FloatArray, errors: Errors) -> tuple[Fl
 
 def huber(rows: FloatArray, target: FloatArray) -> FloatArray:
     """Return the coefficients (p,) of least squares in which outliers count by less (Huber 1964)."""
-    weights = np.ones(len(target))
-    found = np.zeros(rows.shape[1])
+    weights: FloatArray = np.ones(len(target))
+    found: FloatArray = np.zeros(rows.shape[1])
     for _ in range(2 * ROUNDS):
         weighted = rows * weights[:, None]
-        found = np.linalg.solve(weighted.T @ rows + _ridge(rows), weighted.T @ target)
+        found = np.asarray(np.linalg.solve(weighted.T @ rows + _ridge(rows), weighted.T @ target), dtype=float)
         left = target - rows @ found
-        weights = HUBER / np.maximum(np.abs(left) / max(spread(left), FLOOR_K * FLOOR_K), HUBER)
+        weights = np.asarray(HUBER / np.maximum(np.abs(left) / max(spread(left), FLOOR_K * FLOOR_K), HUBER))
     return found
 
 

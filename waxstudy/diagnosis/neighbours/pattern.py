@@ -42,7 +42,7 @@ class Pattern:
 
 @dataclass(frozen=True)
 class Scored:
-    """A pattern of one time constant, its size for the shape's 1 K, twice the log likelihood that it gains, and the room's unrest."""
+    """A pattern of one time constant, its size [K] in the end, and twice the log likelihood that it gains."""
 
     pattern: Pattern
     size_K: float

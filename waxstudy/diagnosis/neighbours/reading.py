@@ -12,6 +12,7 @@ from waxstudy.diagnosis.neighbours.series import House
 
 QUICK = 0.5  # of the largest departure, within an hour of its beginning: air, not structure
 AT_ONCE_H = 1.0
+FAST_K = 1.0  # in that hour: floor and walls keep a room without heating from it (0.4 K/h in light rooms)
 STEP = 0.7  # of the departure, from one sample to the next at both ends: no room is so quick
 BRIGHT = 0.5  # of the hours, from which sun may do it as well
 MOST_DAYS = 8  # that are named one by one
@@ -40,16 +41,22 @@ def reading(happening: Happening) -> str:
 
 
 def is_quick(happening: Happening, at_end: bool = False) -> bool:
-    """Whether most of a departure comes within an hour of its beginning, or goes within an hour of its end."""
-    course, steps = happening.course_K * np.sign(happening.size_K.value), round(AT_ONCE_H / happening.control.house.step_h)
+    """Whether most of a departure comes within an hour of its beginning (or goes within one of its end).
+
+    So does one of which as much comes as structure never gives.
+    """
+    course, steps = (
+        happening.course_K * np.sign(happening.size_K.value),
+        round(AT_ONCE_H / happening.control.house.step_h),
+    )
     found = []
     for begin, end in happening.spans:
         most = float(course[begin:end].max())
         if at_end and end + steps <= len(course):
-            found.append((course[end - 1] - course[end + steps - 1]) / max(most, 1e-9))
+            found.append((course[end - 1] - course[end + steps - 1]) / min(max(most, 1e-9), 2.0 * FAST_K))
         elif not at_end:
             before = course[begin - 1] if begin else 0.0
-            found.append((course[min(begin + steps, end) - 1] - before) / max(most, 1e-9))
+            found.append((course[min(begin + steps, end) - 1] - before) / min(max(most, 1e-9), 2.0 * FAST_K))
     return bool(found) and float(np.median(found)) >= QUICK
 
 
@@ -86,14 +93,14 @@ def when(house: House, spans: Sequence[tuple[int, int]]) -> str:
     ends = [(_at(house, begin), _at(house, end)) for begin, end in spans]
     if len(ends) == 1:
         begin, end = ends[0]
-        to = f"{end:%H:%M}" if end.date() == begin.date() else _moment(end)
+        until = f"{end:%H:%M}" if end.date() == begin.date() else _moment(end)
         last = " (the end of the record)" if spans[0][1] >= len(house) else ""
-        return f"{_moment(begin)} to {to}{last}"
+        return f"{_moment(begin)} to {until}{last}"
     hours = {(begin.strftime("%H:%M"), end.strftime("%H:%M")) for begin, end in ends}
     if len(hours) > 1:
         return "; ".join(f"{_moment(begin)} to {_moment(end)}" for begin, end in ends)
-    begin, end = next(iter(hours))
-    return f"{begin} to {end}, {_days([each.normalize() for each, _ in ends], house)}"
+    from_, to = next(iter(hours))
+    return f"{from_} to {to}, {_days([each.normalize() for each, _ in ends], house)}"
 
 
 def _at(house: House, step: int) -> pd.Timestamp:

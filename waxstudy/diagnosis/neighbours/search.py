@@ -74,7 +74,7 @@ def _shows(without: Control, each: Scored) -> bool:
         return False
     level = float(np.nanmedian(left[inside]) - np.nanmedian(left[~inside]))
     claimed = _mean_K(without.house, each)
-    return level * np.sign(claimed) >= LEVEL * abs(claimed)
+    return bool(level * np.sign(claimed) >= LEVEL * abs(claimed))
 
 
 def _mean_K(house: House, each: Scored) -> float:
@@ -166,7 +166,7 @@ def sizes(without: Control, pattern: Pattern) -> tuple[FloatArray, FloatArray]:
     shapes[~fit.known] = 0.0
     shapes -= fit.basis @ (fit.basis.T @ shapes)
     precision = shapes.T @ shapes + TINY * np.eye(shapes.shape[1])
-    return np.linalg.solve(precision, shapes.T @ fit.white), precision
+    return np.asarray(np.linalg.solve(precision, shapes.T @ fit.white), dtype=float), precision
 
 
 def _confirmed(control: Control, healed: dict[str, FloatArray]) -> Control:

@@ -8,7 +8,16 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.table import Table as Grid
 
-from waxstudy.diagnosis.result import BeforeAfter, Diagnosis, FoundEffect, Interval, Measurement, NeighbourEvent, StageGap, Unexplained
+from waxstudy.diagnosis.result import (
+    BeforeAfter,
+    Diagnosis,
+    FoundEffect,
+    Interval,
+    Measurement,
+    NeighbourEvent,
+    StageGap,
+    Unexplained,
+)
 from waxstudy.report.diagnosis.calibration import clear_words
 from waxstudy.report.diagnosis.focus import by_reason, left_at, main_stages, measurements, other_stages, unit_of
 from waxstudy.report.diagnosis.words import (
@@ -80,7 +89,8 @@ def event_words(event: NeighbourEvent) -> str:
     way = "colder" if event.size_K.value < 0.0 else "warmer"
     heat = f", {interval(event.heat_W, 'W')} {event.heat_from}" if event.heat_W else ""
     size = Interval(*sorted_size(event))
-    return f"{event.room}, {event.when}: {way} than its neighbours say by {interval(size, 'K')}{heat}; {event.reading} ({chance(event.probability)})"
+    departs = f"{event.room}, {event.when}: {way} than its neighbours say by {interval(size, 'K')}{heat}"
+    return f"{departs}; {event.reading} ({chance(event.probability)})"
 
 
 def sorted_size(event: NeighbourEvent) -> tuple[float, float, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -13,6 +14,7 @@ from waxstudy.report.figures.plot import Lacking, drawing, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_below
 
 COLDER, WARMER = "#9ecae1", "#fdd0a2"  # told apart by their hatching in grey print
+MOST_DATES = 14  # below a panel
 PANEL_IN, ROOM_FOR_LEGEND_IN = 2.0, 0.8
 
 
@@ -32,7 +34,8 @@ def figure_neighbours(diagnosis: Diagnosis) -> Figure:
     for panel, (name, course) in zip(axes[:, 0], courses.items(), strict=True):
         _room(panel, name, course, [each for each in diagnosis.neighbours.events if each.room == name])
     last = axes[-1, 0]
-    last.set_xlabel("days since the record began")
+    last.set_xlabel("local time")
+    _dates(last, pd.Timestamp(diagnosis.neighbours.begins), max(course.hours))
     _keys(last)
     legend_below(figure, last)
     return figure
@@ -54,7 +57,17 @@ def _room(panel: Axes, name: str, course: RoomCourse, events: Sequence[Neighbour
 
 def _number(panel: Axes, day: float, size_K: float) -> None:
     words = f"{size_K:+.1f}".replace("-", "−")
-    panel.text(day, 0.98, words, transform=panel.get_xaxis_transform(), ha="center", va="top", fontsize=8.5, clip_on=True)
+    panel.text(
+        day, 0.98, words, transform=panel.get_xaxis_transform(), ha="center", va="top", fontsize=8.5, clip_on=True
+    )
+
+
+def _dates(panel: Axes, begins: pd.Timestamp, hours: float) -> None:
+    """Name midnights by their day."""
+    every = max(1, round(hours / 24.0 / MOST_DATES))
+    midnights = pd.date_range(begins.ceil("D"), begins + pd.Timedelta(hours, "h"), freq=f"{every}D")
+    places = [(each - begins).total_seconds() / 86_400.0 for each in midnights]
+    panel.set_xticks(places, [f"{each.day} {each:%b}" for each in midnights])
 
 
 def _keys(panel: Axes) -> None:
