@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 
@@ -115,6 +114,17 @@ def test_nothing_is_named_where_nothing_happens(tmp_path: Path) -> None:
     assert sum(named) <= 1
 
 
+def test_gaps_are_not_filled_and_hours_that_come_back_are_one_event(tmp_path: Path) -> None:
+    mornings = [(24.0 * day + 9.0, 24.0 * day + 12.0) for day in range(10, 20)]
+    record = made(7, days=20, rooms=4, events=[Event(1, mornings, heat_W=250.0)])
+    record.iloc[300:340] = np.nan
+    record.loc[record.index[1000:1100], "room0"] = np.nan
+    found = beside(tmp_path, record, 4)
+    assert [each.room for each in found.events] == ["room1"]
+    assert "every day from 21 Jan on" in found.events[0].when
+    assert overlap(list(found.events), mornings) >= OVERLAP
+
+
 def test_two_rooms_are_enough_and_say_that_either_may_depart(tmp_path: Path) -> None:
     found = beside(tmp_path, made(1, rooms=2, events=[Event(0, [(130.0, 138.0)], outside_W_K=30.0)]), 2)
     assert found.events
@@ -177,4 +187,3 @@ def test_in_the_measured_house_a_cold_evening_is_named(tmp_path: Path) -> None:
     assert overlap([last], [(224.5, 229.0)]) >= OVERLAP
     assert last.size_K.high < -2.0
     assert "open window" in last.reading
-    json.dumps([each.when for each in own])

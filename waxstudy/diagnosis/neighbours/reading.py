@@ -14,6 +14,7 @@ QUICK = 0.5  # of the largest departure, within an hour of its beginning: air, n
 AT_ONCE_H = 1.0
 FAST_K = 1.0  # in that hour: floor and walls keep a room without heating from it (0.4 K/h in light rooms)
 STEP = 0.7  # of the departure, from one sample to the next at both ends: no room is so quick
+MOST = 0.5  # of the hours
 BRIGHT = 0.5  # of the hours, from which sun may do it as well
 MOST_DAYS = 8  # that are named one by one
 
@@ -24,6 +25,7 @@ WARMS = "it warms slowly: heating is on for longer or set higher, or heat goes i
 SENSOR = "the thermometer steps from one sample to the next and back: its reading, not the room"
 SHADE = "; by day it may be sun kept out, too"
 SUN = "; by day it may be sun let in, too"
+OWN = "; its own recorded heat runs at that time, and may do more than it usually does"
 RETURNS = ", and it comes back as fast when that ends"
 
 
@@ -37,7 +39,15 @@ def reading(happening: Happening) -> str:
         words = (LOST + (RETURNS if is_quick(happening, True) else "")) if is_quick(happening) else COOLS
         return words + (SHADE if bright else "")
     words = (GAINED + (RETURNS if is_quick(happening, True) else "")) if is_quick(happening) else WARMS
-    return words + (SUN if bright else "")
+    return words + (SUN if bright else "") + (OWN if runs_own_heat(happening) else "")
+
+
+def runs_own_heat(happening: Happening) -> bool:
+    """Whether the room's recorded heat is above its usual in most of the hours."""
+    gain_W = happening.control.room.gain_W
+    if gain_W is None or not np.isfinite(gain_W).any():
+        return False
+    return bool(np.nanmean(gain_W[happening.inside] > np.nanmean(gain_W)) > MOST)
 
 
 def is_quick(happening: Happening, at_end: bool = False) -> bool:
