@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from waxstudy.dataset.building import read_room
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.columns import TIME
+from waxstudy.dataset.neighbours import NeighbourTable, read_neighbours
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import Column, DatasetTable, Nominal, Site
 from waxstudy.plugin import CHAIN, Parameters
@@ -20,7 +21,7 @@ from waxstudy.study.model import Choice
 from waxstudy.study.sentences import value_at
 from waxstudy.study.spots import RawTable, Spot
 
-TABLES = ("dataset", "site", "nominal", "building", "room", "noise", "columns", "baseline")
+TABLES = ("dataset", "site", "nominal", "building", "room", "noise", "columns", "baseline", "neighbours")
 FILES = ("data.csv", "data.parquet")
 
 P = TypeVar("P", bound=Parameters)
@@ -39,6 +40,7 @@ class Description:
     room: Choice | None
     noise: Mapping[str, float]
     baseline: str | None  # path from the folder of the file
+    neighbours: NeighbourTable
 
 
 def read_description(check: Check, notes: Notes) -> Description:
@@ -56,6 +58,7 @@ def read_description(check: Check, notes: Notes) -> Description:
         room=read_room(check, notes),
         noise=_noise(check),
         baseline=_baseline(check),
+        neighbours=read_neighbours(check, _column),
     )
 
 
@@ -123,6 +126,8 @@ def _column(check: Check, spot: Spot, entry: Any) -> Column | None:
 def _nominal(check: Check, notes: Notes) -> tuple[dict[str, Choice], float | None]:
     """Return the believed chain and setpoint; an empty [nominal] says that nothing is believed."""
     spot = Spot.table("nominal")
+    if "nominal" not in check.source.values and "neighbours" in check.source.values:
+        return {}, None  # rooms beside each other need no chain
     if "nominal" not in check.source.values:
         check.problem(spot, "missing: the chain that is believed; an empty table if nothing is known of it")
         return {}, None

@@ -14,6 +14,7 @@ from waxstudy.dataset.columns import channels_of, without_empty
 from waxstudy.dataset.description import FILES, Description, read_description
 from waxstudy.dataset.grid import on_grid
 from waxstudy.dataset.levels import as_levels
+from waxstudy.dataset.neighbours import Neighbours, measured, with_own_room
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.room import built, look_at_model_errors, look_at_roles
 from waxstudy.dataset.stamps import stamps_of
@@ -48,6 +49,7 @@ class Dataset:
     assumptions: tuple[str, ...]  # what was assumed, one sentence each
     room_error_factor: float = 1.0  # on the error that the room states of its model
     baseline: Path | None = None  # folder of a record of the same loop when it was healthy
+    neighbours: Neighbours | None = None  # rooms that were measured beside each other
     origin: str = ""  # where the record comes from, in words
 
     def believed(self, inputs: Inputs | None) -> Belief:
@@ -69,7 +71,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         baseline = _baseline_path(check, folder, described.baseline)
     if described.room:
         look_at_model_errors(check, described.room, described.about.room_error_factor, notes)
-    is_clear = not any(problem.where in ("[dataset]", "[columns]") for problem in check.problems)
+    is_clear = not any(problem.where in ("[dataset]", "[columns]", "[neighbours]") for problem in check.problems)
     full_L_h = room.full_flow_L_h if room else None
     record = _record(path, described, full_L_h, notes) if path and is_clear else None
     if room and record:
@@ -77,7 +79,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     problems = [*check.problems, *notes.problems]
     if problems or record is None:
         raise StudyError(problems)
-    values, interval_s = record
+    values, interval_s, neighbours = record
     return Dataset(
         name=described.about.name or folder.resolve().name,
         folder=folder,
@@ -95,6 +97,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         assumptions=tuple(dict.fromkeys(notes.assumptions)),
         room_error_factor=described.about.room_error_factor,
         baseline=baseline,
+        neighbours=neighbours,
         origin=described.about.origin or "",
     )
 
@@ -126,8 +129,8 @@ def _baseline_path(check: Check, folder: Path, path: str) -> Path:
 
 def _record(
     path: Path, described: Description, full_L_h: float | None, notes: Notes
-) -> tuple[pd.DataFrame, float] | None:
-    """Return the channels on the grid, looked at, and its interval [s]; note what is wrong with them."""
+) -> tuple[pd.DataFrame, float, Neighbours | None] | None:
+    """Return the channels on the grid, looked at, its interval [s], and the rooms; note what is wrong with them."""
     table = read_table(path, described.about, notes)
     if table is None:
         return None
@@ -144,4 +147,21 @@ def _record(
         return None
     values, interval_s = without_empty(record[0], notes), record[1]  # on the grid a nearer row may have taken a place
     run(ON_GRID, Record(values, interval_s, has_modulator="modulator" in described.nominal), notes)
-    return without_empty(as_levels(values, described.nominal, notes), notes), interval_s
+    levels = without_empty(as_levels(values, described.nominal, notes), notes)
+    return levels, interval_s, _neighbours((table, times), described, levels, notes)
+
+
+def _neighbours(
+    logged: tuple[pd.DataFrame, pd.DatetimeIndex], described: Description, values: pd.DataFrame, notes: Notes
+) -> Neighbours | None:
+    """Return the rooms beside each other, None without any; note what is wrong with them."""
+    if not described.neighbours.rooms:
+        return None
+    found = measured(*logged, described.neighbours, described.about, notes)
+    if found is None:
+        return None
+    name = described.about.name or "this room"
+    rooms = with_own_room(found[1], described.neighbours, described.columns, values, name)
+    if len(rooms.rooms) < 2:
+        notes.refuse("[neighbours]", "one room alone has no control: name another, or the room's own air in [columns]")
+    return rooms

@@ -21,6 +21,7 @@ from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
 from waxstudy.diagnosis.model.room_response import OF_ROOM, built
 from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.neighbours.judge import judged
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -35,6 +36,7 @@ from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
 DRIVES = ("outdoor_temperature_C", "supply_temperature_C")
+OUTDOOR = DRIVES[0]
 QUICK = 0.35  # of the fits' effort
 Tell = Callable[[str, float], None]
 
@@ -67,7 +69,22 @@ def diagnose(
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
     judged = [segment for segment in cut if segment not in short]
     selections = list(_selections(work, judged, tick or (lambda what, share: None)))
-    return assembled(work, cut, short, selections, quick)
+    return _with_neighbours(assembled(work, cut, short, selections, quick), dataset, tick or (lambda what, share: None))
+
+
+def _with_neighbours(diagnosis: Diagnosis, dataset: Dataset, tick: Tell) -> Diagnosis:
+    """Return a diagnosis with what the rooms that were measured beside each other tell."""
+    if dataset.neighbours is None:
+        return diagnosis
+    has_outdoor = OUTDOOR in dataset.values
+    outdoor_C = dataset.values[OUTDOOR].to_numpy(dtype=float) if has_outdoor else None
+    beside = judged(dataset.neighbours, outdoor_C, dataset.time, dataset.interval_s, tick)
+    diagnosis = replace(diagnosis, neighbours=beside)
+    if diagnosis.verdict not in ("none", "untestable"):
+        return diagnosis
+    if diagnosis.verdict == "untestable" or beside.events:
+        return replace(diagnosis, verdict="room" if beside.events else "none", summary=beside.sentence)
+    return diagnosis
 
 
 def calibrated(

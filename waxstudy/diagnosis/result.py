@@ -12,7 +12,7 @@ import pandas as pd
 
 IMPACTS = ("heat_percent", "air_K")
 Part = Literal["room", "drives", "chain"]  # of a loop: drives are sun, gains and supply
-Verdict = Literal["effect", "group", "unknown", "untestable", "none"]
+Verdict = Literal["effect", "group", "unknown", "untestable", "none", "room"]
 
 
 @dataclass(frozen=True)
@@ -266,6 +266,50 @@ class MissingHeat:
 
 
 @dataclass(frozen=True)
+class NeighbourRoom:
+    """A room beside others: what they and the weather miss of its air, and what its own recorded heat does."""
+
+    name: str
+    rms_K: float
+    own_heat_K_kW: Interval | None = None  # warming by a kilowatt of three hours; none if it is not known
+
+
+@dataclass(frozen=True)
+class NeighbourEvent:
+    """Times at which a room departs from its neighbours: the mean departure in its hours, with 95 % intervals."""
+
+    room: str
+    when: str  # in the record's local time
+    spans_h: Sequence[tuple[float, float]]  # from and to, since the record began
+    size_K: Interval
+    heat_W: Interval | None  # that would do the same; none where no heat or capacity is known or assumed
+    heat_from: str  # how it is known
+    reading: str
+    together_with: Sequence[str]  # rooms that depart alike at the same time
+    probability: float
+
+
+@dataclass(frozen=True)
+class RoomCourse:
+    """A room's air as measured, and as its neighbours and what drives it have it: means around `hours`."""
+
+    hours: Sequence[float]  # since the record began
+    measured_C: Sequence[float]
+    expected_C: Sequence[float]
+
+
+@dataclass(frozen=True)
+class RoomsBeside:
+    """Rooms as each other's control."""
+
+    rooms: Sequence[NeighbourRoom] = ()
+    events: Sequence[NeighbourEvent] = ()
+    sentence: str = ""
+    courses: Mapping[str, RoomCourse] = field(default_factory=dict)  # of rooms with events
+    begins: str = ""  # the record, in local time
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """Where the gap lies, which effect causes it, how far it shrinks."""
 
@@ -292,6 +336,7 @@ class Diagnosis:
     as_built: Sequence[Calibrated] = ()
     baseline: Sequence[BaselineFit] = ()
     missing_heat: MissingHeat = field(default_factory=MissingHeat)
+    neighbours: RoomsBeside = field(default_factory=RoomsBeside)
     # measured, before and after of each judged channel (columns channel + "_measured", "_before", "_after"), by time
     traces: pd.DataFrame = field(repr=False, default_factory=pd.DataFrame)
 

@@ -8,7 +8,16 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.table import Table as Grid
 
-from waxstudy.diagnosis.result import BeforeAfter, Diagnosis, FoundEffect, Interval, Measurement, StageGap, Unexplained
+from waxstudy.diagnosis.result import (
+    BeforeAfter,
+    Diagnosis,
+    FoundEffect,
+    Interval,
+    Measurement,
+    NeighbourEvent,
+    StageGap,
+    Unexplained,
+)
 from waxstudy.report.diagnosis.calibration import clear_words
 from waxstudy.report.diagnosis.focus import by_reason, left_at, main_stages, measurements, other_stages, unit_of
 from waxstudy.report.diagnosis.words import (
@@ -39,11 +48,13 @@ VERDICTS = {
     "unknown": "gap without a known cause",
     "untestable": "not testable with this record",
     "none": "no effect found",
+    "room": "a room departs from its neighbours",
 }
 QUICK = "not all alternatives were compared: another effect may explain as much; the full run takes longer and tells"
 Line = tuple[str, str]  # label, text
 MOST_NAMES = 3
 MOST_LINES = 3  # of one label
+MOST_EVENTS = 12  # of rooms
 MOST_BUILT = 5  # things that were so from the start
 MOST_LIKELY, LEAST_LIKELY = 4, 0.01  # hypotheses that are told, and how likely they are at least
 
@@ -62,6 +73,7 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "as calibrated", _few(clear_words(diagnosis.as_built), MOST_BUILT)
     yield "where", [*(_where(diagnosis, stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
     yield "heat", [diagnosis.missing_heat.sentence] if diagnosis.missing_heat.is_resolved else []
+    yield "rooms", _few([event_words(each) for each in diagnosis.neighbours.events], MOST_EVENTS)
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
     yield "likely", [_likely(diagnosis)] if diagnosis.posterior else []
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
@@ -70,6 +82,21 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "not tested", _not_tested(diagnosis)
     yield "measure next", _few([_next(each) for each in measurements(diagnosis)])
     yield "warnings", _few(list(diagnosis.warnings))
+
+
+def event_words(event: NeighbourEvent) -> str:
+    """What departs in a room, when, by how much, and what it may be."""
+    way = "colder" if event.size_K.value < 0.0 else "warmer"
+    heat = f", {interval(event.heat_W, 'W')} {event.heat_from}" if event.heat_W else ""
+    size = Interval(*sorted_size(event))
+    departs = f"{event.room}, {event.when}: {way} than its neighbours say by {interval(size, 'K')}{heat}"
+    return f"{departs}; {event.reading} ({chance(event.probability)})"
+
+
+def sorted_size(event: NeighbourEvent) -> tuple[float, float, float]:
+    """The size of a departure, whichever way it goes, with its bounds."""
+    size = event.size_K
+    return (size.value, size.low, size.high) if size.value >= 0.0 else (-size.value, -size.high, -size.low)
 
 
 def _few(texts: Sequence[str], most: int = MOST_LINES) -> list[str]:

@@ -14,6 +14,8 @@ from waxstudy.diagnosis.result import (
     HeatBy,
     HeatPer,
     Measurement,
+    NeighbourEvent,
+    NeighbourRoom,
     StageGap,
     Tried,
     Unexplained,
@@ -147,6 +149,33 @@ def heat_slopes(diagnosis: Diagnosis) -> Table[HeatPer]:
     return Table("how missing heat goes with a driver, each by itself", columns, diagnosis.missing_heat.per)
 
 
+def events(diagnosis: Diagnosis) -> Table[NeighbourEvent]:
+    """What departs in which room, and when."""
+    columns: list[Column[NeighbourEvent]] = [
+        text("room"),
+        text("when", heading="when (local time)"),
+        Column("departure", lambda each: words.interval(each.size_K, "K")),
+        Column("heat", lambda each: words.interval(each.heat_W, "W") if each.heat_W else "not known"),
+        text("reading", heading="what it may be", kind="prose"),
+        Column("probability", lambda each: words.chance(each.probability)),
+    ]
+    return Table("what departs from its neighbours", columns, diagnosis.neighbours.events)
+
+
+def rooms(diagnosis: Diagnosis) -> Table[NeighbourRoom]:
+    """How each room follows the others, and what its own recorded heat does."""
+    columns: list[Column[NeighbourRoom]] = [
+        text("name", heading="room"),
+        Column("neighbours and weather miss", lambda each: quantity(each.rms_K, "K")),
+        Column(
+            "a kilowatt of its own for 3 h warms it by",
+            lambda each: words.interval(each.own_heat_K_kW, "K") if each.own_heat_K_kW else "not known",
+        ),
+        Column("departures", lambda each: str(sum(event.room == each.name for event in diagnosis.neighbours.events))),
+    ]
+    return Table("how each room follows the others", columns, diagnosis.neighbours.rooms)
+
+
 def tried(diagnosis: Diagnosis) -> Table[Tried]:
     """Every effect that was fitted, in the order of the figure."""
     columns: list[Column[Tried]] = [
@@ -239,6 +268,8 @@ TABLES = (
     closed_loop,
     heat,
     heat_slopes,
+    events,
+    rooms,
     tried,
     unexplained,
     untestable,

@@ -3,6 +3,7 @@
 from waxstudy.report.diagnosis.figures.departures import figure_departures
 from waxstudy.report.diagnosis.figures.gap_map import figure_gap_map
 from waxstudy.report.diagnosis.figures.missing_heat import figure_missing_heat
+from waxstudy.report.diagnosis.figures.neighbours import figure_neighbours
 from waxstudy.report.diagnosis.figures.posterior import figure_posterior
 from waxstudy.report.diagnosis.figures.ranking import figure_ranking
 from waxstudy.report.diagnosis.figures.traces import figure_traces
@@ -12,6 +13,7 @@ FIGURES = (
     figure_gap_map,
     figure_traces,
     figure_missing_heat,
+    figure_neighbours,
     figure_ranking,
     figure_waterfall,
     figure_departures,

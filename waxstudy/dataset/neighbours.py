@@ -1,0 +1,204 @@
+"""`[neighbours]`: rooms that were measured beside each other, each with its air and, if recorded, its own heat."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.checks import AS_LOGGED, SAMPLES, Record, run
+from waxstudy.dataset.columns import channels_of
+from waxstudy.dataset.grid import on_grid
+from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.tables import Column, DatasetTable, given
+from waxstudy.plugin import FloatArray, Parameters
+from waxstudy.plugin.registry import nearest
+from waxstudy.study.check import Check
+from waxstudy.study.spots import RawTable, Spot
+
+AIR, GAIN, SUN = "air_temperature_C", "internal_gain_W", "sun"
+LEAST_DAYS = 3.0  # in which two rooms were measured at once: what is usual of them is not known sooner
+
+
+class RoomTable(Parameters):
+    """What `[neighbours.NAME]` says besides its columns."""
+
+    capacity_Wh_K: float | None = given("heat capacity that is assumed of its air side", unit="Wh/K", gt=0.0, le=1e5)
+
+
+@dataclass(frozen=True)
+class Neighbour:
+    """What is said of a room."""
+
+    name: str
+    columns: Mapping[str, Column]  # of AIR and, where recorded, GAIN
+    capacity_Wh_K: float | None
+
+
+@dataclass(frozen=True)
+class NeighbourTable:
+    """What `[neighbours]` says; what has a problem is left out."""
+
+    rooms: Sequence[Neighbour] = ()
+    sun: Sequence[str] = ()  # columns of irradiance
+
+
+@dataclass(frozen=True)
+class MeasuredRoom:
+    """A room on the record's grid; NaN is missing."""
+
+    name: str
+    air_C: FloatArray  # (n,)
+    gain_W: FloatArray | None  # (n,)
+    capacity_Wh_K: float | None
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Rooms that were measured beside each other, on the record's grid, with the sun that was recorded."""
+
+    rooms: Sequence[MeasuredRoom]
+    sun: Mapping[str, FloatArray]  # (n,) by column
+
+
+def read_neighbours(check: Check, column: Any) -> NeighbourTable:
+    """Return [neighbours]; `column` reads an entry as those of [columns] are. Problems are noted."""
+    spot = Spot.table("neighbours")
+    table = dict(check.table(spot) or {})
+    sun = table.pop(SUN, [])
+    if not isinstance(sun, list) or not all(isinstance(each, str) for each in sun):
+        check.problem(spot.at(SUN), "must be a list of columns in quotes", value=sun)
+        sun = []
+    rooms = [each for name, entry in table.items() if (each := _room(check, column, name, entry))]
+    for each in _twice(rooms):
+        check.problem(spot.at(each.name), "its air is the column of another room", value=_told(each))
+    return NeighbourTable(rooms, sun)
+
+
+def _room(check: Check, column: Any, name: str, entry: Any) -> Neighbour | None:
+    spot = Spot.table("neighbours").at(name)
+    if not isinstance(entry, dict) or "column" in entry or "mean" in entry or "sum" in entry:
+        entry = {AIR: entry}
+    check.unknown_keys(spot, entry, [AIR, GAIN, *RoomTable.model_fields])
+    if AIR not in entry:
+        check.problem(spot, f"{AIR} is missing: the column of the room's air")
+        return None
+    columns = {key: column(check, spot.at(key), entry[key]) for key in (AIR, GAIN) if key in entry}
+    rest = {key: entry[key] for key in RoomTable.model_fields if key in entry}
+    about = check.parameters(RoomTable, RawTable.of(rest, spot))
+    if about is None or not all(columns.values()):
+        return None
+    return Neighbour(name, columns, about.capacity_Wh_K)
+
+
+def _twice(rooms: Sequence[Neighbour]) -> Iterator[Neighbour]:
+    """Yield rooms whose air is that of a room before them."""
+    seen: set[tuple[str, ...]] = set()
+    for each in rooms:
+        if _columns(each) in seen:
+            yield each
+        seen.add(_columns(each))
+
+
+def _columns(room: Neighbour) -> tuple[str, ...]:
+    return tuple(sorted(part.column for part in room.columns[AIR].parts))
+
+
+def _told(room: Neighbour) -> str:
+    return ", ".join(_columns(room))
+
+
+def measured(
+    table: pd.DataFrame, times: pd.DatetimeIndex, described: NeighbourTable, about: DatasetTable, notes: Notes
+) -> tuple[pd.DatetimeIndex, Neighbours] | None:
+    """Return the rooms on the grid of the record's stamps; note what makes them unusable."""
+    rows = {each.name: _samples(table, each, notes) for each in described.rooms}
+    sun = _sun(table, described.sun, notes)
+    if notes.problems or sun is None:
+        return None
+    found = []
+    for each in described.rooms:
+        room = rows[each.name]
+        gridded = None if room is None else on_grid(room, times, about, notes)
+        if gridded is None:
+            return None
+        values = gridded[0]
+        gain = values[GAIN].to_numpy(dtype=float) if GAIN in values else None
+        found.append(MeasuredRoom(each.name, values[AIR].to_numpy(dtype=float), gain, each.capacity_Wh_K))
+        index, interval_s = pd.DatetimeIndex(values.index), gridded[1]
+    light = {str(name): _gridded(sun[name], times, about, notes) for name in sun}
+    for wrong in _too_little(found, interval_s):
+        notes.refuse("[neighbours]", wrong)
+    return None if notes.problems else (index, Neighbours(found, light))
+
+
+def _gridded(sun: pd.Series, times: pd.DatetimeIndex, about: DatasetTable, notes: Notes) -> FloatArray:
+    """Return the sun on the grid, as gains are: a mean."""
+    found = on_grid(pd.DataFrame({GAIN: sun}), times, about, notes)
+    assert found  # the rooms were
+    return found[0][GAIN].to_numpy(dtype=float)
+
+
+def _samples(table: pd.DataFrame, room: Neighbour, notes: Notes) -> pd.DataFrame | None:
+    """Return a room's columns as they were logged, looked at as the channels of the same name are."""
+    own = Notes(notes.file, line_of=notes.line_of)
+    rows = channels_of(table[_used(table, room)], room.columns, "", own)
+    if rows is not None:
+        record = Record(rows, 1.0)
+        run((*SAMPLES, *AS_LOGGED), record, own)
+        known = rows[AIR].dropna()
+        if known.empty:
+            own.refuse(AIR, "holds no value at all")
+        elif known.nunique() == 1:
+            own.refuse(AIR, f"is always {known.iloc[0]:g}: a thermometer that stands still tells nothing")
+    notes.problems += [replace(each, key=f"[neighbours.{room.name}] {each.key}") for each in own.problems]
+    notes.warnings += [f"room {room.name}: {each}" for each in own.warnings]
+    return rows
+
+
+def _used(table: pd.DataFrame, room: Neighbour) -> list[str]:
+    """Return the columns of a room that the file has; of one that it lacks all, for the message to list them."""
+    wanted = list(dict.fromkeys(part.column for each in room.columns.values() for part in each.parts))
+    has_all = all(name in table.columns for name in wanted)
+    return wanted if has_all else [str(name) for name in table.columns if name not in CHANNELS or name in wanted]
+
+
+def _sun(table: pd.DataFrame, names: Sequence[str], notes: Notes) -> pd.DataFrame | None:
+    found = {}
+    for name in names:
+        if name not in table.columns:
+            notes.refuse("[neighbours] sun", f"there is no column '{name}'", near=nearest(name, table.columns))
+            continue
+        numbers = pd.to_numeric(table[name], errors="coerce").astype(float)
+        if numbers.notna().sum() == 0:
+            notes.refuse("[neighbours] sun", f"column '{name}' holds no numbers")
+        found[name] = numbers
+    return pd.DataFrame(found, index=table.index)
+
+
+def _too_little(rooms: Sequence[MeasuredRoom], interval_s: float) -> Iterator[str]:
+    """Yield why rooms cannot be each other's control."""
+    known = np.array([np.isfinite(each.air_C) for each in rooms])
+    for place, each in enumerate(rooms):
+        others = np.delete(known, place, axis=0).any(axis=0) if len(rooms) > 1 else known[0]
+        days = float((known[place] & others).sum()) * interval_s / 86_400.0
+        if days < LEAST_DAYS:
+            yield f"{each.name} has {days:.1f} days in common with another room: at least {LEAST_DAYS:g} are needed"
+
+
+def with_own_room(
+    neighbours: Neighbours, described: NeighbourTable, columns: Mapping[str, Column], values: pd.DataFrame, name: str
+) -> Neighbours:
+    """Return the rooms with the dataset's own, if it has one, and no column of it is also a neighbour's."""
+    if AIR not in values:
+        return neighbours
+    own = {part.column for part in (columns[AIR].parts if AIR in columns else Column(column=AIR).parts)}
+    if any(own & set(_columns(each)) for each in described.rooms):
+        return neighbours
+    gain = values[GAIN].to_numpy(dtype=float) if GAIN in values else None
+    room = MeasuredRoom(name, values[AIR].to_numpy(dtype=float), gain, None)
+    return replace(neighbours, rooms=[room, *neighbours.rooms])

@@ -1,0 +1,122 @@
+"""Every span in which a room may depart: how far each stands out of the room's own unrest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf
+
+import numpy as np
+from scipy.signal import fftconvolve
+from scipy.special import gammaln
+
+from waxstudy.diagnosis.neighbours.noise import Fit
+from waxstudy.diagnosis.neighbours.pattern import Pattern, Scored
+from waxstudy.diagnosis.neighbours.series import House, response
+from waxstudy.plugin import FloatArray
+
+# how soon a room answers: its air at once, air with what it moves, furniture and linings, structure
+TAUS_H = (0.0, 1.0, 4.0, 16.0)
+LENGTHS_H = (1, 1.5, 2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 9, 10, 12, 14, 17, 20, 24, 30, 36, 48, 72, 96)
+DAILY_MOST_H = 14.0  # of what may come back on other days
+LEAST_DAYS = 3  # on which hours come back, to be a pattern rather than single spans
+UNREST_MOST_H = 12.0  # longer spans are too few to tell: they have the unrest of these
+TAIL = 4.0  # time constants after which nothing of a response is left
+USUAL = 0.8  # share of the spans that are taken for a room's own unrest
+USUAL_SD = 1.2816  # of a normal distribution: this share keeps so near to 0
+FEWEST = 10  # spans from which a room's unrest is known
+LEAST_SHARE = 0.1  # of a shape's weight that the regressors must leave, for it to be seen at all
+
+
+def tried(house: House) -> int:
+    """Return how many spans are looked at, in all rooms."""
+    return len(TAUS_H) * len(LENGTHS_H) * len(house) * len(house.rooms)
+
+
+def scored(house: House, fit: Fit, most_h: float = inf) -> Iterator[Scored]:
+    """Yield for each length (up to `most_h`) and answer the best single span, and the best hours on several days."""
+    for tau_h in TAUS_H:
+        unrest = 1.0
+        for length_h in (each for each in LENGTHS_H if each <= most_h):
+            steps = round(length_h / house.step_h)
+            if 1 <= steps < len(house) // 2:
+                pull, weight = _pulls(house, fit, steps, tau_h)
+                unrest = _unrest(pull, weight) if length_h <= UNREST_MOST_H else unrest
+                yield _single(pull, weight, unrest, Pattern(((0, steps),), (tau_h,)))
+                if length_h <= DAILY_MOST_H:
+                    yield from _daily(house, (pull, weight), unrest, Pattern(((0, steps),), (tau_h,)))
+
+
+def _pulls(house: House, fit: Fit, steps: int, tau_h: float) -> tuple[FloatArray, FloatArray]:
+    """Return for each first step (n,) the product of a span's shape with what is left, and the shape's own square.
+
+    Both by the errors' spread, and without what the regressors could take of the shape.
+    """
+    count = len(house)
+    tail = min(count, steps + int(TAIL * tau_h / house.step_h) + len(fit.errors.weights) + 1)
+    drive = (np.arange(tail) < steps).astype(float)
+    shape = fit.errors.of_shape(response(drive, tau_h, house.step_h))
+    by = 1.0 / fit.errors.sd_K
+    rows = np.column_stack((fit.white, fit.basis)) * by[:, None]
+    products = fftconvolve(rows, shape[::-1, None], axes=0)[tail - 1 :]
+    square = fftconvolve(fit.known * by**2, shape[::-1] ** 2)[tail - 1 :]
+    left = square - np.sum(products[:, 1:] ** 2, axis=1)
+    seen = left > LEAST_SHARE * np.median(square)
+    return np.where(seen, products[:, 0], 0.0), np.where(seen, left, 0.0)
+
+
+def _unrest(pull: FloatArray, weight: FloatArray) -> float:
+    """Return by how much the variance of spans of one length is above what the errors alone would give, at least 1."""
+    seen = weight > 0.0
+    if seen.sum() < FEWEST:
+        return 1.0
+    usual = np.quantile(np.abs(pull[seen]) / np.sqrt(weight[seen]), USUAL) / USUAL_SD
+    return max(1.0, float(usual) ** 2)
+
+
+def days_paid(count: int, chosen: int) -> float:
+    """Return twice the logarithm of in how many ways so many days can be chosen."""
+    return float(2.0 * (gammaln(count + 1) - gammaln(chosen + 1) - gammaln(count - chosen + 1)))
+
+
+def unrest_of(house: House, fit: Fit, pattern: Pattern) -> float:
+    """Return by how much the variance of a pattern's size is above what the errors alone would give, at least 1."""
+    begin, end = pattern.spans[0]
+    steps = max(1, min(end - begin, round(UNREST_MOST_H / house.step_h)))
+    return max(_unrest(*_pulls(house, fit, steps, tau_h)) for tau_h in pattern.taus_h)
+
+
+def _gains(pull: FloatArray, weight: FloatArray) -> FloatArray:
+    return np.asarray(np.where(weight > 0.0, pull**2 / np.where(weight > 0.0, weight, 1.0), 0.0))
+
+
+def _single(pull: FloatArray, weight: FloatArray, unrest: float, pattern: Pattern) -> Scored:
+    gains = _gains(pull, weight) / unrest
+    first = int(np.argmax(gains))
+    size = pull[first] / weight[first] if weight[first] > 0.0 else 0.0
+    return Scored(pattern.moved(first, first), float(size), float(gains[first]), unrest)
+
+
+def _daily(house: House, found: tuple[FloatArray, FloatArray], unrest: float, pattern: Pattern) -> Iterator[Scored]:
+    """Yield the best hours of the day, on the days that show them most; which days is paid for, but for all of them."""
+    per_day = round(24.0 / house.step_h)
+    day, place = house.days, np.floor(house.hour / house.step_h).astype(int) % per_day
+    count = int(day[-1]) + 1
+    pull, weight = np.zeros((2, count, per_day))
+    pull[day, place], weight[day, place] = found
+    first = np.full((count, per_day), -1)
+    first[day, place] = np.arange(len(house))
+    ways = np.array([days_paid(count, chosen) for chosen in range(1, count + 1)])
+    for sign in (-1.0, 1.0):
+        order = np.argsort(-sign * pull, axis=0)
+        pulls, weights = (np.cumsum(np.take_along_axis(each, order, axis=0), axis=0) for each in (pull, weight))
+        alone = np.cumsum(np.take_along_axis(_gains(pull, weight), order, axis=0), axis=0)
+        gains = _gains(np.maximum(sign * pulls, 0.0), weights)
+        # what sizes of their own would gain counts against hours that come back: one day must not stand for the rest
+        gains = (2.0 * gains - alone) / unrest - ways[:, None]
+        gains[: LEAST_DAYS - 1] = 0.0
+        last, hour = np.unravel_index(int(np.argmax(gains)), gains.shape)
+        begins = sorted(int(first[each, hour]) for each in order[: last + 1, hour] if weight[each, hour] > 0.0)
+        if len(begins) >= LEAST_DAYS:
+            spans = tuple((each, each + pattern.spans[0][1]) for each in begins)
+            size = pulls[last, hour] / weights[last, hour]
+            yield Scored(Pattern(spans, pattern.taus_h), float(size), float(gains[last, hour]), unrest)
