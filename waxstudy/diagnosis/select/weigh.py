@@ -62,7 +62,7 @@ class Weighed:
     spread: float  # variance of the gain from day to day or cycle to cycle, over that which independent errors have
     most: float  # gain that so many days or cycles can tell at all
     left: float = 1.0  # share of what is missed beyond what nothing amiss leaves
-    stands: float = np.inf  # how far what it leaves stands out of what nothing amiss does, in standard deviations
+    stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
 
 
@@ -163,14 +163,14 @@ class Weighing:
 
     def _beside(self, given: Weighed, fitted: Hypothesis) -> Weighed:
         """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
-        weighed = self.of(fitted)
+        weighed = self.of(fitted, given.fitted)
         # what the form of the first effect may leave is no second one
         more = weighed.gain - given.gain - FORM**2 * max(0.0, given.gain)
         spread, most = self._spread(fitted, given.fitted)
         return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
 
-    def of(self, fitted: Hypothesis) -> Weighed:
-        """Return a hypothesis with what speaks for it."""
+    def of(self, fitted: Hypothesis, given: Hypothesis | None = None) -> Weighed:
+        """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
         parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
         gain = 0.5 * (self._loss(self.none) - self._loss(fitted)) - ease
@@ -178,19 +178,28 @@ class Weighing:
         spread, most = self._spread(fitted)
         price = PRICE * parameters - float(np.log(PRIOR)) * len(fitted.effects)
         names = tuple(sorted(self._notable(fitted)))
-        rest = spread, most, self._left(fitted), self._stands(fitted)
+        rest = spread, most, self._left(fitted), self._stands(fitted, given or self.none)
         return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), price, *rest)
 
-    def _stands(self, fitted: Hypothesis) -> float:
-        """Return how far what is left of a chain stands out; of switches a few may."""
+    def _stands(self, fitted: Hypothesis, given: Hypothesis) -> float:
+        """Return how far what another hypothesis leaves of a chain stands out where this one changes it."""
         if self.problem.segment.with_room:
             return np.inf
-        few = [
-            float(np.log(max(typical(each.whitened), 1e-9) / 3.0**0.5)) / SCATTER
-            for each in fitted.residuals
-            if each.unit == "s"
-        ]
-        return max(self.misfit(fitted), *few, 0.0)
+        pairs = list(zip(given.residuals, fitted.residuals, strict=True))
+        power = [(old.whitened - new.whitened) ** 2 for old, new in pairs]
+        whole = sum(float(each.sum()) for each in power)
+        if whole <= 0.0:
+            return 0.0
+        missed = sum(
+            float(each @ old.whitened**2) / self._usual(old) ** 2 for each, (old, _) in zip(power, pairs, strict=True)
+        )
+        return max(0.0, 0.5 * float(np.log(missed / whole)) / SCATTER)
+
+    def _usual(self, residual: Residual) -> float:
+        """Return what nothing amiss leaves of a sample, over what it is weighed by."""
+        healthy = self.healthy.left(residual.channel)
+        least = LEAST_OFF if residual.unit == "s" else LEAST_LEFT
+        return max(healthy.whitened, least) if healthy else least
 
     def _left(self, fitted: Hypothesis) -> float:
         """Return which share of what is missed beyond what nothing amiss leaves a hypothesis leaves."""
@@ -305,7 +314,7 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
 
 
 def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
-    """Return what speaks for each hypothesis; what leaves as little as nothing amiss does cannot be outdone by more."""
+    """Return what speaks for each hypothesis; more cannot outdo less by more than what stands out without it."""
     gains = [each.gain / (best.spread if best.names else each.spread) + each.ease for each in found]
     order = sorted(range(len(found)), key=lambda place: -len(found[place].fitted.effects))
     for place in order:
@@ -313,13 +322,16 @@ def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
         if best.names and not each.names:
             # days and cycles can speak against it only so much
             gains[place] = max(gains[place], best.gain / best.spread - best.most)
-        more = [gains[n] for n, other in enumerate(found) if _is_within(each.fitted, other.fitted)]
-        gains[place] = max([gains[place], *(gain - SURE * each.stands**2 for gain in more)])
+        more = [
+            gains[n] - SURE * other.stands**2 for n, other in enumerate(found) if _is_within(each.fitted, other.fitted)
+        ]
+        gains[place] = max([gains[place], *more])
     return gains
 
 
 def _is_within(one: Hypothesis, other: Hypothesis) -> bool:
-    return set(one.names) < set(other.names)
+    """Whether another hypothesis is one effect on top of this."""
+    return bool(other.names) and other.names[:-1] == one.names
 
 
 def _add(logs: dict[str, float], names: Sequence[str], value: float, misfit: float) -> None:
