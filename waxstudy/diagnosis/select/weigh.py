@@ -185,15 +185,14 @@ class Weighing:
         """Return how far what another hypothesis leaves of a chain stands out where this one changes it."""
         if self.problem.segment.with_room:
             return np.inf
-        pairs = list(zip(given.residuals, fitted.residuals, strict=True))
-        power = [(old.whitened - new.whitened) ** 2 for old, new in pairs]
-        whole = sum(float(each.sum()) for each in power)
-        if whole <= 0.0:
-            return 0.0
-        missed = sum(
-            float(each @ old.whitened**2) / self._usual(old) ** 2 for each, (old, _) in zip(power, pairs, strict=True)
-        )
-        return max(0.0, 0.5 * float(np.log(missed / whole)) / SCATTER)
+        power = missed = 0.0
+        for old, new in zip(given.residuals, fitted.residuals, strict=True):
+            change = (old.whitened - new.whitened) ** 2
+            # noise of its drive moves what runs on at its edges most, where any other model changes it too
+            weight = change if old.unit == "s" else np.full(len(change), change.mean())
+            power += float(change.sum())
+            missed += float(weight @ old.whitened**2) / self._usual(old) ** 2
+        return max(0.0, 0.5 * float(np.log(missed / power)) / SCATTER) if power and missed else 0.0
 
     def _usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample, over what it is weighed by."""
