@@ -325,7 +325,18 @@ def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
             gains[n] - SURE * other.stands**2 for n, other in enumerate(found) if _is_within(each.fitted, other.fitted)
         ]
         gains[place] = max([gains[place], *more])
-    return gains
+    return _with_peers(found, gains)
+
+
+def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]:
+    """Return what speaks for each: of single effects of a chain one that leaves nothing amiss is outdone by little.
+
+    A finer name must be earned: real motors have no form of the library exactly.
+    """
+    singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and each.stands < np.inf]
+    most = max((gains[place] for place in singles), default=0.0)
+    least = {place: most - UNKNOWN_PRICE - SURE * found[place].misfit ** 2 for place in singles}
+    return [max(gain, least.get(place, gain)) for place, gain in enumerate(gains)]
 
 
 def _is_within(one: Hypothesis, other: Hypothesis) -> bool:
