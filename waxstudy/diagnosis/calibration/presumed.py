@@ -23,6 +23,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import Belief
 
 ROUNDS = 2  # of learning what a fit leaves, and fitting again
+HARDLY = 0.8  # of what was learned before, that is hardly less
 EVEN = 3.2  # standard deviations of misfit at which something unknown is as likely as not
 
 
@@ -51,6 +52,18 @@ class Presumed:
         left = {each.channel: each.loss() / max(1, int(each.judged.sum())) for each in best.residuals}
         floor = {channel: min(white, float(left[channel] ** 0.5)) for channel, white in self.floor.items()}
         return replace(self, fitted=best, floor=floor)
+
+    def learned(self, best: Hypothesis) -> Presumed | None:
+        """Return the same with what a better hypothesis leaves of a room; None where that is hardly less."""
+        before = self.problem.as_built
+        if not self.problem.segment.with_room or before is None:
+            return None
+        found = _discrepancies(self.problem, best)
+        if all(each.rms_K > HARDLY * before.discrepancies[channel].rms_K for channel, each in found.items()):
+            return None
+        as_built = replace(before, discrepancies=found)
+        problem = self.problem.judged_by(as_built)
+        return replace(self, problem=problem, fitted=best)
 
     def usual_loss(self, residual: Residual) -> float:
         """Return what is missed of a channel where nothing is amiss."""
@@ -104,9 +117,7 @@ def presumed(segment: Segment, record: Record, belief: Belief, tolerance: float,
         start = followed.fitted.departures if followed else np.zeros(len(problem.sd))
         followed = estimator.follow(start, problem.conventions[0], (FIT,), followed.place if followed else None)
         found = replace(found, discrepancies=_discrepancies(problem, followed.fitted))
-        problem = SegmentProblem(
-            segment, record, belief, tolerance, as_built=found, unknowns=unknowns, parts=parts, alike=problem
-        )
+        problem = problem.judged_by(found)
     assert followed
     return Presumed(
         problem, problem.at((), followed.fitted.departures, followed.fitted.convention) or followed.fitted, {}

@@ -29,11 +29,12 @@ SCATTER, COARSE = 0.25, 0.5  # of the logarithm of what healthy records leave; o
 LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
 FORM = 0.1  # of what an effect explains, that its form may leave
 SURE = 1.25  # of the square of a misfit: the log likelihood by which a chain's more can outdo less
-ALIKE = 2.5  # power of the share that an effect leaves: the probability that something unknown looks like it so far
+ALIKE = 2.0  # power of the share that an effect leaves: the probability that something unknown looks like it so far
 LEAST_SHARE = 0.03  # of what an effect leaves
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
 SCREENED = 1.0  # of log likelihood that an effect of a chain must promise for a closer look
 DEEPER = 3  # hypotheses that others are tried beside
+RELEARNED = 2  # times that what a room's form leaves is learned again beside an effect
 LIKELIER = 0.5
 NOTABLE_OF_ROOM = 0.3  # noticeable steps: how much it matters is another question than whether it is there
 STRONGEST = 4.0  # times what an effect does always, that it may do at times
@@ -88,12 +89,9 @@ class Weighing:
 
     def weighed(self) -> list[Weighed]:
         """Return the hypotheses: none, each effect, and the best few with every other."""
-        one_more = Superposed(self.estimator, self.none).fits if len(self.problem.sd) else self._fits
-        singles = list(one_more(self.effects, self.none, self.tick))
-        self._settle(singles)
+        singles = self._singles()
         if isinstance(self.healthy, Presumed):
-            self.healthy = self.healthy.knowing(min((self.none, *singles), key=self._loss))
-            self.share = self._shares()
+            singles = self._learned(self.healthy, singles)
         found = [self.of(each) for each in (self.none, *singles)]
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
         if best and score(best[0]) > score(found[0]):
@@ -101,8 +99,33 @@ class Weighing:
         if best and score(best[0]) > score(found[0]) and not self.estimator.is_quick:
             for each in best:
                 others = [effect for effect in self.effects if effect.name not in each.fitted.names]
-                found += [self._beside(each, pair) for pair in one_more(others, each.fitted, self.tick)]
+                found += [self._beside(each, pair) for pair in self._one_more(others, each.fitted, self.tick)]
         return found
+
+    def _singles(self) -> list[Hypothesis]:
+        """Return each effect by itself, fitted to the whole record."""
+        self._one_more = Superposed(self.estimator, self.none).fits if len(self.problem.sd) else self._fits
+        singles = list(self._one_more(self.effects, self.none, self.tick))
+        self._settle(singles)
+        return singles
+
+    def _learned(self, presumed: Presumed, singles: list[Hypothesis]) -> list[Hypothesis]:
+        """Return the effects by themselves, judged by what the best of them leaves of the record.
+
+        What a large effect does is taken for the form of the room at first, and all is fitted too loosely by that.
+        """
+        for _ in range(RELEARNED):
+            known = presumed.learned(min((self.none, *singles), key=self._loss))
+            if known is None:
+                break
+            self.healthy = presumed = known
+            self.problem = known.problem
+            self.estimator = Estimator(self.problem, self.estimator.thorough, keeps=True)
+            self.none = self.estimator.settled(self.estimator.base)
+            singles = self._singles()
+        self.healthy = presumed.knowing(min((self.none, *singles), key=self._loss))
+        self.share = self._shares()
+        return singles
 
     def _shares(self) -> dict[str, float]:
         """Return how many samples of each channel count as one."""
@@ -300,16 +323,20 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
     logs: dict[str, float] = {}
     for each, gain in zip(found, gains, strict=True):
         _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
-        # something unknown may look like an effect, the less likely the more alike
-        parameters = PRICE * sum(len(effect.priors) for effect, _ in each.fitted.effects)
-        mimicked = gain - max(0.0, each.always) - parameters + ALIKE * float(np.log(each.left))
-        _raise(logs, (UNKNOWN,), mimicked - UNKNOWN_PRICE)
+        if len(each.fitted.effects) == 1:
+            _raise(logs, (UNKNOWN,), _mimicked(each, gain))
         if each.always > 0.0:
             _add(logs, (), gain - each.price, each.misfit)
     most = max(logs.values())
     weights = {name: float(np.exp(value - most)) for name, value in logs.items()}
     whole = sum(weights.values())
     return {name: weight / whole for name, weight in weights.items()}
+
+
+def _mimicked(each: Weighed, gain: float) -> float:
+    """Return what speaks for something unknown that looks like an effect: the less likely the more alike."""
+    parameters = PRICE * sum(len(effect.priors) for effect, _ in each.fitted.effects)
+    return gain - max(0.0, each.always) - parameters + ALIKE * float(np.log(each.left)) - UNKNOWN_PRICE
 
 
 def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
