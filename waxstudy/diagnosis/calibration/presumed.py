@@ -23,7 +23,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import Belief
 
 ROUNDS = 2  # of learning what a fit leaves, and fitting again
-HARDLY = 0.8  # of what was learned before, that is hardly less
+LONGEST = 16.0  # quarters of an hour over which a form's errors hang together, at most: longer ones a fit must follow
 EVEN = 3.2  # standard deviations of misfit at which something unknown is as likely as not
 
 
@@ -52,18 +52,6 @@ class Presumed:
         left = {each.channel: each.loss() / max(1, int(each.judged.sum())) for each in best.residuals}
         floor = {channel: min(white, float(left[channel] ** 0.5)) for channel, white in self.floor.items()}
         return replace(self, fitted=best, floor=floor)
-
-    def learned(self, best: Hypothesis) -> Presumed | None:
-        """Return the same with what a better hypothesis leaves of a room; None where that is hardly less."""
-        before = self.problem.as_built
-        if not self.problem.segment.with_room or before is None:
-            return None
-        found = _discrepancies(self.problem, best)
-        if all(each.rms_K > HARDLY * before.discrepancies[channel].rms_K for channel, each in found.items()):
-            return None
-        as_built = replace(before, discrepancies=found)
-        problem = self.problem.judged_by(as_built)
-        return replace(self, problem=problem, fitted=best)
 
     def usual_loss(self, residual: Residual) -> float:
         """Return what is missed of a channel where nothing is amiss."""
@@ -131,7 +119,10 @@ def _discrepancies(problem: SegmentProblem, fitted: Hypothesis) -> dict[str, Dis
     for each in fitted.residuals:
         least_K = _least_K(problem, each)
         expected_K = float(np.hypot(error_of(problem.belief, each.channel).typical_K, least_K))
-        found[each.channel], _ = Discrepancy.likeliest(each.error, each.judged, least_K, expected_K)
+        likeliest, _ = Discrepancy.likeliest(each.error, each.judged, least_K, expected_K)
+        # what a large effect does is no form of a room, and nothing to be lenient about
+        most = {"sd_K": min(likeliest.sd_K, expected_K), "length": min(likeliest.length, LONGEST)}
+        found[each.channel] = replace(likeliest, noise_K=min(likeliest.noise_K, expected_K), **most)
     shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
     return {channel: replace(each, shared=shared) for channel, each in found.items()}
 

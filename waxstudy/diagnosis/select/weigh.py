@@ -34,7 +34,6 @@ LEAST_SHARE = 0.03  # of what an effect leaves
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
 SCREENED = 1.0  # of log likelihood that an effect of a chain must promise for a closer look
 DEEPER = 3  # hypotheses that others are tried beside
-RELEARNED = 2  # times that what a room's form leaves is learned again beside an effect
 LIKELIER = 0.5
 NOTABLE_OF_ROOM = 0.3  # noticeable steps: how much it matters is another question than whether it is there
 STRONGEST = 4.0  # times what an effect does always, that it may do at times
@@ -91,7 +90,8 @@ class Weighing:
         """Return the hypotheses: none, each effect, and the best few with every other."""
         singles = self._singles()
         if isinstance(self.healthy, Presumed):
-            singles = self._learned(self.healthy, singles)
+            self.healthy = self.healthy.knowing(min((self.none, *singles), key=self._loss))
+            self.share = self._shares()
         found = [self.of(each) for each in (self.none, *singles)]
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
         if best and score(best[0]) > score(found[0]):
@@ -107,24 +107,6 @@ class Weighing:
         self._one_more = Superposed(self.estimator, self.none).fits if len(self.problem.sd) else self._fits
         singles = list(self._one_more(self.effects, self.none, self.tick))
         self._settle(singles)
-        return singles
-
-    def _learned(self, presumed: Presumed, singles: list[Hypothesis]) -> list[Hypothesis]:
-        """Return the effects by themselves, judged by what the best of them leaves of the record.
-
-        What a large effect does is taken for the form of the room at first, and all is fitted too loosely by that.
-        """
-        for _ in range(RELEARNED):
-            known = presumed.learned(min((self.none, *singles), key=self._loss))
-            if known is None:
-                break
-            self.healthy = presumed = known
-            self.problem = known.problem
-            self.estimator = Estimator(self.problem, self.estimator.thorough, keeps=True)
-            self.none = self.estimator.settled(self.estimator.base)
-            singles = self._singles()
-        self.healthy = presumed.knowing(min((self.none, *singles), key=self._loss))
-        self.share = self._shares()
         return singles
 
     def _shares(self) -> dict[str, float]:
