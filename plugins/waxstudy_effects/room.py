@@ -141,7 +141,7 @@ class WindowOpening(Effect):
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
-        hours = [(float(hour), lasting_h) for hour in range(24) for lasting_h in (1.0, 3.0)]
+        hours = [(float(hour), lasting_h) for hour in range(24) for lasting_h in (1.0, 2.0, 4.0)]
         hours += [(6.0 * quarter, 8.0) for quarter in range(4)]
         starts = [{"flow_L_s": 10.0, "from_h": from_h, "to_h": (from_h + h) % DAY_H} for from_h, h in hours]
         return [*starts, {"flow_L_s": 1.0, "from_h": 0.0, "to_h": 0.999 * DAY_H}]  # open all day

@@ -18,6 +18,7 @@ from waxstudy.plugin import FloatArray
 
 STRONGEST = 4.0  # times a point that was looked at
 PROMISING = 2.0  # of log likelihood that an effect must gain in a straight line, for a closer look
+MANY, SEVERAL = 3, 2  # parameters of an effect with hours, and starts that it is fitted from
 TINY = 1e-12
 
 
@@ -41,15 +42,14 @@ class Superposed:
                 yield fitted
 
     def _fit(self, effect: EffectType, given: Hypothesis) -> Hypothesis | None:
-        found = self._start(effect, given)
-        if found is None:
+        found = self._starts(effect, given)
+        if not found:
             return None
-        values, departures, gain = found
-        effects = (*given.effects, (effect, values))
+        best, gain = found[0]
         if gain < PROMISING:
             # with more than one there is nothing to tell; alone it is told what it comes to
-            return None if given.effects else self.problem.at(effects, departures, given.convention)
-        starts = [(effects, departures), *self._instead(effect, given)]
+            return None if given.effects else self.problem.at(*best, given.convention)
+        starts = [*(start for start, _ in found), *self._instead(effect, given)]
         tried = [self._fitted(*start, given.convention) for start in starts]
         fitted = min((each for each in tried if each), key=lambda each: self.estimator.score(each, ALL), default=None)
         if fitted is None or self.estimator.score(given, ALL) - self.estimator.score(fitted, ALL) < 2.0 * PROMISING:
@@ -72,11 +72,14 @@ class Superposed:
         slopes = self.estimator.slopes_at(start) if start else None
         return self.estimator.nuisance_fit(effects, departures, convention, ALL, slopes)
 
-    def _start(self, effect: EffectType, given: Hypothesis) -> tuple[Values, FloatArray, float] | None:
-        """Return the best values and departures to start from, and the log likelihood gained where all is straight."""
+    def _starts(self, effect: EffectType, given: Hypothesis) -> list[tuple[tuple[Edits, FloatArray], float]]:
+        """Return the best values and departures to start from, with the log likelihood gained where all is straight.
+
+        Of an effect with hours several: an hour that is a little off hides how long it acts.
+        """
         tried, changes = self._looks(effect)
         if not tried:
-            return None
+            return []
         missed = np.concatenate((given.whitened, self._pulled(given)))
         before = self._free(missed)
         ways = changes - self.basis @ (self.basis.T @ changes)
@@ -85,11 +88,14 @@ class Superposed:
         bounds = (0.0, STRONGEST) if neutral else (1.0, 1.0)
         strength = np.clip(-(before @ ways) / power, *bounds)
         gains = -(strength * (before @ ways)) - 0.5 * strength**2 * power
-        best = int(np.argmax(gains))
-        values = Space(effect).scaled(tried[best], neutral, float(strength[best])) if neutral else tried[best]
-        step = np.linalg.solve(self.triangle, -self.basis.T @ (missed + strength[best] * changes[:, best]))
+        found: list[tuple[tuple[Edits, FloatArray], float]] = []
         most = MOST_SD * self.problem.sd
-        return values, np.clip(given.departures + step, -most, most), float(gains[best])
+        for place in np.argsort(-gains)[: SEVERAL if len(effect.priors) >= MANY else 1]:
+            values = Space(effect).scaled(tried[place], neutral, float(strength[place])) if neutral else tried[place]
+            step = np.linalg.solve(self.triangle, -self.basis.T @ (missed + strength[place] * changes[:, place]))
+            start = (*given.effects, (effect, values)), np.clip(given.departures + step, -most, most)
+            found.append((start, float(gains[place])))
+        return found
 
     def _looks(self, effect: EffectType) -> tuple[list[Values], FloatArray]:
         """Return points all over an effect's parameters, and the change that each makes (m, points)."""
