@@ -62,6 +62,7 @@ class Work:
     thorough: float
     calibration: Calibration | None = None
     baseline: Dataset | None = None  # that it was calibrated on
+    weighs: bool = False  # hypotheses where no healthy record is known, in the place of rules
 
     @property
     def documented(self) -> Belief:

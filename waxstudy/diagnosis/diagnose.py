@@ -49,12 +49,14 @@ def diagnose(
     quick: bool = False,
     study: Study | None = None,
     tick: Tell | None = None,
+    weighs: bool = False,
 ) -> Diagnosis:
     """Return where a dataset's gap lies, which effects cause it and how far it shrinks once they are added.
 
     The steps of a study's ladders are tried as effects too. With a `baseline`, a healthy record of the same loop, the
     question is what changed since. The same dataset and seed give the same diagnosis.
-    `tick` is told what is being tried and the share done.
+    `tick` is told what is being tried and the share done. With `weighs` hypotheses are weighed where no healthy record
+    is known, too; blind tests hold that against the rules.
     """
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
@@ -63,7 +65,7 @@ def diagnose(
     calibration = calibrated(baseline, effects, thorough, is_kept=study is None) if baseline else None
     belief = _documented(dataset, record)
     belief = calibration.as_built.believed(belief) if calibration else belief
-    work = Work(dataset, record, belief, effects, seed, thorough, calibration, baseline)
+    work = Work(dataset, record, belief, effects, seed, thorough, calibration, baseline, weighs)
     # the heating curve is of the documents: how far it was off from the start is no change
     cut = [segment for segment in segments(record, belief) if not (calibration and segment.is_supply)]
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
@@ -160,12 +162,12 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
             tick(name, done / total)
 
         tick(segment.name, done / total)
-        if not (work.calibration and segment.name in work.calibration.healthy):
-            yield _presumed(work, segment, effects, work.seed + place, step)
-            done = first + len(effects) + 1
-            continue
         if work.calibration and segment.name in work.calibration.healthy:
             yield _changed(work, work.calibration, segment, effects, work.seed + place, step)
+            done = first + len(effects) + 1
+            continue
+        if work.weighs:
+            yield _presumed(work, segment, effects, work.seed + place, step)
             done = first + len(effects) + 1
             continue
         selection = _selection(work, segment, effects, work.seed + place, step)
