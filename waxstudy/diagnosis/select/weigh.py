@@ -317,8 +317,8 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
 
 def _mimicked(each: Weighed, gain: float) -> float:
     """Return what speaks for something unknown that looks like an effect: the less likely the more alike."""
-    parameters = PRICE * sum(len(effect.priors) for effect, _ in each.fitted.effects)
-    return gain - max(0.0, each.always) - parameters + ALIKE * float(np.log(each.left)) - UNKNOWN_PRICE
+    freedom = each.price + float(np.log(PRIOR))  # of its parameters, and of when it acts
+    return gain - max(0.0, each.always) - freedom + ALIKE * float(np.log(each.left)) - UNKNOWN_PRICE
 
 
 def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
