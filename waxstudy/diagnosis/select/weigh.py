@@ -208,8 +208,8 @@ class Weighing:
     def _left(self, fitted: Hypothesis) -> float:
         """Return which share of what is missed beyond what nothing amiss leaves a hypothesis leaves.
 
-        A room's innovations hardly tell what lasts: there it is that of its gaps, of which small ones tell nothing. With
-        a healthy record what a room leaves is judged by that alone.
+        A room's innovations hardly tell what lasts: there it is that of its gaps, of which small ones tell nothing.
+        With a healthy record what a room leaves is judged by that alone.
         """
         if self.problem.segment.with_room and isinstance(self.healthy, Healthy):
             return LEAST_SHARE
