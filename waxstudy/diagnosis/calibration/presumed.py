@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import HealthyLeft, together
+from waxstudy.diagnosis.calibration.calibrate import HealthyLeft, shared, together
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
@@ -23,7 +24,8 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import Belief
 
 ROUNDS = 2  # of learning what a fit leaves, and fitting again
-EVEN = 3.2  # standard deviations of misfit at which something unknown is as likely as not
+# standard deviations of misfit at which something unknown is as likely as not
+EVEN = float(np.sqrt(2.0 * LIMITS.unknown_price))
 
 
 @dataclass(frozen=True)
@@ -92,11 +94,11 @@ def presumed(segment: Segment, record: Record, belief: Belief, tolerance: float,
     unknowns = nuisances(belief, record, segment.driven_by, tolerance) if segment.with_room else []
     problem = SegmentProblem(segment, record, belief, tolerance, as_built=found, unknowns=unknowns, parts=parts)
     if not segment.with_room:
-        fitted = Estimator(problem, thorough, keeps=True).base
+        fitted = Estimator(problem, thorough).base
         return Presumed(problem, fitted, NoiseFloor.of(problem, fitted).white)
     followed = None
     for _ in range(ROUNDS):
-        estimator = Estimator(problem, thorough, keeps=True)
+        estimator = Estimator(problem, thorough)
         start = followed.fitted.departures if followed else np.zeros(len(problem.sd))
         followed = estimator.follow(start, problem.conventions[0], (FIT,), followed.place if followed else None)
         found = replace(found, discrepancies=_discrepancies(problem, followed.fitted))
@@ -110,17 +112,15 @@ def presumed(segment: Segment, record: Record, belief: Belief, tolerance: float,
 
 
 def _discrepancies(problem: SegmentProblem, fitted: Hypothesis) -> dict[str, Discrepancy]:
-    from waxstudy.diagnosis.calibration.calibrate import _shared
-
     found = {}
     for each in fitted.residuals:
         least_K = _least_K(problem, each)
         expected_K = float(np.hypot(error_of(problem.belief, each.channel).typical_K, least_K))
         found[each.channel], _ = Discrepancy.likeliest(each.error, each.judged, least_K, expected_K)
-    shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
-    return {channel: replace(each, shared=shared) for channel, each in found.items()}
+    alike = shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
+    return {channel: replace(each, shared=alike) for channel, each in found.items()}
 
 
 def _least_K(problem: SegmentProblem, residual: Residual) -> float:
     """Return the noise of means over quarters of an hour."""
-    return problem.record.noise[residual.channel] * float(len(residual.error) / len(problem.record)) ** 0.5
+    return float(problem.record.noise[residual.channel] * (len(residual.error) / len(problem.record)) ** 0.5)

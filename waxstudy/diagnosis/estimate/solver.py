@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from waxstudy.diagnosis.criteria import Question, limit
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
 from waxstudy.diagnosis.estimate.parameter_space import Edits, Space, valued
 from waxstudy.diagnosis.model.conventions import Convention
@@ -15,7 +15,7 @@ from waxstudy.plugin import FloatArray
 LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before
 MOST_DAMPING = 1e4
-MOST_SD = limit(Question.NUISANCE, "deviations")  # how far a departure may go
+MOST_SD = LIMITS.departure  # how far a departure may go
 
 
 class LeastSquares:
