@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import takewhile
-from typing import Any
 
 import numpy as np
 
@@ -150,11 +149,3 @@ class SegmentProblem:
                     now = self.judge.ways[residual.channel].residual(there)
                     row[end[place] : end[place + 1]] = now.whitened - residual.whitened
         return moved.T
-
-    def without_stand_ins(self, fitted: Hypothesis) -> Hypothesis:
-        """Return a hypothesis without anything in the place of drives that nobody recorded."""
-        belief = self.belief_of(fitted)
-        assert belief.inputs
-        none: dict[str, Any] = dict.fromkeys(belief.inputs.stand_ins, np.zeros(len(belief.inputs.solar_W)))
-        still = self.predicted(replace(belief, inputs=replace(belief.inputs, **none)), fitted.convention)
-        return replace(fitted, residuals=self.judge.residuals(still))
