@@ -21,7 +21,7 @@ from waxstudy.diagnosis.estimate.parameter_space import (
     descend,
     valued,
 )
-from waxstudy.diagnosis.estimate.solver import LITTLE, MOST_SD, LeastSquares
+from waxstudy.diagnosis.estimate.solver import LITTLE, LeastSquares
 from waxstudy.diagnosis.estimate.start_points import Screen, StartPoints
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.partition import ALL, FIT
@@ -35,7 +35,6 @@ EVENT_STEPS = 3  # of what once happened, to all days
 TURNS = 4  # most places where the slopes of a room are taken, one after the other
 FAR = 2e-3  # share of the loss that a fit takes away, from which on slopes are taken where it ended
 CLOSE = 1e-5  # share of the loss that is not worth another step, where a step is but one simulation
-OTHER = LIMITS.convention  # loss by which another convention must be better
 P = TypeVar("P", bound=Problem)
 
 
@@ -153,7 +152,7 @@ class Estimator(Generic[P]):
 
         def cost(each: Hypothesis) -> float:
             # an effect may do no more than undo another reading of the record
-            return self.fair_score(each, parts) + (0.0 if each.convention == given.convention else OTHER)
+            return self.fair_score(each, parts) + (0.0 if each.convention == given.convention else LIMITS.convention)
 
         return min((each for each in ends if each is not None), key=cost, default=None)
 
@@ -236,7 +235,7 @@ class Estimator(Generic[P]):
         sd, now = self.problem.sd[events], departures[events]
         missed = np.concatenate((fitted.whitened, now / sd))
         steps = -sd * np.linalg.lstsq(np.vstack((self._event_slopes * sd, np.eye(len(sd)))), missed, rcond=None)[0]
-        departures[events] = np.clip(now + share * steps, -MOST_SD * sd, MOST_SD * sd)
+        departures[events] = np.clip(now + share * steps, -LIMITS.departure * sd, LIMITS.departure * sd)
         return self.problem.at(fitted.effects, departures, fitted.convention)
 
     @cached_property

@@ -10,7 +10,6 @@ from waxstudy.diagnosis.model.room_response import Predicted, merging, weighted
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import FloatArray, ModelError
 
-MOST_LEFT = 2.0  # times what a healthy record leaves
 PIECE = 8  # quarters of an hour over which such errors hang together
 
 
@@ -26,7 +25,6 @@ class RoomMeans:
         discrepancy: Discrepancy | None = None,
     ) -> None:
         self.channel, self.record, self.parts = channel, record, parts
-        self.form_K = MOST_LEFT * discrepancy.rms_K if discrepancy else error.most_K
         self.discrepancy = discrepancy
         steps, merged = merging(record.interval_s)
         self.samples = steps * merged  # of a mean
@@ -45,7 +43,7 @@ class RoomMeans:
         where = self.record.day[sample], self.parts[sample], sample
         found = self.discrepancy
         whitened = found.whitened(error, known) if found else error / self.scale_K
-        return Residual(self.channel, "K", error, whitened, known, *where, self.form_K)
+        return Residual(self.channel, "K", error, whitened, known, *where)
 
     def _means(self) -> FloatArray:
         values = self.record.values[self.channel]

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.estimator import OTHER, Estimator
+from waxstudy.diagnosis.criteria import LIMITS
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
 from waxstudy.diagnosis.model.travel import opening, opening_difference_s
@@ -47,7 +48,7 @@ def parameter_intervals(estimator: Estimator[SegmentProblem], fitted: Hypothesis
 
 def _as_good(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Iterator[Hypothesis]:
     """Yield the fits under other conventions that cannot be told from this one."""
-    most = estimator.score(fitted, (FIT,)) + OTHER * _form_share(estimator, fitted)
+    most = estimator.score(fitted, (FIT,)) + LIMITS.convention * _form_share(estimator, fitted)
     for convention in estimator.conventions:
         if convention != fitted.convention:
             other = estimator.refined(fitted.effects, fitted.departures, convention)

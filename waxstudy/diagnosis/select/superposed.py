@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
-from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.partition import ALL
@@ -88,7 +88,7 @@ class Superposed:
         best = int(np.argmax(gains))
         values = Space(effect).scaled(tried[best], neutral, float(strength[best])) if neutral else tried[best]
         step = np.linalg.solve(self.triangle, -self.basis.T @ (missed + strength[best] * changes[:, best]))
-        most = MOST_SD * self.problem.sd
+        most = LIMITS.departure * self.problem.sd
         return values, np.clip(given.departures + step, -most, most), float(gains[best])
 
     def _looks(self, effect: EffectType) -> tuple[list[Values], FloatArray]:
