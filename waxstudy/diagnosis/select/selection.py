@@ -55,8 +55,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Selection:
-    """What was found at one link; `models`: the believed one and each with one more effect, fitted to what is not
-    held out."""
+    """What was found at one link; `models`: the believed one and each with one more effect, on days not held out."""
 
     estimator: Estimator[SegmentProblem]
     models: Models

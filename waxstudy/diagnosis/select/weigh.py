@@ -1,4 +1,4 @@
-"""What changed since a healthy record: every hypothesis fitted to the whole record, and how probable it is."""
+"""What may differ at a link: every hypothesis fitted to the whole record, and how probable it is."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Weighed:
 
 
 class Weighing:
-    """Weighs what may have changed at one link."""
+    """Weighs what may differ at one link from its healthy record, or from what is presumed of one."""
 
     def __init__(
         self,
@@ -284,7 +284,7 @@ def score(weighed: Weighed) -> float:
 def posterior(found: Sequence[Weighed]) -> dict[str, float]:
     """Return the probability of each hypothesis of a link, with something unknown beside it or not; they sum to 1.
 
-    The first is that nothing changed. What was so from the start is no change.
+    The first is that nothing differs. What was so from the start is no change.
     """
     best = max(found, key=score)
     gains = _gains(found, best)
