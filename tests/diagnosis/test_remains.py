@@ -245,8 +245,9 @@ def test_three_days_are_enough_to_say_that_a_room_is_not_understood() -> None:
     segment = segment_at("room", segments(seen, believed))
     hall = 0.6 * np.sin(2.0 * np.pi * np.arange(len(seen)) / (3.0 * 3600.0 / seen.interval_s))
     odd = {name: seen.values[name] + hall for name in ("air_temperature_C", "operative_temperature_C")}
-    remains = list(unexplained(searched(segment, replace(seen, values={**seen.values, **odd}), believed)))
-    assert {each.channel for each in remains if each.is_finding} == set(odd)
+    (remains,) = unexplained(searched(segment, replace(seen, values={**seen.values, **odd}), believed))
+    assert remains.is_finding
+    assert remains.channel in odd  # of a link the channel that is missed by most
 
 
 def test_a_clear_departure_is_within_what_is_possible() -> None:

@@ -267,8 +267,9 @@ def of_gap(before: float, after: float) -> Candidate:
 
 @given(st.floats(0.0, 1e3), st.floats(0.0, 1e3), st.floats(0.0, 1e3))
 def test_no_more_than_all_of_a_gap_is_explained(before: float, after: float, least: float) -> None:
-    floor = NoiseFloor({"flow_L_h": least}, {})
-    share = of_gap(before, after).share(floor)
+    candidate = of_gap(before, after)
+    before, after = candidate.before.gap(), candidate.after.gap()
+    share = candidate.share(NoiseFloor({"flow_L_h": least}, {}))
     assert share <= 1.0 + 1e-9
     if before <= least:
         assert share == 0.0
