@@ -74,14 +74,17 @@ class StartPoints:
         return bool(self.screen and self.promised and self.promised[0] < self.screen.least)
 
     def _screened(self, tried: Sequence[Values], looks: Sequence[Hypothesis | None], convention: Convention) -> None:
-        still = self.problem.at(self.given.effects, self.given.departures, convention) if self.screen else None
+        still = self.problem.at(self.given.effects, self.given.departures, convention)
+        if self.screen is None or still is None:
+            return
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
-        for values, look in zip(tried, looks, strict=True) if self.screen and still else ():
-            if look is not None and self.screen and still:
-                gain, strength = self.screen.gain(still, look)
-                if self.promised is None or gain > self.promised[0]:
-                    there = self.space.scaled(values, neutral, strength) if neutral else values
-                    self.promised = gain, there, convention
+        for values, look in zip(tried, looks, strict=True):
+            if look is None:
+                continue
+            gain, strength = self.screen.gain(still, look)
+            if self.promised is None or gain > self.promised[0]:
+                there = self.space.scaled(values, neutral, strength) if neutral else values
+                self.promised = gain, there, convention
 
     def _walked(self, values: Values, convention: Convention) -> tuple[float, Values]:
         """Return score and values a few steps downhill, by slopes that look far: a point may lie in a hollow.
