@@ -12,8 +12,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from tests.diagnosis.realities import EFFECTS, belief, effects, estimator, planted, record
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
+from waxstudy.diagnosis.estimate.solver import LeastSquares
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 
@@ -69,8 +70,8 @@ def _by_scipy(problem: Counted, x: np.ndarray) -> float:
         assert found
         return problem.missed(found, at)
 
-    low = [*[-MOST_SD] * problem.count, *[0.0] * (len(x) - problem.count)]
-    high: Sequence[float] = [*[MOST_SD] * problem.count, *[1.0] * (len(x) - problem.count)]
+    low = [*[-LIMITS.departure] * problem.count, *[0.0] * (len(x) - problem.count)]
+    high: Sequence[float] = [*[LIMITS.departure] * problem.count, *[1.0] * (len(x) - problem.count)]
     widths = [*[0.1] * problem.count, *[0.01] * (len(x) - problem.count)]
     inside = np.clip(x, np.array(low) + 1e-6, np.array(high) - 1e-6)
     found = least_squares(missed, inside, bounds=(low, high), diff_step=_relative(inside, widths), max_nfev=STEPS)

@@ -14,11 +14,16 @@ import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import Dataset
+from waxstudy.diagnosis.calibration.presumed import presumed
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.differing import differing
+from waxstudy.diagnosis.select.selection import Selection
+from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.plugin import Belief, Effect, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
@@ -136,6 +141,26 @@ def estimator(
 ) -> Estimator[SegmentProblem]:
     """Something that fits hypotheses to a segment of a record."""
     return Estimator(SegmentProblem(segment, record, believed, **how), thorough)
+
+
+def selected(
+    segment: Segment, seen: Record, believed: Belief, tried: Sequence[type[Effect]] = (), thorough: float = 1.0
+) -> Selection:
+    """What a diagnosis finds at a segment of a record, of which no healthy one is known."""
+    known = presumed(segment, seen, believed, 1.0, thorough)
+    problem = SegmentProblem(segment, seen, believed, alike=known.problem)
+    return differing(problem, known, known.problem, tried, thorough, lambda name: None)
+
+
+def one_more(fitter: Estimator[SegmentProblem], effect: type[Effect], given: Hypothesis | None = None) -> Hypothesis:
+    """The best fit of an effect beside a given hypothesis, or beside what is believed."""
+    given = given or fitter.base
+    if fitter.has_nuisances:
+        fitted: Hypothesis | None = next(Superposed(fitter, fitter.base).fits([effect], given, lambda name: None), None)
+    else:
+        fitted = fitter.fit(effect, given)
+    assert fitted
+    return fitted
 
 
 def plain(values: Mapping[str, FloatArray], interval_s: float = 60.0, **more: Any) -> Record:

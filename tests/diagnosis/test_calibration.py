@@ -23,7 +23,7 @@ from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import Calibrated
-from waxstudy.diagnosis.select.changed import Choice, joint
+from waxstudy.diagnosis.select.choice import Choice, joint
 from waxstudy.plugin import Belief
 
 DAYS = 7

@@ -74,7 +74,7 @@ def test_midnight_ends_the_last_day_of_a_part():
     times = pd.date_range("2021-01-01 00:01", periods=7 * 1440, freq="min")
     made = dataset(pd.DataFrame({"time": times, "air_temperature_C": 21.0}), "WAX")
     work = Work(made, record_of(made), Belief(made.nominal, made.room), [], 1, 1.0)
-    parts = _parts(work, [])
+    parts = _parts(work)
     assert (parts["fit"][0], parts["shrinkage"][1]) == ("2021-01-01", "2021-01-07")
 
 

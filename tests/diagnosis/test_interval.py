@@ -13,7 +13,7 @@ from tests.diagnosis.realities import EFFECTS, belief, effects, estimator, plant
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.estimate.parameter_space import Space
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
+from waxstudy.diagnosis.observations.partition import FIT, HELD_OUT
 from waxstudy.diagnosis.result import Interval
 from waxstudy.diagnosis.select.intervals import CLOCK_S, _Local, _reaching, parameter_intervals, shrink
 from waxstudy.plugin import FloatArray, Prior
@@ -21,7 +21,7 @@ from waxstudy.plugin import FloatArray, Prior
 SAMPLES = 2000
 
 
-def residual(values: FloatArray, blocks: int = 40, part: int = SHRINK) -> Residual:
+def residual(values: FloatArray, blocks: int = 40, part: int = HELD_OUT) -> Residual:
     n = len(values)
     block = np.arange(n) * blocks // n
     every = np.ones(n, dtype=bool)
@@ -90,10 +90,10 @@ def test_a_gap_that_is_hardly_above_the_floor_makes_a_wide_interval_and_no_absur
 
 def test_a_shrinkage_is_judged_on_the_days_kept_back_and_on_no_others() -> None:
     before = random(6).normal(0.0, 3.0, SAMPLES)
-    part = np.where(np.arange(SAMPLES) < SAMPLES // 2, SELECT, SHRINK)
+    part = np.where(np.arange(SAMPLES) < SAMPLES // 2, FIT, HELD_OUT)
     block = np.arange(SAMPLES) // 50
     every, at = np.ones(SAMPLES, dtype=bool), np.arange(SAMPLES)
-    after = np.where(part == SHRINK, 0.0, 100.0)
+    after = np.where(part == HELD_OUT, 0.0, 100.0)
     both = [Residual("flow_L_h", "L/h", values, values, every, block, part, at) for values in (before, after)]
     assert shrink(both[0], both[1], 0.0, random()).value == 1.0
 
@@ -123,7 +123,7 @@ def test_a_parameter_s_interval_covers_it_as_often_as_it_says() -> None:
     for seed in range(20):
         made = planted(segment, seen, believed, effects(max_flow={"factor": 0.8}), seed=seed)
         fitter = estimator(segment, made, believed)
-        fitted = fitter.fit(effect, fitter.base, (FIT, SELECT))
+        fitted = fitter.fit(effect, fitter.base)
         assert fitted
         interval = parameter_intervals(fitter, fitted)[effect]["factor"]
         covered += interval.low <= 0.8 <= interval.high

@@ -17,7 +17,7 @@ from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.result import HeatPer, HeatPiece, Interval, MissingHeat
-from waxstudy.diagnosis.select.search import Selection
+from waxstudy.diagnosis.select.selection import Selection
 from waxstudy.plugin import Belief, FloatArray
 
 DAYS = 7
@@ -43,7 +43,7 @@ def told(room: str) -> tuple[MissingHeat, FloatArray]:
     true = effects(**ROOMS[room])
     made = planted(segment, seen, believed, true)
     asked = estimator(segment, made, belief("REAL", made))
-    selection = Selection(asked, [asked.base], [], (), (), NoiseFloor.of(asked.problem, asked.base))
+    selection = Selection(asked, [asked.base], [], (), (), NoiseFloor.of(asked.problem, asked.base), {}, {"none": 1.0})
     time = pd.date_range("2026-01-05", periods=len(made) + 1, freq=f"{made.interval_s}s")[1:]
     found = missing_heat(selection, None, time)
     inputs = with_effects(believed, true).inputs

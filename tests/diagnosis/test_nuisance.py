@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.diagnosis.realities import belief, dataset, effects, estimator, planted, record, study
+from tests.diagnosis.realities import belief, dataset, effects, estimator, planted, record
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import diagnose
-from waxstudy.diagnosis.model.nuisance import MOST_LOST, nuisances
+from waxstudy.diagnosis.model.nuisance import MOST_LOST, nuisances, of_record
 from waxstudy.diagnosis.model.room_response import full_flow_L_h
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.record import Record
@@ -76,7 +76,7 @@ def test_heat_that_came_while_nothing_was_recorded_is_no_error_of_the_room() -> 
     first_h = float(np.flatnonzero(is_on[2880:])[0] + 2880) * seen.interval_s / 3600.0
     lost = slice(round(first_h * 60), round(first_h * 60) + 90)
     gapped, believed = without_flow((first_h, first_h + 1.5))
-    fitter = estimator(segment, gapped, believed, is_exact_room=True)
+    fitter = estimator(segment, gapped, believed, unknowns=of_record(believed, gapped, segment.driven_by))
     (name,) = lost_flows(gapped, believed)
     found = dict(zip([each.name for each in fitter.problem.nuisances], fitter.base.departures, strict=True))
     fitted = np.clip(gapped.filled("flow_L_h") + found[name], 0.0, full_flow_L_h(gapped, believed))
@@ -102,7 +102,7 @@ def of_the_room(**true: Mapping[str, float]) -> Dataset:
 
 
 @pytest.mark.slow
-def test_what_a_room_s_unknowns_could_take_is_named_where_it_makes_all_of_them_needless() -> None:
+def test_what_a_room_s_unknowns_could_take_in_part_is_named() -> None:
     found = diagnose(of_the_room(infiltration={"factor": 2.5}), quick=True)
     (effect,) = found.effects
     assert effect.name == "infiltration"
@@ -110,8 +110,6 @@ def test_what_a_room_s_unknowns_could_take_is_named_where_it_makes_all_of_them_n
     interval = effect.parameters["factor"]
     assert interval.value == pytest.approx(2.5, rel=0.15)
     assert interval.low <= 2.5 <= interval.high
-    assert "heat-loss" not in found.departures
-    assert any("exactly as believed" in sentence for sentence in found.assumptions)
 
 
 @pytest.mark.slow
@@ -150,7 +148,7 @@ def test_one_unknown_of_a_room_that_is_off_is_not_taken_for_an_effect(unknown: s
 
 
 @pytest.mark.slow
-def test_a_room_that_is_missed_by_more_than_noise_is_not_exactly_as_believed() -> None:
+def test_a_room_that_waves_besides_is_not_taken_for_another() -> None:
     leaky = of_the_room(infiltration={"factor": 0.5})
     wave_K = 0.02 * np.sin(2.0 * np.pi * np.arange(len(leaky.values)) / (17.0 * 60.0))
     of_room = ["air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C"]
@@ -164,20 +162,4 @@ def test_a_channel_without_noise_ends_no_diagnosis() -> None:
     room = of_the_room()
     values = room.values.assign(operative_temperature_C=room.values["operative_temperature_C"].round())
     assert values["operative_temperature_C"].nunique() <= 3
-    found = diagnose(replace(room, values=values), quick=True)
-    assert not any("exactly as believed" in sentence for sentence in found.assumptions)
-
-
-@pytest.mark.slow
-def test_nor_is_one_that_a_noisy_opening_drives() -> None:
-    seen, _, _ = ready()
-    lacking = replace(seen, values={name: each for name, each in seen.values.items() if name != "flow_L_h"})
-    believed = belief("REAL", lacking)
-    segment = next(each for each in segments(lacking, believed) if each.with_room)
-    made = planted(segment, lacking, believed, effects(infiltration={"factor": 2.5}))
-    time = pd.date_range("2020-01-06T00:01", periods=len(made), freq="min")
-    shown = {name: each for name, each in made.values.items() if name in (*FROM_FLOW, "displacement")}
-    valve = {"valve": study().cases["REAL"].blocks["valve"]}
-    found = diagnose(replace(dataset(pd.DataFrame({"time": time, **shown}), "REAL"), nominal=valve), quick=True)
-    assert found.effects == []
-    assert not any("exactly as believed" in sentence for sentence in found.assumptions)
+    assert diagnose(replace(room, values=values), quick=True).stages

@@ -10,17 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.diagnosis.realities import EFFECTS, belief, dataset, estimator, rows, study
+from tests.diagnosis.realities import EFFECTS, belief, dataset, rows, selected, study
 from waxstudy.dataset.clear_sky import clear_sky_W
 from waxstudy.dataset.stand_ins import GAINS, SUN, own_gains_W
 from waxstudy.dataset.tables import Site
-from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.select.evidence import Left
-from waxstudy.diagnosis.select.search import select
-from waxstudy.diagnosis.select.unexplained import done_by_drives, unexplained
+from waxstudy.diagnosis.select.unexplained import unexplained
 
 TALLINN = Site(latitude=59.4, longitude=24.7, timezone="Europe/Tallinn")
 DAYS = 4
@@ -65,11 +62,9 @@ def test_a_gap_beyond_what_a_missing_sun_could_make_is_a_finding() -> None:
     seen = record_of(dataset(data, "REAL"))
     believed = belief("REAL", seen)
     segment = next(each for each in segments(seen, believed) if each.with_room)
-    selection = select(estimator(segment, seen, believed, 0.2), [], 1, lambda name: None)
-    floor = selection.after.residual_of("floor_surface_temperature_C")
-    most = limit(Question.EXCUSED, "of_drives", Left(is_room=True, runs_on=False))
-    assert floor.gap() > most * done_by_drives(selection, floor) > 0.0
-    assert any(each.is_finding for each in unexplained(selection, 1) if each.channel == floor.channel)
+    (remains,) = unexplained(selected(segment, seen, believed, thorough=0.2))
+    assert remains.channel == "floor_surface_temperature_C"
+    assert remains.is_finding
 
 
 # --- the sun of a clear sky ------------------------------------------------------------------------------

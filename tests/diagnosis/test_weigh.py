@@ -1,4 +1,4 @@
-"""Weighing what changed since a healthy record: probabilities, courses over time, heat at hours."""
+"""Weighing what may differ at a link: probabilities, courses over time, heat at hours."""
 
 from __future__ import annotations
 
@@ -57,6 +57,10 @@ def test_probabilities_sum_to_one_whatever_is_weighed(others: list[Weighed]) -> 
 def test_what_gains_much_is_probable_and_what_gains_little_is_not() -> None:
     assert posterior([NOTHING, LEAK])["infiltration"] > 0.9
     assert posterior([NOTHING, replace(LEAK, gain=2.0)])["none"] > 0.9
+
+
+def test_what_leaves_much_may_as_well_be_something_unknown() -> None:
+    assert posterior([NOTHING, replace(LEAK, left=0.9)])["unknown"] > 0.5
 
 
 def test_what_was_so_from_the_start_is_no_change() -> None:

@@ -136,12 +136,13 @@ LET_BY = FoundEffect(
     ("let-by",),
     {"fraction": Interval(0.0712, 0.0688, 0.0741)},
     0.985,
-    0.0025,
+    0.015,
     "flow_L_h",
     5.187,
     1.402,
     1.083,
     Interval(0.9297, 0.9012, 0.9544),
+    probability=0.985,
 )
 REST = [
     ("let-by", "valve", 21_412.0, 0.0025, 0.97),
@@ -159,7 +160,7 @@ REST = [
     ("infiltration", "room", 4.0, 0.21, -0.41),
 ]
 CHANNELS = {"valve": "flow_L_h", "actuator": "displacement"}
-WHY = {"slow-actuator": "explains too little", "max-flow": "may be chance"}
+WHY = dict.fromkeys(("slow-actuator", "max-flow"), "less likely than what is named")
 NO_PUMP = "the supply was at one temperature throughout"
 EFFECT = Diagnosis(
     dataset="room-7",
@@ -167,14 +168,16 @@ EFFECT = Diagnosis(
     summary="The valve lets water by when it is closed; this explains 93 % of what the flow is off by.",
     stages=(SIGNAL, MOTOR, VALVE, ROOM),
     effects=(LET_BY,),
-    unexplained=(Unexplained("actuator", 0.0312, 0.0118, 0.0025, is_covered=True, channel="displacement"),),
+    unexplained=(
+        Unexplained("actuator", 0.0312, 0.0118, 0.12, is_covered=True, channel="displacement", probability=0.88),
+    ),
     untestable=(
         Untestable("pipe-delay", NO_PUMP, Lack.NOT_EXCITED),
         Untestable("supply-offset", "return_temperature_C was not recorded", Lack.NOT_RECORDED),
         Untestable("floor-cover", "return_temperature_C was not recorded", Lack.NOT_RECORDED),
         Untestable("neighbour-heat", "neighbour_temperature_C was not recorded", Lack.NOT_RECORDED),
     ),
-    tried=tuple(Tried(*each, CHANNELS.get(each[1], ""), WHY.get(each[0], "")) for each in REST),
+    tried=tuple(Tried(*each, CHANNELS.get(each[1], ""), WHY.get(each[0], ""), 1.0 - each[3]) for each in REST),
     closed_loop={
         "heat_kWh_m2": BeforeAfter(2.312, 2.071, 2.304),
         "air_mean_C": BeforeAfter(21.113, 20.987, 21.104),
@@ -213,12 +216,13 @@ MOTOR_FOUND = FoundEffect(
         "fall_time_s": Interval(388.0, 341.0, 431.0),
     },
     0.91,
-    0.0025,
+    0.09,
     "displacement",
     0.0312,
     0.0141,
     0.0118,
     Interval(0.923, 0.81, 1.04),
+    probability=0.91,
 )
 STUCK = Alternative(
     "stuck-open",
@@ -251,10 +255,12 @@ UNKNOWN = replace(
     stages=(SIGNAL, MOTOR, replace(VALVE, gap=1.12, gap_after=1.12), replace(ROOM, gap=0.421, gap_after=0.421)),
     effects=(),
     unexplained=(
-        Unexplained("emitter+room", 0.421, 0.0711, 0.0025, channel="air_temperature_C"),
-        Unexplained("actuator", 0.0312, 0.0118, 0.0125, is_covered=True),
+        Unexplained("emitter+room", 0.421, 0.0711, 0.04, channel="air_temperature_C", probability=0.96),
+        Unexplained("actuator", 0.0312, 0.0118, 0.12, is_covered=True, probability=0.88),
     ),
-    tried=tuple(Tried(name, stage, gain, 0.2, min(share, 0.2)) for name, stage, gain, _, share in REST),
+    tried=tuple(
+        Tried(name, stage, gain, 0.9, min(share, 0.2), probability=0.1) for name, stage, gain, _, share in REST
+    ),
     waterfall=(),
 )
 NONE = replace(
@@ -263,8 +269,8 @@ NONE = replace(
     summary="What is believed and what was measured agree within the noise.",
     stages=(SIGNAL, replace(MOTOR, gap=0.0121), replace(VALVE, gap=1.12), ROOM),
     effects=(),
-    unexplained=(Unexplained("emitter+room", 0.0831, 0.0711, 0.0075, is_room_form=True),),
-    tried=tuple(Tried(name, stage, 1.0, 0.4, 0.02) for name, stage, *_ in REST),
+    unexplained=(Unexplained("emitter+room", 0.0831, 0.0711, 0.4, is_room_form=True, probability=0.6),),
+    tried=tuple(Tried(name, stage, 1.0, 0.9, 0.02, probability=0.1) for name, stage, *_ in REST),
     waterfall=(),
     next_measurements=(),
     warnings=(),

@@ -160,11 +160,11 @@ def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> No
         "valve: flow is off by 5.23 L/h, 4.8 times its noise floor; by itself this puts heat off by +6.8 %, air by",
         "2 other channels judged: off by at most 1.2 times the noise floor",
         "let-by: fraction 0.0712 (0.0688 to 0.0741).",
-        "Found again in 98 % of resampled records; p = 0.0025.",
+        "Probability 98 %.",
         "let-by takes away 93 % (90 to 95) of the gap of flow on held-out days; in all 5.19 → 1.40 L/h, floor 1.08",
         "heat off by -10 → -0.35 %",
         "cycles 5.3 → 4.7 a day (measured 4.6)",
-        "displacement 0.0312, floor 0.0118, p = 0.0025; no finding: within the believed model's published uncertainty",
+        "displacement 0.0312, floor 0.0118, something unknown 88 % probable; no finding: within the believed model's",
         "closed loop (its controller reacts, so that signs may turn): heat off by",
         "actuator: displacement is off by 0.0312, 2.6 times its noise floor (no finding: see unexplained)",
         "4 effects; supply-offset, floor-cover: return_temperature_C was not recorded",
@@ -189,11 +189,10 @@ def test_with_a_baseline_it_says_what_changed_since_how_likely_and_when() -> Non
     assert "something unknown 3 % probable" in told
 
 
-def test_with_a_baseline_nothing_is_told_by_a_p() -> None:
-    assert "p = " not in flat(CHANGED)
-    text = page_text(as_html(CHANGED))
-    assert "p = " not in text
-    assert "found again" not in text
+@VERDICTS
+def test_nothing_is_told_by_a_p(diagnosis: Diagnosis) -> None:
+    assert "p = " not in flat(diagnosis)
+    assert "p = " not in page_text(as_html(diagnosis))
 
 
 def test_the_page_has_the_baseline_with_its_fit_and_what_was_so_from_the_start() -> None:
@@ -247,7 +246,7 @@ def test_a_quick_look_says_so_before_anything_else_and_where_the_cause_is_told()
 
 def test_a_gap_without_a_cause_claims_none() -> None:
     assert "gap without a known cause" in flat(UNKNOWN)
-    assert "emitter and room: air temperature 0.421 K, floor 0.0711, p = 0.0025" in flat(UNKNOWN)
+    assert "emitter and room: air temperature 0.421 K, floor 0.0711, something unknown 96 % probable" in flat(UNKNOWN)
     assert "cause" not in dict(lines(UNKNOWN))
     assert "how far" not in dict(lines(UNKNOWN))
 
@@ -255,7 +254,7 @@ def test_a_gap_without_a_cause_claims_none() -> None:
 def test_the_form_of_the_room_s_model_is_no_finding() -> None:
     assert "no effect found" in flat(NONE)
     as_such = "no finding: as much as a model of this form misses where nothing is wrong"
-    assert f"0.0831 K, floor 0.0711, p = 0.0075; {as_such}" in flat(NONE)
+    assert f"0.0831 K, floor 0.0711, something unknown 60 % probable; {as_such}" in flat(NONE)
     assert "(no finding: see unexplained)" in dict(lines(NONE))["where"]
     assert "no finding" not in dict(lines(UNKNOWN))["where"]
     assert "no finding" not in dict(lines(GROUP))["where"]
@@ -278,7 +277,7 @@ def test_one_measurement_that_settles_two_things_is_told_once() -> None:
 def test_without_days_kept_apart_the_summary_does_not_speak_of_them() -> None:
     short = replace(EFFECT, effects=[replace(each, is_held_out=False) for each in EFFECT.effects])
     assert "on held-out days" not in flat(short)
-    assert "where its fit has not seen" in flat(short)
+    assert "on the days of its fit" in flat(short)
 
 
 def test_colours_change_nothing_but_the_looks() -> None:
@@ -383,11 +382,27 @@ def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
     assert ("valve", "flow", "5.23 L/h", "1.08 L/h", "4.8", "1.32 L/h", "+6.8 %", "0.23 K", "0.97") in rows
     assert ("valve", "flow", "undercool", "16.9 L/h", "16", "83 %") in rows
     assert ("let-by", "fraction", "0.0712 (0.0688 to 0.0741)") in rows
-    assert ("let-by", "flow", "5.19 L/h", "1.40 L/h", "1.08 L/h", "93 % (90 to 95)", "98 %", "0.0025") in rows
+    assert ("let-by", "flow", "5.19 L/h", "1.40 L/h", "1.08 L/h", "93 % (90 to 95)", "98 %") in rows
     assert ("heat", "2.31", "2.07", "2.30", "kWh/m² a week") in rows
     assert ("mean air temperature", "21.11", "20.99", "21.10", "°C") in rows
-    assert ("stuck-open", "valve", "flow", "95 %", "20987", "0.0025", "cannot be told from one that was found") in rows
-    slow = "slow-actuator", "actuator", "displacement", "31 %", "402", "0.013", "not found: explains too little"
+    assert (
+        "stuck-open",
+        "valve",
+        "flow",
+        "95 %",
+        "20987",
+        "over 99 %",
+        "cannot be told from one that was found",
+    ) in rows
+    slow = (
+        "slow-actuator",
+        "actuator",
+        "displacement",
+        "31 %",
+        "402",
+        "99 %",
+        "not found: less likely than what is named",
+    )
     assert slow in rows
     assert ("return_temperature_C was not recorded", "supply-offset, floor-cover") in rows
     assert ("solar gain", "-1.1") in rows
@@ -395,13 +410,16 @@ def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
 
 
 def test_the_ranking_says_why_an_effect_is_not_named_and_of_one_that_stands_twice_the_channel() -> None:
-    twice = [Tried("supply-offset", "emitter", 1.0, 0.2, 0.1, f"{of}_temperature_C") for of in ("return", "supply")]
+    twice = [
+        Tried("supply-offset", "emitter", 1.0, 0.8, 0.1, f"{of}_temperature_C", probability=0.2)
+        for of in ("return", "supply")
+    ]
     (panel,) = figure_ranking(replace(EFFECT, tried=(*EFFECT.tried, *twice))).axes
     names = [each.get_text() for each in panel.get_yticklabels()]
     assert len(names) == len(set(names))
     assert {"supply-offset  (emitter, return temperature)", "let-by  (valve)"} <= set(names)
     beside = [each.get_text() for each in panel.texts]
-    assert {"p 0.0025", "p 0.013; explains too little", "p 0.62; may be chance"} <= set(beside)
+    assert {"over 99 %", "99 %; less likely than what is named", "38 %; less likely than what is named"} <= set(beside)
 
 
 def test_merged_stages_name_the_channel_that_would_tell_them_apart() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
-from math import nan
 
 import numpy as np
 import pandas as pd
@@ -21,7 +20,7 @@ from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment
-from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
+from waxstudy.diagnosis.observations.partition import ALL, FIT, HELD_OUT, parts_of
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import (
     Alternative,
@@ -39,14 +38,12 @@ from waxstudy.diagnosis.result import (
     Verdict,
     When,
 )
-from waxstudy.diagnosis.select.candidate import Candidate
-from waxstudy.diagnosis.select.changed import joint
+from waxstudy.diagnosis.select.choice import joint
 from waxstudy.diagnosis.select.intervals import shrink
-from waxstudy.diagnosis.select.search import Found, Selection
+from waxstudy.diagnosis.select.selection import Candidate, Found, Selection
 from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import stage_of, unexplained
-from waxstudy.diagnosis.select.weigh import UNKNOWN
-from waxstudy.diagnosis.sentences import filled_in, logged, needless, summary, warned, why_not
+from waxstudy.diagnosis.sentences import filled_in, logged, summary, why_not
 from waxstudy.plugin import STAGES, Belief
 
 
@@ -78,7 +75,7 @@ def assembled(
 ) -> Diagnosis:
     several = {each.name: each for selection in reversed(selections) for each in _found(selection, work.seed)}
     found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
-    remains = [each for selection in selections for each in _unexplained(selection, work.seed)]
+    remains = [each for selection in selections for each in unexplained(selection)]
     untestable = list(_untestable(work, cut, short, selections))
     verdict = _verdict(found, remains, selections, untestable)
     stages = {effect.name: effect.stage for effect in work.effects}
@@ -97,24 +94,22 @@ def assembled(
         warnings=[
             *work.dataset.warnings,
             *doubtful_noise(work.record, cut),
-            *warned(selections),
             *_of_baseline(work, cut),
         ],
         assumptions=[
             *work.dataset.assumptions,
             *filled_in(work.dataset, work.record, built(work.dataset.room) if work.dataset.room else None),
             *logged(selections),
-            *needless(selections),
         ],
         departures=_departures(selections),
-        parts=_parts(work, selections),
+        parts=_parts(work),
         seed=work.seed,
         is_quick=quick,
         compared_with=_days(work.baseline) if work.baseline else "",
         as_built=list(calibrated(work.calibration, work.documented)) if work.calibration else [],
         baseline=list(fits(work.calibration)) if work.calibration else [],
         missing_heat=_missing_heat(work, selections),
-        posterior=joint([selection.posterior for selection in selections if selection.posterior]),
+        posterior=joint([selection.posterior for selection in selections]),
         traces=_traces(work, selections),
     )
 
@@ -122,18 +117,6 @@ def assembled(
 def _days(baseline: Dataset) -> str:
     first, last = (baseline.time[[0, -1]] - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")
     return f"{baseline.name}, {first} to {last}"
-
-
-def _unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
-    for each in unexplained(selection, seed):
-        yield replace(each, probability=_held(selection, UNKNOWN))
-
-
-def _held(selection: Selection, name: str) -> float:
-    """Return how probable an effect, or something unknown, is at a link; no number where nothing is known of it."""
-    if not selection.posterior:
-        return nan
-    return sum(probability for names, probability in selection.posterior.items() if name in names.split("+"))
 
 
 def _missing_heat(work: Work, selections: Sequence[Selection]) -> MissingHeat:
@@ -164,16 +147,16 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             sentence=found.effect.sentence(found.effect.Parameters(**values)),
             group=list(found.group),
             parameters=selection.intervals[found.effect],
-            inclusion=found.inclusion,
-            p=found.candidate.evidence.p,
+            inclusion=found.probability,
+            p=1.0 - found.probability,
             channel=channel,
             gap_before=before.gap(),
             gap_after=after.gap(),
             noise_floor=floor,
             shrink=shrink(before, after, floor, random),
-            is_held_out=bool((before.part == SHRINK).any()),
+            is_held_out=bool((before.part == HELD_OUT).any()),
             alternatives=[_alternative(each) for each in found.others],
-            probability=found.inclusion if selection.posterior else nan,
+            probability=found.probability,
             when=_when(found, values, selection.problem.record),
         )
 
@@ -185,7 +168,7 @@ def _when(found: Found, values: Values, record: Record) -> When:
 
 
 def _alternative(candidate: Candidate) -> Alternative:
-    effect, values = candidate.effect, dict(candidate.fitted.effects)[candidate.effect]
+    effect, values = candidate.effect, candidate.values
     parameters = {name: Interval(value, np.nan, np.nan) for name, value in values.items()}
     return Alternative(effect.name, effect.stage, effect.sentence(effect.Parameters(**values)), parameters)
 
@@ -229,12 +212,18 @@ def _autocorrelation(error: np.ndarray) -> float:
 
 def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tried]:
     named = {name for effect in effects for name in effect.group}
-    for each in sorted(selection.tried, key=lambda c: -c.evidence.gain):
-        evidence = each.evidence
-        figures = evidence.gain, evidence.p, evidence.share
-        why = "" if each.effect.name in named else why_not(selection, each)
-        held = _held(selection, each.effect.name)
-        yield Tried(each.effect.name, each.effect.stage, *figures, evidence.channel, why, held)
+    for each in sorted(selection.tried, key=lambda candidate: -candidate.gain):
+        probability = selection.probability(each.effect.name)
+        yield Tried(
+            name=each.effect.name,
+            stage=each.effect.stage,
+            gain=each.gain,
+            p=1.0 - probability,
+            share=each.share(selection.floor),
+            channel=each.channel,
+            why="" if each.effect.name in named else why_not(selection),
+            probability=probability,
+        )
 
 
 def _untestable(
@@ -304,14 +293,13 @@ def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:
     return {unknown.name: float(value) for unknown, value in pairs}
 
 
-def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence[str]]:
-    """Return first and last day of each part, as the chain has them; a room alone has days in turn."""
-    has_chain = any(not selection.segment.with_room for selection in selections)
-    part = parts_of(work.record, days_in_turn=not has_chain)
+def _parts(work: Work) -> Mapping[str, Sequence[str]]:
+    """Return first and last day of each part: effects are chosen by all days."""
+    part = parts_of(work.record)
     days = (work.dataset.time - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")  # midnight ends a day
     found = {}
-    for name, number in (("fit", FIT), ("select", SELECT), ("shrinkage", SHRINK)):
-        chosen = np.flatnonzero(part == number)
+    for name, numbers in (("fit", (FIT,)), ("select", ALL), ("shrinkage", (HELD_OUT,))):
+        chosen = np.flatnonzero(np.isin(part, numbers))
         if len(chosen):
             found[name] = [str(days[chosen[0]]), str(days[chosen[-1]])]
     return found

@@ -16,7 +16,6 @@ from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
 from waxstudy.diagnosis.calibration.presumed import presumed
 from waxstudy.diagnosis.calibration.room import CalibratedRoom
 from waxstudy.diagnosis.calibration.stored import calibrated as stored
-from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
 from waxstudy.diagnosis.model.room_response import OF_ROOM, built
@@ -26,10 +25,10 @@ from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Diagnosis
-from waxstudy.diagnosis.select.changed import changed
-from waxstudy.diagnosis.select.exact_room import with_exact_room
-from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
+from waxstudy.diagnosis.select.differing import differing
+from waxstudy.diagnosis.select.selection import Selection
 from waxstudy.diagnosis.select.testability import too_short
+from waxstudy.diagnosis.select.weigh import Tick
 from waxstudy.plugin import Belief, Effect
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
@@ -150,7 +149,7 @@ def installed_effects() -> list[EffectType]:
 def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Selection]:
     total = sum(len(of_segment(segment, work.effects)) + 1 for segment in cut) or 1
     done = 0
-    for place, segment in enumerate(cut):
+    for segment in cut:
         effects = of_segment(segment, work.effects)
         first = done
 
@@ -160,54 +159,23 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
             tick(name, done / total)
 
         tick(segment.name, done / total)
-        if not (work.calibration and segment.name in work.calibration.healthy):
-            yield _presumed(work, segment, effects, work.seed + place, step)
-            done = first + len(effects) + 1
-            continue
-        if work.calibration and segment.name in work.calibration.healthy:
-            yield _changed(work, work.calibration, segment, effects, work.seed + place, step)
-            done = first + len(effects) + 1
-            continue
-        selection = _selection(work, segment, effects, work.seed + place, step)
-        if selection.is_late:
-            again = _selection(work, segment, effects, work.seed + place, step, holds_out=False)
-            selection = again if again.found else selection
-        yield with_exact_room(selection, effects, work.seed + place, step)
+        yield _selection(work, segment, effects, step)
         done = first + len(effects) + 1
 
 
-def _changed(
-    work: Work, calibration: Calibration, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick
-) -> Selection:
-    """Return what changed at a link since the healthy record."""
-    record, belief, as_built = work.record, work.belief, calibration.as_built
-    whole = SegmentProblem(segment, record, belief, as_built=as_built, parts=np.full(len(record), FIT))
-    problem = SegmentProblem(segment, record, belief, as_built=as_built, alike=whole)
-    estimator = Estimator(problem, work.thorough, keeps=True)
-    search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
-    return changed(search, calibration.healthy[segment.name], whole, tick)
-
-
-def _presumed(work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
-    """Return what a link differs in from what is believed, by what noise and the form of its model may leave."""
+def _selection(work: Work, segment: Segment, effects: Sequence[EffectType], tick: Tick) -> Selection:
+    """Return what differs at a link from its healthy record, or where none is known from what is believed."""
     record, belief, tolerance = work.record, work.belief, work.dataset.room_tolerance
-    healthy = presumed(segment, record, belief, tolerance, work.thorough)
-    problem = SegmentProblem(segment, record, belief, tolerance, alike=healthy.problem)
-    search = Search(
-        Estimator(problem, work.thorough, keeps=True), effects, np.random.default_rng(seed), lambda name: None
-    )
-    return changed(search, healthy, healthy.problem, tick)
-
-
-def _selection(
-    work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick, holds_out: bool = True
-) -> Selection:
-    tolerance = work.dataset.room_tolerance
-    problem = SegmentProblem(segment, work.record, work.belief, tolerance, holds_out)
-    estimator = Estimator(problem, work.thorough)
+    healthy = work.calibration.healthy.get(segment.name) if work.calibration else None
+    if work.calibration and healthy:
+        as_built, parts = work.calibration.as_built, np.full(len(record), FIT)
+        whole = SegmentProblem(segment, record, belief, as_built=as_built, parts=parts)
+        problem = SegmentProblem(segment, record, belief, as_built=as_built, alike=whole)
+        return differing(problem, healthy, whole, effects, work.thorough, tick)
     try:
-        assert estimator.base
+        known = presumed(segment, record, belief, tolerance, work.thorough)
     except ValueError as error:
         where = "[room]" if segment.stages[0] == "emitter" else "[nominal]"
         raise _wrong(work.dataset, str(error), where) from error
-    return select(estimator, effects, seed, tick)
+    problem = SegmentProblem(segment, record, belief, tolerance, alike=known.problem)
+    return differing(problem, known, known.problem, effects, work.thorough, tick)

@@ -47,7 +47,7 @@ class StageGap:
     regimes: Sequence[Regime]
     autocorrelation: float  # of the error, from one sample to the next
     separate_by: str = ""  # the channel that would tell merged stages apart
-    posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses; where a healthy record is known
+    posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses
 
     @property
     def over_floor(self) -> float:
@@ -124,16 +124,16 @@ class FoundEffect:
     sentence: str
     group: Sequence[str]
     parameters: Mapping[str, Interval]
-    inclusion: float
-    p: float
+    inclusion: float  # its probability
+    p: float  # that none of its group is there
     channel: str
     gap_before: float
     gap_after: float
     noise_floor: float
     shrink: Interval  # on days that its fit has not seen
-    is_held_out: bool = True  # whether these took no part in choosing it either
+    is_held_out: bool = True  # whether there were such days; they took part in choosing it
     alternatives: Sequence[Alternative] = ()  # the rest of its group
-    probability: float = nan  # that it, or one of its group, is there; where a healthy record is known
+    probability: float = nan  # that it, or one of its group, is there
     when: When | None = None
 
 
@@ -144,10 +144,10 @@ class Unexplained:
     stage: str
     gap: float
     noise_floor: float
-    p: float
-    is_room_form: bool = False  # the form of the room's model, which alone is no finding
+    p: float  # that nothing unknown is there
+    is_room_form: bool = False  # within what the form of the room's model leaves, which the probability holds already
     is_covered: bool = False  # within what the believed model's published uncertainty covers
-    is_of_drives: bool = False  # as little as what drives the room and was not recorded could make
+    is_of_drives: bool = False  # within what unrecorded drives leave, which the probability holds already
     channel: str = ""  # that it is judged by
     probability: float = nan  # that something unknown is there
     when: When | None = None  # where it is missed by more at certain times
@@ -163,7 +163,7 @@ class Lack(StrEnum):
     NOT_RECORDED = "not recorded"  # no channel shows its stage
     TOO_LITTLE = "too little"  # of what was recorded, or nothing happened in it
     NOT_EXCITED = "not excited"  # what happened would look the same with it
-    NOT_UNDERSTOOD = "not understood"  # too much stays of the room
+    NOT_UNDERSTOOD = "not understood"  # something unknown is likelier than not in the room
 
 
 @dataclass(frozen=True)
@@ -177,16 +177,16 @@ class Untestable:
 
 @dataclass(frozen=True)
 class Tried:
-    """An effect that was fitted: what it gains on days that took no part in the fit."""
+    """An effect that was fitted to the whole record by itself."""
 
     name: str
     stage: str
-    gain: float
-    p: float
-    share: float  # of the gap above the noise floor
+    gain: float  # of log likelihood
+    p: float  # that it is not there
+    share: float  # of the squared gap above the noise floor
     channel: str = ""  # of which
     why: str = ""  # it is not named; empty of what was found and of its group
-    probability: float = nan  # that it is there, alone or beside others; where a healthy record is known
+    probability: float = nan  # that it is there, alone or beside others
 
 
 @dataclass(frozen=True)
@@ -330,7 +330,7 @@ class Diagnosis:
     parts: Mapping[str, Sequence[str]]  # "fit", "select", "shrinkage" -> first and last day
     seed: int
     is_quick: bool
-    # probability of each hypothesis: names joined by "+", "none", "unknown"; empty without a healthy record
+    # probability of each hypothesis: names joined by "+", "none", "unknown"
     posterior: Mapping[str, float] = field(default_factory=dict)
     compared_with: str = ""  # the healthy record, with its days; empty without one
     as_built: Sequence[Calibrated] = ()

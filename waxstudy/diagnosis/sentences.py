@@ -8,11 +8,10 @@ import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, SUPPLY_AIR
-from waxstudy.diagnosis.criteria import ROOM_STAGES
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Unexplained, Untestable, Verdict
-from waxstudy.diagnosis.select.candidate import Candidate
-from waxstudy.diagnosis.select.search import Selection, Withdrawn
+from waxstudy.diagnosis.select.selection import Selection
+from waxstudy.diagnosis.select.weigh import LIKELIER
 from waxstudy.plugin import LinearRoom, Role
 
 HELD = ("outdoor_temperature_C", "supply_temperature_C", SUN, GAINS)
@@ -45,47 +44,19 @@ def _main_reason(untestable: Sequence[Untestable]) -> str:
     return max(reasons, key=reasons.count, default="it holds too little")
 
 
-def why_not(selection: Selection, candidate: Candidate) -> str:
-    """Return why an effect that was tried is not named."""
-    name = candidate.effect.name
-    if selection.posterior:
-        return "less likely than what is named" if selection.found else "less likely than that nothing changed"
-    for each in selection.withdrawn:
-        if name in each.found.group:
-            return each.criterion.name
-    return candidate.why_not or ("another explains more" if selection.found else "another was better, and withdrawn")
-
-
-def warned(selections: Sequence[Selection]) -> Iterator[str]:
-    """Yield what is to be said of effects that were found and not kept, or kept by days that chose them."""
-    for selection in selections:
-        yield from map(_withdrawn, selection.withdrawn)
-        for found in () if selection.problem.holds_out else selection.found:
-            name = found.effect.name
-            yield f"{name} shows in the last days only: they took part in finding it, none are held out"
-
-
-def _withdrawn(each: Withdrawn) -> str:
-    name, statistic = each.found.effect.name, each.criterion.statistic
-    if statistic == "fresh_share":
-        return f"{name} fitted the first days, but the last days do not confirm it: it is not claimed"
-    if statistic == "distinct":
-        return f"{name} explains a gap, but by its interval it may as well be what is believed: it is not claimed"
-    missed = "the room" if each.found.effect.stage in ROOM_STAGES else each.found.channel
-    return f"{name} explains a part of what {missed} is missed by, but too much stays: not claimed"
+def why_not(selection: Selection) -> str:
+    """Return why an effect that was tried at a link is not named."""
+    if selection.found:
+        return "less likely than what is named"
+    if selection.unknown >= LIKELIER:
+        return "less likely than something unknown"
+    return f"less likely than that {'nothing changed' if selection.is_compared else 'nothing is amiss'}"
 
 
 def logged(selections: Sequence[Selection]) -> list[str]:
     """Return how the record was taken to be logged, where its words leave a choice."""
     chosen = [selection.before.convention for selection in selections if len(selection.segment.conventions) > 1]
     return [convention.words for convention in chosen if convention.words]
-
-
-def needless(selections: Sequence[Selection]) -> Iterator[str]:
-    for selection in selections:
-        if selection.problem.is_exact_room:
-            names = " and ".join(found.effect.name for found in selection.found)
-            yield f"The room is exactly as believed: with {names} nothing has to depart but how it began."
 
 
 def group_sentence(effect: FoundEffect) -> str:

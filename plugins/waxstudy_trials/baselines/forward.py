@@ -5,7 +5,9 @@ It takes a diagnosis' segments and fits, and believes that whitened residual are
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+
+import numpy as np
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import installed_effects
@@ -13,14 +15,14 @@ from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
+from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy_trials.baselines import Json, answer, taken
 
 LEVEL = 0.01  # over the effects of a segment (Bonferroni)
 MOST = 2
 THOROUGH = 0.25
-WHOLE = (FIT, SELECT, SHRINK)
 
 
 def diagnose(dataset: Dataset) -> Json:
@@ -29,7 +31,9 @@ def diagnose(dataset: Dataset) -> Json:
     cut = segments(record, belief)
     found: dict[str, tuple[EffectType, dict[str, float]]] = {}
     for segment in (each for each in cut if not each.is_supply):
-        estimator = Estimator(SegmentProblem(segment, record, belief, dataset.room_tolerance), THOROUGH)
+        whole = np.full(len(record), FIT)
+        problem = SegmentProblem(segment, record, belief, dataset.room_tolerance, parts=whole)
+        estimator = Estimator(problem, THOROUGH)
         for effect, values in _added(estimator, [e for e in installed_effects() if e.stage in segment.stages]):
             found.setdefault(effect.name, (effect, values))
     return answer(dataset, list(found.values()), "" if cut else "nothing to judge")
@@ -40,7 +44,7 @@ def _added(
 ) -> list[tuple[EffectType, dict[str, float]]]:
     current = estimator.base
     for _ in range(MOST):
-        tried = [one for e in effects if e.name not in current.names and (one := estimator.fit(e, current, WHOLE))]
+        tried = list(_one_more(estimator, [each for each in effects if each.name not in current.names], current))
         accepted = [one for one in tried if _gain(current, one) > _threshold(one, len(effects))]
         if not accepted:
             break
@@ -48,9 +52,20 @@ def _added(
     return [(effect, dict(values)) for effect, values in current.effects]
 
 
+def _one_more(
+    estimator: Estimator[SegmentProblem], effects: Sequence[EffectType], current: Hypothesis
+) -> Iterator[Hypothesis]:
+    """Yield a hypothesis with each effect beside a given one."""
+    possible = [each for each in effects if not each.hindrance(estimator.problem.belief_of(current))]
+    if estimator.has_nuisances:
+        yield from Superposed(estimator, estimator.base).fits(possible, current, lambda name: None)
+    else:
+        yield from (one for each in possible if (one := estimator.fit(each, current)))
+
+
 def _loss(fitted: Hypothesis) -> float:
     """Minus twice the logarithm of the likelihood."""
-    return sum(fitted.loss(part) for part in WHOLE)
+    return fitted.loss(FIT)
 
 
 def _gain(current: Hypothesis, one: Hypothesis) -> float:

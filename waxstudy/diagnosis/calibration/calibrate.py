@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
@@ -17,18 +18,16 @@ from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
 from waxstudy.diagnosis.model.segments import Segment, segments
-from waxstudy.diagnosis.observations.partition import ALL, FIT, SELECT
+from waxstudy.diagnosis.observations.partition import ALL, FIT, HELD_OUT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import Belief, Effect, FloatArray
 
-WIDER = 2.5  # than what nobody knows of a room that was built as drawn
 EARLY = 0.6  # of a record, that the rest is predicted from
 MOST_WIDER = 1.5  # times what a fit leaves, that it may leave of days that it has not seen
 ROUNDS = 2
 MOST_ALWAYS = 2  # effects of a link that may have been there from the start
-ALWAYS = 8.0  # log likelihood that each of their parameters must gain
-SCREENED = 0.25  # share of it that they must promise for a closer look
+SCREENED = 0.25  # share of what they must gain, that they must promise for a closer look
 Effects = Sequence[type[Effect]]
 
 
@@ -136,7 +135,7 @@ def _of_chain(
     segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt, thorough: float
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     unknowns = list(knobs(effects, segment.stages, belief))
-    problem = SegmentProblem(segment, record, belief, holds_out=False, unknowns=unknowns)
+    problem = SegmentProblem(segment, record, belief, unknowns=unknowns, parts=np.full(len(record), FIT))
     fitted = _fitted(problem)
     chain = tuple(zip(unknowns, fitted.departures.tolist(), strict=True))
     conventions = {**known.conventions, segment.name: fitted.convention}
@@ -160,11 +159,11 @@ def _with_always(
             return problem, fitted, found
         estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.residuals}
         tried = [
-            (_gain(fitted, one, share) - ALWAYS * len(effect.priors), one)
+            (_gain(fitted, one, share) - _cost(effect), one)
             for effect in named
             if effect not in dict(found)
             and not effect.hindrance(belief)
-            and (one := estimator.fit(effect, fitted, screen=Screen(SCREENED * ALWAYS * len(effect.priors), share)))
+            and (one := estimator.fit(effect, fitted, screen=Screen(SCREENED * _cost(effect), share)))
         ]
         possible = [each for each in tried if not _hinders(named, belief, problem.belief_of(each[1]))]
         best = max(possible, key=lambda each: each[0], default=(0.0, fitted))
@@ -172,6 +171,11 @@ def _with_always(
             return problem, fitted, found
         found += best[1].effects
         belief = problem.belief_of(best[1])
+
+
+def _cost(effect: type[Effect]) -> float:
+    """Return the log likelihood that an effect must gain to count as there from the start."""
+    return LIMITS.always * len(effect.priors)
 
 
 def _hinders(effects: Effects, before: Belief, after: Belief) -> bool:
@@ -198,14 +202,14 @@ def _of_room(
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     lasting = lasting_unknowns(segment, record, belief, effects)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
-    early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, SELECT)
+    early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, HELD_OUT)
     found, problem, last = known, None, None
     rounds = ROUNDS if thorough >= 1.0 else 1
     for turn in range(rounds + 1):
         problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early, alike=problem)
         last = _followed(problem, last)
         if turn < rounds:
-            ahead = Estimator(problem, keeps=True).nuisance_fit(
+            ahead = Estimator(problem).nuisance_fit(
                 (), last.fitted.departures, last.fitted.convention, (FIT,), last.slopes
             )
             found = replace(found, discrepancies=_discrepancies(problem, last.fitted, ahead or last.fitted))
@@ -229,7 +233,7 @@ def lasting_unknowns(segment: Segment, record: Record, belief: Belief, effects: 
     taken = {name for effect in effects for name in effect.absorbs if any(each.effect is effect for each in own)}
     once = {each.name for each in of_record(belief, record, segment.driven_by)}
     rest = [each for each in nuisances(belief, record, segment.driven_by) if each.name not in taken | once]
-    return [*own, *(replace(each, sd=WIDER * each.sd) for each in rest)]
+    return [*own, *(replace(each, sd=LIMITS.departure * each.sd) for each in rest)]
 
 
 def _fitted(problem: SegmentProblem) -> Hypothesis:
@@ -252,7 +256,7 @@ def _settled(problem: SegmentProblem, fitted: Hypothesis) -> Hypothesis:
 
 def _followed(problem: SegmentProblem, last: Followed | None) -> Followed:
     """Return the best fit of a room to the whole record, going on from the last one, which weighed errors otherwise."""
-    estimator = Estimator(problem, keeps=True)
+    estimator = Estimator(problem)
     if last:
         return estimator.follow(last.fitted.departures, last.fitted.convention, ALL, last.place)
     first, *others = problem.conventions
@@ -268,13 +272,13 @@ def _discrepancies(problem: SegmentProblem, fitted: Hypothesis, ahead: Hypothesi
     for within, beyond in zip(fitted.residuals, ahead.residuals, strict=True):
         least_K = problem.record.noise[within.channel] * float(len(within.error) / len(problem.record)) ** 0.5
         discrepancy = Discrepancy.of(within.error, within.judged, least_K)
-        wider = beyond.gap(SELECT) / within.gap() if within.gap() else 1.0
+        wider = beyond.gap(HELD_OUT) / within.gap() if within.gap() else 1.0
         found[within.channel] = replace(discrepancy, sd_K=discrepancy.sd_K * float(np.clip(wider, 1.0, MOST_WIDER)))
-    shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
-    return {channel: replace(each, shared=shared) for channel, each in found.items()}
+    alike = shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
+    return {channel: replace(each, shared=alike) for channel, each in found.items()}
 
 
-def _shared(whitened: Sequence[FloatArray]) -> float:
+def shared(whitened: Sequence[FloatArray]) -> float:
     """Return how many channels tell the same: their number over the effective one, by how they are correlated."""
     values = np.linalg.eigvalsh(np.corrcoef(np.array(whitened))) if len(whitened) > 1 else np.ones(1)
     return float(len(whitened) * np.sum(values**2) / np.sum(values) ** 2)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import HealthyLeft, together
+from waxstudy.diagnosis.calibration.calibrate import HealthyLeft, shared, together
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
@@ -24,7 +25,8 @@ from waxstudy.plugin import Belief
 
 ROUNDS = 2  # of learning what a fit leaves, and fitting again
 LONGEST = 16.0  # quarters of an hour over which a form's errors hang together, at most: longer ones a fit must follow
-EVEN = 3.2  # standard deviations of misfit at which something unknown is as likely as not
+# standard deviations of misfit at which something unknown is as likely as not
+EVEN = float(np.sqrt(2.0 * LIMITS.unknown_price))
 
 
 @dataclass(frozen=True)
@@ -97,11 +99,11 @@ def presumed(segment: Segment, record: Record, belief: Belief, tolerance: float,
     unknowns = nuisances(belief, record, segment.driven_by, tolerance) if segment.with_room else []
     problem = SegmentProblem(segment, record, belief, tolerance, as_built=found, unknowns=unknowns, parts=parts)
     if not segment.with_room:
-        fitted = Estimator(problem, thorough, keeps=True).base
+        fitted = Estimator(problem, thorough).base
         return Presumed(problem, fitted, NoiseFloor.of(problem, fitted).white)
     followed = None
     for _ in range(ROUNDS):
-        estimator = Estimator(problem, thorough, keeps=True)
+        estimator = Estimator(problem, thorough)
         start = followed.fitted.departures if followed else np.zeros(len(problem.sd))
         followed = estimator.follow(start, problem.conventions[0], (FIT,), followed.place if followed else None)
         found = replace(found, discrepancies=_discrepancies(problem, followed.fitted))
@@ -113,8 +115,6 @@ def presumed(segment: Segment, record: Record, belief: Belief, tolerance: float,
 
 
 def _discrepancies(problem: SegmentProblem, fitted: Hypothesis) -> dict[str, Discrepancy]:
-    from waxstudy.diagnosis.calibration.calibrate import _shared
-
     found = {}
     for each in fitted.residuals:
         least_K = _least_K(problem, each)
@@ -123,8 +123,8 @@ def _discrepancies(problem: SegmentProblem, fitted: Hypothesis) -> dict[str, Dis
         # what a large effect does is no form of a room, and nothing to be lenient about
         most = {"sd_K": min(likeliest.sd_K, expected_K), "length": min(likeliest.length, LONGEST)}
         found[each.channel] = replace(likeliest, noise_K=min(likeliest.noise_K, expected_K), **most)
-    shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
-    return {channel: replace(each, shared=shared) for channel, each in found.items()}
+    alike = shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
+    return {channel: replace(each, shared=alike) for channel, each in found.items()}
 
 
 def _least_K(problem: SegmentProblem, residual: Residual) -> float:

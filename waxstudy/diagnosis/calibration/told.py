@@ -7,7 +7,8 @@ from math import isfinite, log, nan
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import WIDER, Calibration
+from waxstudy.diagnosis.calibration.calibrate import Calibration
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.nuisance import Nuisance
@@ -107,7 +108,7 @@ def _leaves_out(interval: Interval, still: float) -> bool:
 
 def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, description: str) -> Calibrated:
     interval = Interval(departure, departure - NORMAL * sd, departure + NORMAL * sd)
-    is_clear = abs(departure) > CLEAR * knob.sd / WIDER and _leaves_out(interval, 0.0)
+    is_clear = abs(departure) > CLEAR * knob.sd / LIMITS.departure and _leaves_out(interval, 0.0)
     return Calibrated(knob.name, interval, 0.0, _in_words(knob, departure, description), part, is_clear)
 
 

@@ -19,7 +19,7 @@ from waxstudy.diagnosis.model.nuisance import of_record
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import HeatBy, HeatPer, HeatPiece, MissingHeat
-from waxstudy.diagnosis.select.search import Selection
+from waxstudy.diagnosis.select.selection import Selection
 from waxstudy.plugin import FloatArray
 
 PIECES_H = (3.0, 6.0, 12.0, 24.0)

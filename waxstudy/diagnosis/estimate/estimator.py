@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from waxstudy.diagnosis.criteria import Question, limit
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
 from waxstudy.diagnosis.estimate.parameter_space import (
     NARROW,
@@ -21,10 +21,10 @@ from waxstudy.diagnosis.estimate.parameter_space import (
     descend,
     valued,
 )
-from waxstudy.diagnosis.estimate.solver import LITTLE, MOST_SD, LeastSquares
+from waxstudy.diagnosis.estimate.solver import LITTLE, LeastSquares
 from waxstudy.diagnosis.estimate.start_points import Screen, StartPoints
-from waxstudy.diagnosis.model.conventions import PLAIN, Convention
-from waxstudy.diagnosis.observations.partition import ALL, BOTH, FIT, SELECT, SHRINK
+from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.observations.partition import ALL, FIT
 from waxstudy.plugin import FloatArray
 
 IMPOSSIBLE = 1e12  # loss of a belief that cannot be
@@ -32,11 +32,9 @@ REFINE = {1: 30, 2: 60, 3: 110}
 REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton
 EVENT_STEPS = 3  # of what once happened, to all days
-AGAIN = 2  # fits of a room from where the last one ended
 TURNS = 4  # most places where the slopes of a room are taken, one after the other
 FAR = 2e-3  # share of the loss that a fit takes away, from which on slopes are taken where it ended
 CLOSE = 1e-5  # share of the loss that is not worth another step, where a step is but one simulation
-PROMISING = 5.0  # loss that an effect must take away from a room for a closer look; a quick look asks for more
 P = TypeVar("P", bound=Problem)
 
 
@@ -52,40 +50,26 @@ class Followed:
 class Estimator(Generic[P]):
     """Fits hypotheses to one problem, always from the same belief. `thorough` below 1 looks at less.
 
-    One that `keeps` slopes takes those of the nuisances at its base, or has them from a fit that came `before`, and
-    keeps them for all else: a room answers nearly in a straight line.
+    Slopes of the nuisances are those at its base, or of a fit that came `before`, and are kept for all else: a room
+    answers nearly in a straight line.
     """
 
-    def __init__(self, problem: P, thorough: float = 1.0, keeps: bool = False, before: Followed | None = None) -> None:
-        self.problem, self.thorough, self.is_quick = problem, thorough, thorough < 1.0
-        self.keeps, self.before = keeps, before
+    def __init__(self, problem: P, thorough: float = 1.0, before: Followed | None = None) -> None:
+        self.problem, self.thorough, self.is_quick, self.before = problem, thorough, thorough < 1.0, before
         self.has_nuisances = len(problem.sd) > 0
-        self.other = limit(Question.CONVENTION, "gain", PLAIN)  # loss by which another convention must be better
-        self._straight: dict[tuple[int, ...], tuple[FloatArray, FloatArray, np.ndarray]] = {}
-        self._on_both: dict[Convention, Hypothesis] = {}
 
     @cached_property
     def base(self) -> Hypothesis:
-        """The belief itself, its room fitted to the first part, read in the way that fits best."""
-        if self.followed:
+        """The belief itself, fitted, and read in the way that fits best."""
+        if self.has_nuisances:
             return self.followed.fitted
-        start = np.zeros(len(self.problem.sd))
-        first = self._best([self.nuisance_fit((), start, self.problem.conventions[0], (FIT,))])
-        known = self.slopes_at(first) if len(self.problem.conventions) > 1 else None
-        others = [
-            self.nuisance_fit((), first.departures, convention, (FIT,), known)
-            for convention in self.problem.conventions[1:]
-        ]
-        return self.settled(self._best([first, *others]))
+        return self._best([self.problem.at((), np.zeros(0), convention) for convention in self.problem.conventions])
 
     @cached_property
-    def followed(self) -> Followed | None:
-        """The belief itself where slopes are kept: fitted from what came before, or from what is believed."""
-        if not self.keeps or not self.has_nuisances:
-            return None
-        start, convention = np.zeros(len(self.problem.sd)), self.problem.conventions[0]
+    def followed(self) -> Followed:
+        """The belief with its nuisances fitted from what came before, or from what is believed."""
         if self.before is None:
-            return self.follow(start, convention, (FIT,))
+            return self.follow(np.zeros(len(self.problem.sd)), self.problem.conventions[0], (FIT,))
         start, slopes = self.before.fitted.departures, self.before.slopes
         fitted = self.nuisance_fit((), start, self.before.fitted.convention, (FIT,), slopes)
         return replace(self.before, fitted=fitted or self.before.fitted)
@@ -109,27 +93,11 @@ class Estimator(Generic[P]):
             place, slopes = best.departures, self.slopes_at(best)
         return Followed(best, slopes, place)
 
-    def base_on_both(self, convention: Convention) -> Hypothesis:
-        """Return the belief itself under a convention, its room fitted to both first parts."""
-        if convention not in self._on_both:
-            self._on_both[convention] = self.refined((), self.base.departures, convention, BOTH) or self.base
-        return self._on_both[convention]
-
-    def settled(self, fitted: Hypothesis) -> Hypothesis:
-        """Return a fit that others are compared with, gone on with to its end: else they gain what it had left."""
-        for _ in range(AGAIN if self.has_nuisances and not self.keeps else 0):
-            fitted = (
-                self.nuisance_fit(fitted.effects, fitted.departures, fitted.convention, (FIT,), most=STEPS) or fitted
-            )
-        return fitted
-
-    def with_best_convention(self, fitted: Hypothesis) -> Hypothesis:
-        """Return a fit read in the way that suits it best: what had to be undone before may be needless now."""
-        others = [each for each in self.conventions if each != fitted.convention]
-        again = [self.refined(fitted.effects, fitted.departures, convention) for convention in others]
-        best = self._best([fitted, *again])
-        needed = self.other * self.form_share(fitted)
-        return best if self.fair_score(best, BOTH) < self.fair_score(fitted, BOTH) - needed else fitted
+    def base_as(self, convention: Convention) -> Hypothesis:
+        """Return the belief itself under a convention of the record."""
+        if convention == self.base.convention:
+            return self.base
+        return self.refined((), self.base.departures, convention) or self.base
 
     @cached_property
     def conventions(self) -> Sequence[Convention]:
@@ -140,7 +108,7 @@ class Estimator(Generic[P]):
         done = [each for each in tried if each is not None]
         if not done:
             raise ValueError(f"what is believed of {self.problem.name} cannot be simulated")
-        return min(done, key=lambda each: self.fair_score(each, BOTH))
+        return min(done, key=lambda each: self.fair_score(each, (FIT,)))
 
     def score(self, fitted: Hypothesis | None, parts: Sequence[int]) -> float:
         """Return what a fit misses on some parts, with how far its departures went; much where it cannot be."""
@@ -156,74 +124,41 @@ class Estimator(Generic[P]):
         noise = self.problem.drive_noise(fitted) if self.problem.discounts_noise else {}
         return self.score(fitted, parts) - sum(noise.get(part, 0.0) for part in parts)
 
-    def of_other(self, convention: Convention, given: Hypothesis) -> float:
-        """Return by how much a convention must be better than a given one: an effect may do no more than undo it."""
-        return 0.0 if convention == given.convention else self.other
-
     def strain(self, fitted: Hypothesis) -> float:
         """Return the squares of the room's departures, in standard deviations."""
         if not self.has_nuisances:
             return 0.0
         return float(np.sum((self.problem.prior @ (fitted.departures / self.problem.sd)) ** 2))
 
-    def form_share(self, fitted: Hypothesis) -> float:
-        """Return the square of what a room leaves, over that of what its form may leave, at most 1; 1 without a room.
-
-        A room as believed that leaves far less, and did not have to depart for it, shows that its form is better than
-        stated. Each channel counts once a day, as what a form leaves comes again every day.
-        """
-        if not self.has_nuisances:
-            return 1.0
-        days = [len(np.unique(each.block[each.judged & (each.part != SHRINK)])) for each in fitted.residuals]
-        return min(1.0, (fitted.loss(FIT) + fitted.loss(SELECT) + self.strain(fitted)) / max(1, sum(days)))
-
     def fit(
         self, effect: EffectType, given: Hypothesis, parts: Sequence[int] = (FIT,), screen: Screen | None = None
     ) -> Hypothesis | None:
-        """Return a hypothesis with one more effect, fitted to some parts of the record; None where it cannot be.
+        """Return a hypothesis of a chain with one more effect, fitted to some parts; None where it cannot be.
 
         One that promises too little by a screen is where a straight line has it best.
         """
         if effect.hindrance(self.problem.edited(given.effects, given.departures)):
             return None
-        straight = self.straight(tuple(parts)) if self.has_nuisances else None
-        look = StartPoints(self.problem, self.score, effect, given, parts, straight, self.thorough, screen)
-        found = [(*look.best(convention), convention) for convention in self.conventions]
+        look = StartPoints(self.problem, self.score, effect, given, parts, self.thorough, screen)
+        found = sorted([(*look.best(convention), convention) for convention in self.conventions], key=itemgetter(0))
         if look.promised and look.is_hopeless:
             _, values, convention = look.promised
             return self.problem.at((*given.effects, (effect, values)), given.departures, convention)
-        possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
-        if self.has_nuisances:
-            # looking closer at each for a room takes too long: the best, and the best where others count less
-            even = min(possible, key=lambda each: each[0] + self.of_other(each[2], given), default=None)
-            possible = [each for each in possible[:1] if each is not even] + ([even] if even else [])
         ends = [
-            self.refined((*given.effects, (effect, values)), given.departures, convention, parts, is_rough=True)
-            for _, values, convention in possible
+            self.refined((*given.effects, (effect, values)), given.departures, convention, parts)
+            for score, values, convention in found
+            if score < IMPOSSIBLE
         ]
-        done = [each for each in ends if each is not None]
-        best = min(
-            done, key=lambda each: self.fair_score(each, parts) + self.of_other(each.convention, given), default=None
-        )
-        promising = PROMISING * self.form_share(given) / self.thorough
-        if best and self.has_nuisances and self.score(best, parts) < self.score(given, parts) - promising:
-            return self.refined(best.effects, best.departures, best.convention, parts, is_rough=self.is_quick)
-        return best
 
-    def straight(self, parts: tuple[int, ...]) -> tuple[FloatArray, FloatArray, np.ndarray]:
-        """Return how the room follows at the base: slopes, what solves for the departures, which residuals are fitted.
+        def cost(each: Hypothesis) -> float:
+            # an effect may do no more than undo another reading of the record
+            return self.fair_score(each, parts) + (0.0 if each.convention == given.convention else LIMITS.convention)
 
-        Shapes (m, nuisances), (nuisances, m + nuisances), (m,) bool.
-        """
-        if parts not in self._straight:
-            fit = np.concatenate([np.isin(each.part, parts) for each in self.base.residuals])
-            solution = np.linalg.pinv(np.vstack((self.base_slopes[fit], self.problem.prior / self.problem.sd)))
-            self._straight[parts] = self.base_slopes, solution, fit
-        return self._straight[parts]
+        return min((each for each in ends if each is not None), key=cost, default=None)
 
     @cached_property
     def base_slopes(self) -> FloatArray:
-        return self.followed.slopes if self.followed else self.slopes_at(self.base)
+        return self.followed.slopes
 
     def slopes_at(self, fitted: Hypothesis, places: Sequence[int] | None = None) -> FloatArray:
         """Change of the whitened residuals with each departure of the room (m, nuisances), or with some of them."""
@@ -240,21 +175,11 @@ class Estimator(Generic[P]):
         return np.hstack(columns)
 
     def refined(
-        self,
-        effects: Edits,
-        departures: FloatArray,
-        convention: Convention,
-        parts: Sequence[int] = (FIT,),
-        is_rough: bool = False,
+        self, effects: Edits, departures: FloatArray, convention: Convention, parts: Sequence[int] = (FIT,)
     ) -> Hypothesis | None:
-        """Return a hypothesis with all its parameters fitted together from given ones.
-
-        A rough fit takes the room's answer to its departures as it was at the base.
-        """
+        """Return a hypothesis with all its parameters fitted together from given ones."""
         if self.has_nuisances:
-            return self.nuisance_fit(
-                effects, departures, convention, parts, self.base_slopes if is_rough or self.keeps else None
-            )
+            return self.nuisance_fit(effects, departures, convention, parts, self.base_slopes)
         if not any(effect.priors for effect, _ in effects):
             return self.problem.at(effects, departures, convention)
         smooth = effects
@@ -279,7 +204,6 @@ class Estimator(Generic[P]):
         convention: Convention,
         parts: Sequence[int],
         known: FloatArray | None = None,
-        most: int | None = None,
     ) -> Hypothesis | None:
         """Fit departures and effects together by damped Gauss-Newton steps, the departures held by their priors.
 
@@ -287,10 +211,9 @@ class Estimator(Generic[P]):
         """
         if not self.has_nuisances:
             return self.problem.at(effects, departures, convention)
-        problem = LeastSquares(self.problem, effects, convention, parts, is_bounded=self.keeps)
-        little = CLOSE if self.keeps and known is not None and not effects else LITTLE
-        if most is None:
-            most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
+        problem = LeastSquares(self.problem, effects, convention, parts, is_bounded=True)
+        little = CLOSE if known is not None and not effects else LITTLE
+        most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed
         return self._with_events(problem.solved(problem.vector(departures), most, known, little))
 
     def _with_events(self, fitted: Hypothesis | None) -> Hypothesis | None:
@@ -312,7 +235,7 @@ class Estimator(Generic[P]):
         sd, now = self.problem.sd[events], departures[events]
         missed = np.concatenate((fitted.whitened, now / sd))
         steps = -sd * np.linalg.lstsq(np.vstack((self._event_slopes * sd, np.eye(len(sd)))), missed, rcond=None)[0]
-        departures[events] = np.clip(now + share * steps, -MOST_SD * sd, MOST_SD * sd)
+        departures[events] = np.clip(now + share * steps, -LIMITS.departure * sd, LIMITS.departure * sd)
         return self.problem.at(fitted.effects, departures, fitted.convention)
 
     @cached_property

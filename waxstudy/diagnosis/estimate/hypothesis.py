@@ -23,9 +23,8 @@ class Residual:
     whitened: FloatArray  # 0 where nothing is judged
     judged: np.ndarray  # (m,) bool
     block: np.ndarray  # (m,) cycle or day
-    part: np.ndarray  # (m,) FIT, SELECT, SHRINK
+    part: np.ndarray  # (m,) FIT, HELD_OUT
     sample: np.ndarray  # (m,) index of the record's sample
-    form: float = 0.0  # in `unit`: the most that the form of a room's model may leave, as a root mean square
 
     def loss(self, part: int | None = None) -> float:
         chosen = self.whitened if part is None else self.whitened[self.part == part]
@@ -35,10 +34,6 @@ class Residual:
         """Root mean square error in the channel's unit, over what is judged."""
         chosen = self.judged if part is None else self.judged & (self.part == part)
         return float(np.sqrt(np.mean(self.error[chosen] ** 2))) if chosen.any() else 0.0
-
-    def count(self, part: int) -> int:
-        """Samples that are judged of a part, at least 1."""
-        return max(1, int(np.sum(self.judged & (self.part == part))))
 
 
 @dataclass(frozen=True)
@@ -64,10 +59,6 @@ class Hypothesis:
     def whitened(self) -> FloatArray:
         """Whitened residuals of all channels, one after the other."""
         return np.concatenate([each.whitened for each in self.residuals])
-
-    def missed(self, parts: Sequence[int]) -> FloatArray:
-        """Whitened residuals of all channels on some parts."""
-        return np.concatenate([each.whitened[np.isin(each.part, parts)] for each in self.residuals])
 
 
 class Problem(Protocol):

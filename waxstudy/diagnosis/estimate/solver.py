@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from waxstudy.diagnosis.criteria import Question, limit
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
 from waxstudy.diagnosis.estimate.parameter_space import Edits, Space, valued
 from waxstudy.diagnosis.model.conventions import Convention
@@ -15,7 +15,6 @@ from waxstudy.plugin import FloatArray
 LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before
 MOST_DAMPING = 1e4
-MOST_SD = limit(Question.NUISANCE, "deviations")  # how far a departure may go
 
 
 class LeastSquares:
@@ -104,8 +103,8 @@ class LeastSquares:
         normal = slopes.T @ slopes
         normal += damping * np.diag(np.diag(normal) + 1e-9)
         step = np.linalg.solve(normal, -slopes.T @ missed)
-        low = np.concatenate((np.full(self.count, -MOST_SD), np.zeros(len(x) - self.count)))
-        high = np.concatenate((np.full(self.count, MOST_SD), np.ones(len(x) - self.count)))
+        low = np.concatenate((np.full(self.count, -LIMITS.departure), np.zeros(len(x) - self.count)))
+        high = np.concatenate((np.full(self.count, LIMITS.departure), np.ones(len(x) - self.count)))
         free = np.ones(len(x), dtype=bool)
         while self.is_bounded and (out := free & ((x + step < low) | (x + step > high))).any():
             # what would leave the bounds stays there, and the others go where they then are best

@@ -1,21 +1,17 @@
-"""Where to start a fit of an effect: points all over its parameters, the nuisances following in a straight line."""
+"""Where to start a fit of an effect of the chain: points all over its parameters."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from operator import itemgetter
 
-import numpy as np
-
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
-from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.estimate.solver import LeastSquares
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.plugin import FloatArray
 
 STRONGEST = 4.0  # times a point of a first look
-SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
 MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere
 STARTS, STEPS, FAR = 8, 5, 0.1  # such points, steps from each, and the share of a range that their slopes look over
@@ -42,10 +38,7 @@ class Screen:
 
 
 class StartPoints:
-    """Where an effect, added to a hypothesis, may be worth a closer look.
-
-    `straight` is how the nuisances follow: slopes, what solves for them, which residuals are fitted; None without any.
-    """
+    """Where an effect, added to a hypothesis, may be worth a closer look."""
 
     def __init__(
         self,
@@ -54,25 +47,22 @@ class StartPoints:
         effect: EffectType,
         given: Hypothesis,
         parts: Sequence[int],
-        straight: tuple[FloatArray, FloatArray, np.ndarray] | None,
         thorough: float,
         screen: Screen | None = None,
     ) -> None:
         self.screen = screen
         self.promised: tuple[float, Values, Convention] | None = None  # log likelihood, at most, and where
         self.problem, self.score, self.effect, self.given, self.parts = problem, score, effect, given, parts
-        self.straight, self.thorough, self.space = straight, thorough, Space(effect)
+        self.thorough, self.space = thorough, Space(effect)
 
     def best(self, convention: Convention) -> tuple[float, Values]:
         """Return the least score, and the values that it is found at, with one way to read the record."""
         tried = [*self.space.points(self.thorough), *self.effect.starts(self.problem.belief)]
         looks = [self._with(values, convention) for values in tried]
         self._screened(tried, looks, convention)
-        more = self._scaled(tried, looks, convention)
-        looks += [self._with(values, convention) for values in more]
         scores = [self.score(each, self.parts) for each in looks]
-        found = sorted(zip(scores, [*tried, *more], strict=True), key=itemgetter(0))
-        if self.straight or len(self.space.names) < MANY or self.is_hopeless:
+        found = sorted(zip(scores, tried, strict=True), key=itemgetter(0))
+        if len(self.space.names) < MANY or self.is_hopeless:
             return found[0]
         starts = round(STARTS * min(1.0, self.thorough))
         walked = [self._walked(values, convention) for _, values in found[:starts]]
@@ -84,14 +74,17 @@ class StartPoints:
         return bool(self.screen and self.promised and self.promised[0] < self.screen.least)
 
     def _screened(self, tried: Sequence[Values], looks: Sequence[Hypothesis | None], convention: Convention) -> None:
-        still = self._at(self.given.effects, convention) if self.screen else None
+        still = self.problem.at(self.given.effects, self.given.departures, convention)
+        if self.screen is None or still is None:
+            return
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
-        for values, look in zip(tried, looks, strict=True) if self.screen and still else ():
-            if look is not None and self.screen and still:
-                gain, strength = self.screen.gain(still, look)
-                if self.promised is None or gain > self.promised[0]:
-                    there = self.space.scaled(values, neutral, strength) if neutral else values
-                    self.promised = gain, there, convention
+        for values, look in zip(tried, looks, strict=True):
+            if look is None:
+                continue
+            gain, strength = self.screen.gain(still, look)
+            if self.promised is None or gain > self.promised[0]:
+                there = self.space.scaled(values, neutral, strength) if neutral else values
+                self.promised = gain, there, convention
 
     def _walked(self, values: Values, convention: Convention) -> tuple[float, Values]:
         """Return score and values a few steps downhill, by slopes that look far: a point may lie in a hollow.
@@ -103,44 +96,6 @@ class StartPoints:
         found = dict(walked.effects)[self.effect] if walked else values
         return self.score(self._with(found, convention), self.parts), found
 
-    def _scaled(
-        self, tried: Sequence[Values], looks: Sequence[Hypothesis | None], convention: Convention
-    ) -> list[Values]:
-        """Return points as strong as suits the record: a room answers nearly in proportion.
-
-        A window of the right hours, but of thrice the flow, would look worse than none.
-        """
-        given = self.given
-        neutral = self.effect.neutral(self.problem.edited(given.effects, given.departures))
-        still = self._at(given.effects, convention) if self.straight and neutral else None
-        if still is None or neutral is None:
-            return []
-        before = still.missed(self.parts)
-        found = []
-        for values, look in zip(tried, looks, strict=True):
-            change = look.missed(self.parts) - before if look else np.zeros(len(before))
-            along = float(before @ change) / max(float(change @ change), TINY)
-            strength = min(STRONGEST, max(0.0, -along))
-            left = before + strength * change
-            found.append((float(left @ left), self.space.scaled(values, neutral, strength)))
-        return [values for _, values in sorted(found, key=itemgetter(0))[:SCALED]]
-
     def _with(self, values: Values, convention: Convention) -> Hypothesis | None:
-        return self._at((*self.given.effects, (self.effect, values)), convention)
-
-    def _at(self, effects: Edits, convention: Convention) -> Hypothesis | None:
-        """Return a hypothesis with the room's departures where they would go, were everything straight from here."""
-        fitted = self.problem.at(effects, self.given.departures, convention)
-        if fitted is None or self.straight is None:
-            return fitted
-        (slopes, solution, fit), sd = self.straight, self.problem.sd
-        whole = fitted.whitened
-        step = -solution @ np.concatenate((whole[fit], self.problem.prior @ (fitted.departures / sd)))
-        step = np.clip(fitted.departures + step, -MOST_SD * sd, MOST_SD * sd) - fitted.departures
-        moved = _parted(whole + slopes @ step, fitted)
-        return replace(fitted, residuals=[replace(e, whitened=v) for e, v in zip(fitted.residuals, moved, strict=True)])
-
-
-def _parted(whole: FloatArray, fitted: Hypothesis) -> Sequence[FloatArray]:
-    """Return a vector of all channels as one of each."""
-    return np.split(whole, np.cumsum([len(each.whitened) for each in fitted.residuals])[:-1])
+        effects = (*self.given.effects, (self.effect, values))
+        return self.problem.at(effects, self.given.departures, convention)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from waxstudy.diagnosis.criteria import Question, limit
+from waxstudy.diagnosis.criteria import LIMITS
+
+FREER = 7.0  # times as much must a convention be better that has most freedom
 
 
 @dataclass(frozen=True)
@@ -24,14 +26,9 @@ class Convention:
         return sum(one != another for one, another in zip(self._choices, other._choices, strict=True))
 
     @property
-    def is_handicapped(self) -> bool:
-        """Whether it must be better than the others by more: it has most freedom."""
-        return self.is_raw or self.is_late
-
-    @property
     def handicap(self) -> float:
         """Loss by which it must be better than one with less freedom."""
-        return limit(Question.CONVENTION, "gain", self) if self.is_handicapped else 0.0
+        return FREER * LIMITS.convention if self.is_raw or self.is_late else 0.0
 
     @property
     def _choices(self) -> tuple[Any, ...]:

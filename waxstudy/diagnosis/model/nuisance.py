@@ -33,10 +33,10 @@ class Nuisance:
     varies: float = 0.0  # standard deviation of it from one record to another
 
 
-def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float | None = 1.0) -> list[Nuisance]:
+def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float = 1.0) -> list[Nuisance]:
     """Return what the room says of itself, how well its gains are known, how warm it was at first, and lost flows.
 
-    `tolerance` multiplies the spreads of the first two; with None the room is exactly as believed.
+    `tolerance` multiplies the spreads of the first two.
     """
     found = []
     if room := belief.room:
@@ -47,7 +47,7 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float |
             sd = assumed if channel in record.assumed else measured
             found.append(Nuisance(name, sd, _of_input(FIELDS[channel], lambda old, factor: exp(factor) * old)))
     return [
-        *(replace(nuisance, sd=tolerance * nuisance.sd) for nuisance in found if tolerance is not None),
+        *(replace(nuisance, sd=tolerance * nuisance.sd) for nuisance in found),
         *of_record(belief, record, driven_by),
     ]
 

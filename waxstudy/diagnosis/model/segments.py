@@ -9,7 +9,6 @@ from math import prod
 
 import numpy as np
 
-from waxstudy.diagnosis.criteria import ROOM_STAGES
 from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, LONG_S, MEAN, PLAIN, RAW, Convention
 from waxstudy.diagnosis.model.modulator_clock import late_s
 from waxstudy.diagnosis.model.opening_path import cells, path
@@ -40,6 +39,7 @@ SHOWN = {
     "actuator": "displacement",
     "valve": "flow_L_h",
 }
+ROOM_STAGES = ("emitter", "room")
 SUPPLY = "supply_temperature_C"
 STEP_S = 5.0
 # by kind: at the ends of the intervals (n,), their means (n,), and what depends on when a switch was thrown (shifts, n)
@@ -282,11 +282,11 @@ class Prediction:
     """Predicts one segment; what shorter steps change of the room as believed is added to every belief.
 
     With the same flow they change as much of any other. Not of the return, whose first minutes of each pulse are a
-    matter of form, unless that is as believed (`is_exact_room`).
+    matter of form.
     """
 
-    def __init__(self, segment: Segment, record: Record, belief: Belief, is_exact_room: bool) -> None:
-        self.segment, self.record, self.belief, self.is_exact_room = segment, record, belief, is_exact_room
+    def __init__(self, segment: Segment, record: Record, belief: Belief) -> None:
+        self.segment, self.record, self.belief = segment, record, belief
         self._refinements: dict[Convention, Mapping[str, FloatArray]] = {}
         # a room's are means, so that many can be kept
         self._made = record.memory(arrays=4, every=prod(merging(record.interval_s)))
@@ -323,7 +323,6 @@ class Prediction:
             coarse, fine = (
                 self.segment.predict(self.record, self.belief, convention, is_fine=way) for way in (False, True)
             )
-            refined = [channel for channel in fine if channel in OF_AIR_AND_FLOOR or self.is_exact_room]
-            changes = {channel: fine[channel] - coarse[channel] for channel in refined}
+            changes = {channel: fine[channel] - coarse[channel] for channel in fine if channel in OF_AIR_AND_FLOOR}
             self._refinements[convention] = {channel: np.nan_to_num(change) for channel, change in changes.items()}
         return self._refinements[convention]

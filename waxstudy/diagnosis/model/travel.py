@@ -19,20 +19,11 @@ def signal_of(record: Record) -> str:
     return next((name for name in SIGNALS if name in record.binary), otherwise)
 
 
-def travel(record: Record, believed: Belief, other: Belief) -> float:
-    """Return how far another belief moves the opening per switch, over what real actuators are known to stray.
-
-    The believed actuator's `stray_s` is the published |displacement error| integrated over a switch [s]; less than the
-    time at which a sample was taken is known does not count either. Infinite where no signal was recorded.
-    """
-    before, after = opening(record, believed), opening(record, other)
-    if before is None or after is None:
-        return float("inf")
-    return opening_difference_s(record, before - after) / tolerated_s(record, believed)
-
-
 def tolerated_s(record: Record, belief: Belief) -> float:
-    """Return what an opening may be off by per switch: what real actuators stray, or when a sample was taken."""
+    """Return what an opening may be off by per switch [s]: what real actuators stray, or when a sample was taken.
+
+    The believed actuator's `stray_s` is the published |displacement error| integrated over a switch.
+    """
     choice = belief.blocks.get("actuator")
     published_s = choice.component.stray_s if choice and issubclass(choice.component, Actuator) else 0.0
     return float(max(published_s, min(record.interval_s, CELL_S)))

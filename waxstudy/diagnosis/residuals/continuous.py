@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from waxstudy.diagnosis.criteria import FAR_APART_S
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import FloatArray
 
+FAR_APART_S = 300.0  # interval from which on samples hide what happened between them
 CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4  # of an opening within a sample: nobody knows when, nor what flowed meanwhile

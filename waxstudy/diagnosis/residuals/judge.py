@@ -28,13 +28,11 @@ class Judge:
         segment: Segment,
         record: Record,
         belief: Belief,
-        holds_out: bool = True,
-        is_exact_room: bool = False,
         as_built: AsBuilt | None = None,
         parts: np.ndarray | None = None,
     ) -> None:
-        self.segment, self.record, self.is_exact_room = segment, record, is_exact_room
-        self.parts = parts_of(record, days_in_turn=segment.with_room, holds_out=holds_out) if parts is None else parts
+        self.segment, self.record = segment, record
+        self.parts = parts_of(record) if parts is None else parts
         self._as_built = as_built
         self._belief, self._perturbed = belief, self._perturb(belief)
         self.ways = {channel: self._way(channel) for channel in segment.judged}
@@ -52,7 +50,7 @@ class Judge:
         if channel in ONLY_OF_ROOM or (self.segment.with_room and channel in OF_ROOM):
             error = error_of(self._belief, channel)
             known = self._as_built.discrepancies.get(channel) if self._as_built else None
-            return RoomMeans(channel, self.record, self.parts, error, self.is_exact_room, known)
+            return RoomMeans(channel, self.record, self.parts, error, known)
         return Continuous(*common, more)
 
     def _perturb(self, belief: Belief) -> list[Predicted]:

@@ -6,12 +6,10 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
-from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR, Predicted, merging, weighted
+from waxstudy.diagnosis.model.room_response import Predicted, merging, weighted
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import FloatArray, ModelError
 
-STEPPED_K = 0.005  # chosen: what stays of a room that is exactly as believed, in samples of some minutes
-MOST_LEFT = 2.0  # times what a healthy record leaves
 PIECE = 8  # quarters of an hour over which such errors hang together
 
 
@@ -24,20 +22,15 @@ class RoomMeans:
         record: Record,
         parts: np.ndarray,
         error: ModelError,
-        is_exact_room: bool,
         discrepancy: Discrepancy | None = None,
     ) -> None:
         self.channel, self.record, self.parts = channel, record, parts
-        self.form_K = MOST_LEFT * discrepancy.rms_K if discrepancy else error.most_K
         self.discrepancy = discrepancy
         steps, merged = merging(record.interval_s)
         self.samples = steps * merged  # of a mean
         self.measured = self._means()
         self.noise = np.full(len(self.measured), record.noise[channel] / np.sqrt(self.samples))
-        # the return's first minutes of each pulse are blurred whatever the form
-        is_exact = is_exact_room and channel in OF_AIR_AND_FLOOR
-        form_K = np.hypot(STEPPED_K, self.noise) if is_exact else np.hypot(error.typical_K, record.noise[channel])
-        self.scale_K = form_K * PIECE**0.5
+        self.scale_K = np.hypot(error.typical_K, record.noise[channel]) * PIECE**0.5
 
     def residual(self, predicted: Predicted) -> Residual:
         measured, shown = self.measured, predicted[self.channel]
@@ -50,7 +43,7 @@ class RoomMeans:
         where = self.record.day[sample], self.parts[sample], sample
         found = self.discrepancy
         whitened = found.whitened(error, known) if found else error / self.scale_K
-        return Residual(self.channel, "K", error, whitened, known, *where, self.form_K)
+        return Residual(self.channel, "K", error, whitened, known, *where)
 
     def _means(self) -> FloatArray:
         values = self.record.values[self.channel]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import takewhile
-from typing import Any
 
 import numpy as np
 
@@ -17,14 +16,14 @@ from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
 from waxstudy.diagnosis.model.perturbation import Perturbation
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Prediction, Segment
-from waxstudy.diagnosis.observations.partition import BOTH
+from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.plugin import Belief, FloatArray
 
 
 class SegmentProblem:
-    """Implements `estimate.problem.Problem`. In an exact room nothing departs but for how it began."""
+    """Implements `estimate.hypothesis.Problem`."""
 
     def __init__(
         self,
@@ -32,21 +31,19 @@ class SegmentProblem:
         record: Record,
         belief: Belief,
         room_tolerance: float = 1.0,
-        holds_out: bool = True,
-        is_exact_room: bool = False,
         as_built: AsBuilt | None = None,
         unknowns: Sequence[Nuisance] | None = None,
         parts: np.ndarray | None = None,
         alike: SegmentProblem | None = None,  # the same, judged in another way: what it simulated is shared
     ) -> None:
         self.segment, self.record, self.belief, self.name = segment, record, belief, segment.name
-        self.room_tolerance, self.holds_out, self.is_exact_room = room_tolerance, holds_out, is_exact_room
+        self.room_tolerance = room_tolerance
         self.as_built, self.is_calibrating = as_built, unknowns is not None
         known = as_built.conventions.get(segment.name) if as_built else None
         self.conventions: Sequence[Convention] = [known] if known else segment.conventions
         shared: Prediction | None = alike.predicted if alike else None
-        self.predicted: Prediction = shared or Prediction(segment, record, belief, is_exact_room)
-        self.judge = Judge(segment, record, belief, holds_out, is_exact_room, as_built, parts)
+        self.predicted: Prediction = shared or Prediction(segment, record, belief)
+        self.judge = Judge(segment, record, belief, as_built, parts)
         self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
         self.prior = self._prior()
@@ -58,8 +55,7 @@ class SegmentProblem:
 
     def _nuisances(self) -> list[Nuisance]:
         if self.as_built is None:
-            tolerance = None if self.is_exact_room else self.room_tolerance
-            return nuisances(self.belief, self.record, self.segment.driven_by, tolerance)
+            return nuisances(self.belief, self.record, self.segment.driven_by, self.room_tolerance)
         sd = np.sqrt(np.diag(self.as_built.covariance)).tolist()
         known = [replace(knob, sd=each) for knob, each in zip(self.as_built.knobs, sd, strict=True)]
         return [*known, *of_record(self.belief, self.record, self.segment.driven_by)]
@@ -76,12 +72,16 @@ class SegmentProblem:
 
     def judged_by(self, as_built: AsBuilt) -> SegmentProblem:
         """Return the same, whose errors are weighed by something else."""
-        same: dict[str, Any] = {"unknowns": self.nuisances, "parts": self.judge.parts, "alike": self}
-        return SegmentProblem(self.segment, self.record, self.belief, self.room_tolerance, as_built=as_built, **same)
-
-    def exact(self) -> SegmentProblem:
-        """Return the same with the room exactly as believed."""
-        return SegmentProblem(self.segment, self.record, self.belief, self.room_tolerance, self.holds_out, True)
+        return SegmentProblem(
+            self.segment,
+            self.record,
+            self.belief,
+            self.room_tolerance,
+            as_built=as_built,
+            unknowns=self.nuisances,
+            parts=self.judge.parts,
+            alike=self,
+        )
 
     def edited(self, effects: Edits, departures: FloatArray) -> Belief:
         belief = self._departed(departures, frozenset(name for effect, _ in effects for name in effect.absorbs))
@@ -124,7 +124,7 @@ class SegmentProblem:
         found: dict[int, float] = {}
         for now, then in zip(self.judge.residuals(still), self.judge.residuals(moved), strict=True):
             if now.channel not in self.record.binary:
-                for part in BOTH:
+                for part in ALL:
                     chosen = now.part == part
                     added = float(np.sum((then.whitened[chosen] - now.whitened[chosen]) ** 2))
                     found[part] = found.get(part, 0.0) + added
@@ -162,11 +162,3 @@ class SegmentProblem:
                     now = self.judge.ways[residual.channel].residual(there)
                     row[end[place] : end[place + 1]] = now.whitened - residual.whitened
         return moved.T
-
-    def without_stand_ins(self, fitted: Hypothesis) -> Hypothesis:
-        """Return a hypothesis without anything in the place of drives that nobody recorded."""
-        belief = self.belief_of(fitted)
-        assert belief.inputs
-        none: dict[str, Any] = dict.fromkeys(belief.inputs.stand_ins, np.zeros(len(belief.inputs.solar_W)))
-        still = self.predicted(replace(belief, inputs=replace(belief.inputs, **none)), fitted.convention)
-        return replace(fitted, residuals=self.judge.residuals(still))

@@ -6,14 +6,15 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
 from waxstudy.diagnosis.model.travel import opening, opening_difference_s
-from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT, SHRINK
+from waxstudy.diagnosis.observations.partition import FIT, HELD_OUT
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval
-from waxstudy.diagnosis.select.null import by_block, redrawn, whole
+from waxstudy.diagnosis.select.blocks import by_block, redrawn
 from waxstudy.plugin import FloatArray, Prior
 
 DRAWS = 1000
@@ -50,12 +51,24 @@ def parameter_intervals(estimator: Estimator[SegmentProblem], fitted: Hypothesis
 
 def _as_good(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Iterator[Hypothesis]:
     """Yield the fits under other conventions that cannot be told from this one."""
-    most = estimator.score(fitted, BOTH) + estimator.other * estimator.form_share(fitted)
+    most = estimator.score(fitted, (FIT,)) + LIMITS.convention * _form_share(estimator, fitted)
     for convention in estimator.conventions:
         if convention != fitted.convention:
-            other = estimator.refined(fitted.effects, fitted.departures, convention, BOTH)
-            if other and estimator.score(other, BOTH) <= most:
+            other = estimator.refined(fitted.effects, fitted.departures, convention)
+            if other and estimator.score(other, (FIT,)) <= most:
                 yield other
+
+
+def _form_share(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> float:
+    """Return the square of what a room leaves, over that of what its form may leave, at most 1; 1 without a room.
+
+    A room as believed that leaves far less, and did not have to depart for it, shows that its form is better than
+    stated. Each channel counts once a day, as what a form leaves comes again every day.
+    """
+    if not estimator.has_nuisances:
+        return 1.0
+    days = [len(np.unique(each.block[each.judged & (each.part == FIT)])) for each in fitted.residuals]
+    return min(1.0, (fitted.loss(FIT) + estimator.strain(fitted)) / max(1, sum(days)))
 
 
 def _reaching(interval: Interval, values: Sequence[float], prior: Prior) -> Interval:
@@ -76,8 +89,7 @@ class _Local:
         self.problem, self.fitted, self.now = problem, fitted, fitted.whitened
         self.spaces = {effect: Space(effect) for effect, _ in fitted.effects}
         self.inside = {effect: self.spaces[effect].inside(values) for effect, values in fitted.effects}
-        _, part, _ = whole(fitted)
-        self.seen = (part == FIT) | (part == SELECT)
+        self.seen = np.concatenate([each.part == FIT for each in fitted.residuals])
         self.rows = [(effect, place) for effect, space in self.spaces.items() for place in range(len(space.names))]
 
     def intervals(self) -> dict[EffectType, dict[str, Interval]]:
@@ -120,7 +132,8 @@ class _Local:
         """Return the standard deviation of each departure and parameter, and how many of them an interval is wide."""
         from scipy.stats import t
 
-        residual, _, block = whole(self.fitted)
+        residual, every = self.fitted.whitened, self.fitted.residuals
+        block = np.concatenate([each.block for each in every])
         seen, missed = self.seen, slopes[self.seen]
         nuisances = len(self.problem.sd)
         prior = 1e-9 * np.eye(nuisances + len(self.rows))
@@ -218,7 +231,7 @@ def shrink(before: Residual, after: Residual, floor: float, random: np.random.Ge
 
     No number where no gap was above the floor there: nothing could shrink.
     """
-    part = SHRINK if (before.part == SHRINK).any() else SELECT
+    part = HELD_OUT if (before.part == HELD_OUT).any() else FIT
     chosen = before.judged & after.judged & (before.part == part)
     if not chosen.any() or np.mean(before.error[chosen] ** 2) <= floor**2:
         return Interval(float("nan"), float("nan"), float("nan"))

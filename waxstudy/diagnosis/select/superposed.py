@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
-from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.partition import ALL
@@ -89,7 +89,7 @@ class Superposed:
         strength = np.clip(-(before @ ways) / power, *bounds)
         gains = -(strength * (before @ ways)) - 0.5 * strength**2 * power
         found: list[tuple[tuple[Edits, FloatArray], float]] = []
-        most = MOST_SD * self.problem.sd
+        most = LIMITS.departure * self.problem.sd
         for place in np.argsort(-gains)[: SEVERAL if len(effect.priors) >= MANY else 1]:
             values = Space(effect).scaled(tried[place], neutral, float(strength[place])) if neutral else tried[place]
             step = np.linalg.solve(self.triangle, -self.basis.T @ (missed + strength[place] * changes[:, place]))

@@ -7,16 +7,18 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.diagnosis.criteria import ROOM_STAGES, Question, limit
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
-from waxstudy.diagnosis.model.segments import SHOWN, Segment
+from waxstudy.diagnosis.model.segments import ROOM_STAGES, SHOWN, Segment
 from waxstudy.diagnosis.observations.record import AIR, Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
-from waxstudy.diagnosis.select.search import OF_AIR, Selection
+from waxstudy.diagnosis.select.selection import Selection
+from waxstudy.diagnosis.select.weigh import LIKELIER, price
 from waxstudy.plugin import CHAIN, Belief, SimulationError
 
 FEW = 0.1  # of a first look's points
 CLEAR = 4  # noticeable steps from neutral that a record should show
+OF_AIR = ("air_temperature_C", "operative_temperature_C")
 LEVELS = ("control_output", "displacement")
 SPARSE_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
@@ -27,11 +29,10 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     """Return why a segment cannot be judged at all, or an empty text."""
     channel = _best_known(segment, record)
     blocks = np.unique((record.day if segment.with_room else record.cycle)[record.settled & _known(record, channel)])
-    least_blocks, least_share = limit(Question.JUDGE, "blocks"), limit(Question.JUDGE, "known_share")
-    if len(blocks) < least_blocks:
+    if len(blocks) < LIMITS.blocks:
         one = "day" if segment.with_room else "cycle"
         found = f"1 {one} of {channel} is" if len(blocks) == 1 else f"{len(blocks)} {one}s of {channel} are"
-        return f"only {found} recorded, {least_blocks:g} are needed"
+        return f"only {found} recorded, {LIMITS.blocks:g} are needed"
     # what stands although it should move shows a dead motor, a signal that is always on one that stands elsewhere
     if _is_constant(record, channel):
         if not _should_move(segment, record, belief, channel):
@@ -39,11 +40,10 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     elif _is_constant(record, segment.driven_by) and not _stands(record, channel):
         return f"{segment.driven_by} never changes in this record"
     share = float(_known(record, channel).mean())
-    if share < least_share:
+    if share < LIMITS.recorded:
         return f"{100 * (1 - share):.0f} % of {channel} is missing"
     judged = float((_known(record, channel) & ~record.is_gap(segment.driven_by)).mean())
-    is_lost = judged < limit(Question.JUDGE, "driven_share")
-    return f"{100 * (1 - judged):.0f} % is lost in gaps of {segment.driven_by}" if is_lost else ""
+    return f"{100 * (1 - judged):.0f} % is lost in gaps of {segment.driven_by}" if judged < LIMITS.recorded else ""
 
 
 def _is_constant(record: Record, channel: str) -> bool:
@@ -100,13 +100,13 @@ def needed(stage: str) -> str:
 def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Untestable]:
     """Yield the effects that a clear departure would not have moved what is recorded by.
 
-    In a room that stays missed by more than its form, none could be told from what is not understood of it.
+    In a room of which something unknown is likely, none could be told from what is not understood of it.
     """
     estimator, problem, base = selection.estimator, selection.problem, selection.before
     missed_K = max((each.gap() for each in selection.after.residuals if each.channel in OF_AIR), default=0.0)
     believed = problem.belief_of(base)
     named = {name for found in selection.found for name in found.group}
-    least = 2.0 * limit(Question.SLIGHT, "gain_per_form") * max(1.0, float(np.mean(base.whitened**2)))
+    scatter, is_poor = max(1.0, float(np.mean(base.whitened**2))), is_not_understood(selection)
     tried = [(convention, problem.at((), base.departures, convention)) for convention in estimator.conventions]
     stills = [(convention, still.whitened) for convention, still in tried if still]
 
@@ -116,20 +116,25 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
         for convention, still in stills:
             if other := problem.at([(effect, values)], base.departures, convention):
                 could_be = True
-                if float(np.sum((other.whitened - still) ** 2)) >= least:
+                if float(np.sum((other.whitened - still) ** 2)) >= 2.0 * price((effect,)) * scatter:
                     return True
         return not could_be
 
     for effect in effects:
         if effect.name in named or effect.hindrance(believed):
             continue
-        departures = [] if selection.is_poor else list(clear(effect, believed))
-        if selection.is_poor:
+        departures = [] if is_poor else list(clear(effect, believed))
+        if is_poor:
             reason = f"the room stays missed by {missed_K:.1f} K whatever is added"
             yield Untestable(effect.name, reason, Lack.NOT_UNDERSTOOD)
         elif departures and not any(moves(effect, values) for values in departures):
             reason = "nothing in this record would look different with it, unless it were large"
             yield Untestable(effect.name, reason, Lack.NOT_EXCITED)
+
+
+def is_not_understood(selection: Selection) -> bool:
+    """Whether something unknown is likelier than not in a room by itself."""
+    return selection.segment.stages == ROOM_STAGES and selection.unknown >= LIKELIER
 
 
 def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]:

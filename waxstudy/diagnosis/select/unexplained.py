@@ -1,123 +1,50 @@
-"""What remains at a segment that nothing of the library explains, and whether that is a finding."""
+"""What remains at a link that nothing of the library explains, and whether that is a finding."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from waxstudy.diagnosis.calibration.calibrate import together
-from waxstudy.diagnosis.criteria import Criterion, Question, criteria, limit, meets
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.result import Unexplained, When, in_floors
-from waxstudy.diagnosis.select.evidence import Left
-from waxstudy.diagnosis.select.null import by_block, redrawn
 from waxstudy.diagnosis.select.patterns import concentrated
-from waxstudy.diagnosis.select.search import Selection, runs_on_at
-from waxstudy.diagnosis.select.weigh import LIKELIER, UNKNOWN
-from waxstudy.plugin import FloatArray
+from waxstudy.diagnosis.select.selection import Selection
+from waxstudy.diagnosis.select.weigh import LIKELIER
 
-DRAWS = 1000
 SURELY = 4.0  # standard deviations of a channel's noise, beyond which a sample is off
 
 
-def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
-    """Yield the channels of a segment whose gap stays over its floor in 99 % of the ways to draw its cycles or days."""
-    if selection.segment.is_supply:
-        return  # the curve is only looked at for a shift
-    if selection.posterior:
-        yield from _unknown(selection)
-        return
-    random = np.random.default_rng([seed, 3])
-    for residual in selection.after.residuals:
-        floor = selection.floor.plain[residual.channel]
-        left = _left(selection, residual, random)
-        if meets(Question.UNKNOWN, left) and residual.channel not in selection.slight:
-            yield _described(selection, residual, floor, left)
-
-
-def _unknown(selection: Selection) -> Iterator[Unexplained]:
+def unexplained(selection: Selection) -> Iterator[Unexplained]:
     """Yield the channel of a link that is missed by most, where something unknown is likelier there than not."""
-    held = sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+"))
-    if held >= LIKELIER:
-        floor = selection.floor.plain
-        worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
-        stage = stage_of(selection, worst.channel)
-        course = concentrated(worst, together(worst), selection.problem.record)
-        when = When(course.words, list(course.spans_h)) if course else None
-        gap = worst.gap(), floor[worst.channel]
-        yield Unexplained(stage, *gap, 1.0 - held, channel=worst.channel, when=when)
-
-
-def _left(selection: Selection, residual: Residual, random: np.random.Generator) -> Left:
-    is_room, channel = selection.segment.with_room, residual.channel
-    bare = Left(is_room, runs_on_at(selection.after, channel))
-    # by what each switch and sample can be known to: one that hangs on noise says little
-    errors, floor = (residual.error, selection.floor.plain) if is_room else (residual.whitened, selection.floor.white)
-    p = _p(residual, errors, limit(Question.UNKNOWN, "over", bare) * floor[channel], random)
-    over = in_floors(residual.gap(), selection.floor.plain[channel])
-    return replace(bare, over=over, p=p, typical=typical(errors[residual.judged]))
-
-
-def _described(selection: Selection, residual: Residual, floor: float, left: Left) -> Unexplained:
-    gap, is_room = residual.gap(), selection.segment.with_room
-    left = replace(
-        left,
-        over_form=in_floors(gap, residual.form),
-        travel=travel_left(selection, residual),
-        of_drives=in_floors(gap, done_by_drives(selection, residual)),
+    if selection.segment.is_supply or selection.unknown < LIKELIER:
+        return  # the heating curve is only looked at for a shift
+    floor = selection.floor.plain
+    worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
+    course = concentrated(worst, together(worst), selection.problem.record)
+    yield Unexplained(
+        stage=stage_of(selection, worst.channel),
+        gap=worst.gap(),
+        noise_floor=floor[worst.channel],
+        p=1.0 - selection.unknown,
+        is_covered=not selection.is_compared and _is_covered(selection, worst),
+        channel=worst.channel,
+        probability=selection.unknown,
+        when=When(course.words, list(course.spans_h)) if course else None,
     )
-    excused = {each.statistic: each.holds(left) for each in _excuses(left)}
-    form, covered, drives = (excused.get(name, False) for name in ("over_form", "travel", "of_drives"))
-    # what a model's form does not leave may as well lie in the emitter
-    stage = selection.segment.name if is_room and not form else stage_of(selection, residual.channel)
-    return Unexplained(stage, gap, floor, left.p, form, covered, drives, residual.channel)
 
 
-def _excuses(left: Left) -> Iterator[Criterion]:
-    return (each for each in criteria() if Question.EXCUSED in each.questions and each.where.applies(left))
-
-
-def done_by_drives(selection: Selection, residual: Residual) -> float:
-    """Return what drives that nobody recorded do to a channel as they were fitted (root mean square, in its unit).
-
-    Another course of them could leave a part of that.
-    """
-    problem, after = selection.problem, selection.after
-    if not problem.record.stand_ins or not residual.judged.any():
-        return 0.0
-    without = problem.without_stand_ins(after).residual_of(residual.channel)
-    return float(np.sqrt(np.mean((without.error - residual.error)[residual.judged] ** 2)))
-
-
-def typical(whitened: FloatArray) -> float:
-    """Return the standard deviations by which those samples are off that make up the gap; of mere noise root 3."""
-    squares = whitened**2
-    return float(np.sqrt(np.sum(squares**2) / max(float(np.sum(squares)), 1e-12)))
-
-
-def _p(residual: Residual, errors: FloatArray, threshold: float, random: np.random.Generator) -> float:
-    """Return how often the mean square over redrawn blocks does not exceed the threshold's."""
-    chosen = residual.judged
-    squares, count = by_block(np.array([errors[chosen] ** 2, np.ones(chosen.sum())]), residual.block[chosen])
-    if len(count) < limit(Question.JUDGE, "blocks"):
-        return 1.0
-    weights = redrawn(len(count), DRAWS, random)
-    means = (weights @ squares) / np.maximum(weights @ count, 1)
-    return float((1 + np.sum(means <= threshold**2)) / (1 + DRAWS))
-
-
-def travel_left(selection: Selection, residual: Residual) -> float:
-    """Return by how much an actuator is missed per switch, over what real ones stray or sampling tells."""
+def _is_covered(selection: Selection, residual: Residual) -> bool:
+    """Whether an actuator is missed per switch by no more than real ones stray from the believed one."""
     problem, channel = selection.problem, residual.channel
     if channel not in ("displacement", "flow_L_h") or "actuator" not in problem.segment.stages:
-        return np.inf
+        return False
     full = 1.0 if channel == "displacement" else float(np.nanmax(problem.record.values["flow_L_h"]))
     beyond_noise = np.abs(residual.error) > SURELY * problem.record.noise[channel]
     missed_s = opening_difference_s(problem.record, residual.error * beyond_noise / full)
-    return missed_s / tolerated_s(problem.record, problem.belief_of(selection.after))
+    return missed_s <= tolerated_s(problem.record, problem.belief_of(selection.after))
 
 
 def stage_of(selection: Selection, channel: str) -> str:

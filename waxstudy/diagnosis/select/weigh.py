@@ -1,4 +1,4 @@
-"""What changed since a healthy record: every hypothesis fitted to the whole record, and how probable it is."""
+"""What may differ at a link: every hypothesis fitted to the whole record, and how probable it is."""
 
 from __future__ import annotations
 
@@ -9,43 +9,31 @@ import numpy as np
 
 from waxstudy.diagnosis.calibration.calibrate import Healthy
 from waxstudy.diagnosis.calibration.presumed import Presumed
+from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.evidence import departure
+from waxstudy.diagnosis.select.departure import departure
 from waxstudy.diagnosis.select.patterns import Pattern, patterns
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.plugin import FloatArray
 
-# constants of the posterior
-PRIOR = 0.02  # of each effect that it came: that of a whole library something did is as likely as not
-PRICE = 2.0  # of a free parameter, in units of log likelihood
-UNKNOWN_PRICE = 5.0  # of leaving something to what is unknown
-SCATTER, COARSE = 0.25, 0.5  # of the logarithm of what healthy records leave; of switches and the return, a few tell
+COARSER = 2.0  # times as much healthy records vary of switches and of the return, of which a few tell
 LEAST_LEFT, LEAST_OFF = 0.3, 1.0  # of what noise leaves, of a channel that runs on and of one that switches
-FORM = 0.1  # of what an effect explains, that its form may leave
-SURE = 1.25  # of the square of a misfit: the log likelihood by which a chain's more can outdo less
-ALIKE = 2.0  # power of the share that an effect leaves: the probability that something unknown looks like it so far
 LEAST_SHARE = 0.03  # of what an effect leaves
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
 SCREENED = 1.0  # of log likelihood that an effect of a chain must promise for a closer look
 DEEPER = 3  # hypotheses that others are tried beside
 LIKELIER = 0.5
-NOTABLE_OF_ROOM = 0.3  # noticeable steps: how much it matters is another question than whether it is there
+NOTABLE = 1.0  # noticeable steps of a chain's effect
 STRONGEST = 4.0  # times what an effect does always, that it may do at times
 UNKNOWN = "unknown"
 NONE = "none"
 Tick = Callable[[str], None]
-
-
-def typical(whitened: FloatArray) -> float:
-    """Return the standard deviations by which those samples are off that make up the gap; of mere noise root 3."""
-    squares = whitened**2
-    return float(np.sqrt(np.sum(squares**2) / max(float(np.sum(squares)), 1e-12)))
 
 
 @dataclass(frozen=True)
@@ -67,7 +55,7 @@ class Weighed:
 
 
 class Weighing:
-    """Weighs what may have changed at one link."""
+    """Weighs what may differ at one link from its healthy record, or from what is presumed of one."""
 
     def __init__(
         self,
@@ -78,13 +66,13 @@ class Weighing:
         tick: Tick,
     ) -> None:
         self.problem, self.tick, self.healthy = problem, tick, healthy
-        self.estimator = Estimator(problem, thorough, keeps=True)
+        self.estimator = Estimator(problem, thorough)
         self.effects = [effect for effect in effects if not effect.hindrance(problem.belief)]
         self.share = self._shares()
         if problem.segment.with_room:
             make: Callable[..., EffectType] = timed  # a cached function takes hashable arguments, which classes are
             self.effects += [make(effect) for effect in self.effects if can_be_timed(effect, problem.belief)]
-        self.none = self.estimator.settled(self.estimator.base)
+        self.none = self.estimator.base
 
     def weighed(self) -> list[Weighed]:
         """Return the hypotheses: none, each effect, and the best few with every other."""
@@ -141,8 +129,8 @@ class Weighing:
             made = [(self._with_pattern(each.fitted, pattern), pattern) for pattern in tried]
             fitted, pattern = min(made, key=lambda pair: self._loss(pair[0]))
             weighed = self.of(fitted)
-            price = weighed.price + PRICE + float(np.log(len(tried)))
-            yield replace(weighed, price=price, pattern=pattern)
+            more = LIMITS.price + float(np.log(len(tried)))
+            yield replace(weighed, price=weighed.price + more, pattern=pattern)
 
     def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> Hypothesis:
         """Return a hypothesis whose effect has a course, at the strength that suits the record best."""
@@ -170,21 +158,20 @@ class Weighing:
         """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
         weighed = self.of(fitted, given.fitted)
         # what the form of the first effect may leave is no second one
-        more = weighed.gain - given.gain - FORM**2 * max(0.0, given.gain)
+        more = weighed.gain - given.gain - LIMITS.form**2 * max(0.0, given.gain)
         spread, most = self._spread(fitted, given.fitted)
         return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
 
     def of(self, fitted: Hypothesis, given: Hypothesis | None = None) -> Weighed:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
-        parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
         gain = 0.5 * (self._loss(self.none) - self._loss(fitted)) - ease
         always = self.healthy.gain(fitted.effects) if fitted.effects else 0.0
         spread, most = self._spread(fitted)
-        price = PRICE * parameters - float(np.log(PRIOR)) * len(fitted.effects)
+        cost = price([effect for effect, _ in fitted.effects])
         names = tuple(sorted(self._notable(fitted)))
         rest = spread, most, self._left(fitted), self._stands(fitted, given or self.none)
-        return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), price, *rest)
+        return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), cost, *rest)
 
     def _stands(self, fitted: Hypothesis, given: Hypothesis) -> float:
         """Return how far what another hypothesis leaves of a chain stands out where this one changes it."""
@@ -197,7 +184,7 @@ class Weighing:
             weight = change if old.unit == "s" else np.full(len(change), change.mean())
             power += float(change.sum())
             missed += float(weight @ old.whitened**2) / self._usual(old) ** 2
-        return max(0.0, 0.5 * float(np.log(missed / power)) / SCATTER) if power and missed else 0.0
+        return max(0.0, 0.5 * float(np.log(missed / power)) / LIMITS.scatter) if power and missed else 0.0
 
     def _usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample, over what it is weighed by."""
@@ -252,7 +239,7 @@ class Weighing:
 
     def _notable(self, fitted: Hypothesis) -> Iterator[str]:
         """Yield the names of effects that depart by more than is worth a name."""
-        least = NOTABLE_OF_ROOM if self.problem.segment.with_room else 1.0
+        least = LIMITS.notable_of_room if self.problem.segment.with_room else NOTABLE
         for effect, values in fitted.effects:
             rest = [each for each in fitted.effects if each[0] is not effect]
             if departure(effect, values, self.problem.edited(rest, fitted.departures)) > least:
@@ -276,12 +263,18 @@ class Weighing:
         is_room = self.problem.segment.with_room
         more = 1.0 if is_room else max(1.0, cycles / count * healthy.samples / healthy.cycles)
         explained = max(0.0, none.loss() - residual.loss()) / count
-        usual = float(np.sqrt(more * usual**2 + FORM**2 * explained))
+        usual = float(np.sqrt(more * usual**2 + LIMITS.form**2 * explained))
         left, before = float(np.sqrt(residual.loss() / count)), healthy.samples
         share = self.share.get(residual.channel, 1.0)
-        own = COARSE if residual.unit == "s" or residual.channel == "return_temperature_C" else SCATTER
+        is_coarse = residual.unit == "s" or residual.channel == "return_temperature_C"
+        own = (COARSER if is_coarse else 1.0) * LIMITS.scatter
         scatter = np.sqrt(own**2 + 0.5 * share / count + 0.5 * share / before)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
+
+
+def price(effects: Sequence[EffectType]) -> float:
+    """Return the log likelihood that effects cost: their parameters, and that each of them came."""
+    return LIMITS.price * sum(len(each.priors) for each in effects) - float(np.log(LIMITS.prior)) * len(effects)
 
 
 def score(weighed: Weighed) -> float:
@@ -298,7 +291,7 @@ def score(weighed: Weighed) -> float:
 def posterior(found: Sequence[Weighed]) -> dict[str, float]:
     """Return the probability of each hypothesis of a link, with something unknown beside it or not; they sum to 1.
 
-    The first is that nothing changed. What was so from the start is no change.
+    The first is that nothing differs. What was so from the start is no change.
     """
     best = max(found, key=score)
     gains = _gains(found, best)
@@ -317,8 +310,8 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
 
 def _mimicked(each: Weighed, gain: float) -> float:
     """Return what speaks for something unknown that looks like an effect: the less likely the more alike."""
-    parameters = PRICE * sum(len(effect.priors) for effect, _ in each.fitted.effects)
-    return gain - max(0.0, each.always) - parameters + ALIKE * float(np.log(each.left)) - UNKNOWN_PRICE
+    parameters = LIMITS.price * sum(len(effect.priors) for effect, _ in each.fitted.effects)
+    return gain - max(0.0, each.always) - parameters + LIMITS.alike * float(np.log(each.left)) - LIMITS.unknown_price
 
 
 def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
@@ -331,7 +324,9 @@ def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
             # days and cycles can speak against it only so much
             gains[place] = max(gains[place], best.gain / best.spread - best.most)
         more = [
-            gains[n] - SURE * other.stands**2 for n, other in enumerate(found) if _is_within(each.fitted, other.fitted)
+            gains[n] - LIMITS.sure * other.stands**2
+            for n, other in enumerate(found)
+            if _is_within(each.fitted, other.fitted)
         ]
         gains[place] = max([gains[place], *more])
     return _with_peers(found, gains)
@@ -344,7 +339,7 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     """
     singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and each.stands < np.inf]
     most = max((gains[place] for place in singles), default=0.0)
-    least = {place: most - UNKNOWN_PRICE - SURE * found[place].misfit ** 2 for place in singles}
+    least = {place: most - LIMITS.unknown_price - LIMITS.sure * found[place].misfit ** 2 for place in singles}
     return [max(gain, least.get(place, gain)) for place, gain in enumerate(gains)]
 
 
@@ -355,7 +350,7 @@ def _is_within(one: Hypothesis, other: Hypothesis) -> bool:
 
 def _add(logs: dict[str, float], names: Sequence[str], value: float, misfit: float) -> None:
     """Take a hypothesis in, with something unknown beside it and without; of several the best counts."""
-    pairs = (("+".join(names) or NONE, 0.5 * misfit**2), ("+".join((*names, UNKNOWN)), UNKNOWN_PRICE))
+    pairs = (("+".join(names) or NONE, 0.5 * misfit**2), ("+".join((*names, UNKNOWN)), LIMITS.unknown_price))
     for key, price in pairs:
         _raise(logs, key.split("+"), value - price)
 

@@ -29,9 +29,7 @@ from waxstudy.report.diagnosis.words import (
     loop_words,
     named,
     number,
-    percent,
     percent_interval,
-    probability,
     quantity,
     rough,
     signed,
@@ -116,7 +114,9 @@ def _likely(diagnosis: Diagnosis) -> str:
     """The likeliest hypotheses of the whole loop, the likeliest first."""
     told = sorted(diagnosis.posterior.items(), key=lambda each: -each[1])
     shown = [each for each in told[:MOST_LIKELY] if each[1] >= LEAST_LIKELY] or told[:1]
-    return ", ".join(f"{chance(probability)} {hypothesis(names)}" for names, probability in shown)
+    return ", ".join(
+        f"{chance(probability)} {hypothesis(names, bool(diagnosis.compared_with))}" for names, probability in shown
+    )
 
 
 def _where(diagnosis: Diagnosis, stage: StageGap) -> str:
@@ -169,11 +169,8 @@ def alternatives(effect: FoundEffect) -> list[str]:
 
 
 def how_sure(effect: FoundEffect) -> str:
-    told = f"Probability {chance(effect.probability)}."
-    if math.isfinite(effect.probability):
-        return f"Probability {chance(effect.probability)}; {effect.when.pattern}." if effect.when else told
-    found = f"{percent(effect.inclusion)} of resampled records" if math.isfinite(effect.inclusion) else ""
-    return f"Found again in {found}; p = {probability(effect.p)}." if found else f"p = {probability(effect.p)}."
+    when = f"; {effect.when.pattern}" if effect.when else ""
+    return f"Probability {chance(effect.probability)}{when}."
 
 
 def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
@@ -187,7 +184,7 @@ def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
 
 def held_out(effects: Sequence[FoundEffect]) -> str:
     """Where shrinkage was judged."""
-    return "on held-out days" if all(effect.is_held_out for effect in effects) else "where its fit has not seen"
+    return "on held-out days" if all(effect.is_held_out for effect in effects) else "on the days of its fit"
 
 
 def _loop(diagnosis: Diagnosis) -> list[str]:
@@ -228,13 +225,8 @@ def _gap_left(diagnosis: Diagnosis, left: Unexplained) -> str:
     gap = with_unit(number(left.gap), unit_of(diagnosis, left))
     channel = f" {channel_words(left.channel)}" if left.channel else ""
     when = f", mostly {left.when.pattern}" if left.when else ""
-    return f"{stage_words(left.stage)}:{channel} {gap}{when}, floor {number(left.noise_floor)}, {_how_sure_of(left)}"
-
-
-def _how_sure_of(left: Unexplained) -> str:
-    if math.isfinite(left.probability):
-        return f"something unknown {chance(left.probability)} probable"
-    return f"p = {probability(left.p)}"
+    unknown = f"something unknown {chance(left.probability)} probable"
+    return f"{stage_words(left.stage)}:{channel} {gap}{when}, floor {number(left.noise_floor)}, {unknown}"
 
 
 def remarks(left: Unexplained) -> list[str]:

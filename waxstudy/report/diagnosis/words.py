@@ -98,12 +98,12 @@ def chance(probability: float) -> str:
     return "over 99 %" if probability > 0.995 else percent(probability)
 
 
-def hypothesis(names: str) -> str:
+def hypothesis(names: str, is_compared: bool) -> str:
     """
-    >>> hypothesis("none"), hypothesis("let-by+unknown")
-    ('nothing changed', 'let-by and something unknown')
+    >>> hypothesis("none", True), hypothesis("none", False), hypothesis("let-by+unknown", True)
+    ('nothing changed', 'nothing amiss', 'let-by and something unknown')
     """
-    told = {"none": "nothing changed", "unknown": "something unknown"}
+    told = {"none": "nothing changed" if is_compared else "nothing amiss", "unknown": "something unknown"}
     return " and ".join(told.get(name, name) for name in names.split("+"))
 
 

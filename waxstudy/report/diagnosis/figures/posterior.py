@@ -1,4 +1,4 @@
-"""What may have changed since the baseline, and how likely each is."""
+"""What may be amiss, or have changed since the baseline, and how likely each is."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ MOST = 8
     "the library, of nothing and of something unknown, and sum to 100 %.",
 )
 def figure_posterior(diagnosis: Diagnosis) -> Figure:
-    """Probabilities [%]; raise `Lacking` where no healthy record is known."""
+    """Probabilities [%]; raise `Lacking` where no link was judged."""
     if not diagnosis.posterior:
-        raise Lacking("no healthy record of the loop is known")
+        raise Lacking("no link of the loop could be judged")
     shown = sorted(diagnosis.posterior.items(), key=lambda each: -each[1])[:MOST]
     figure, panel = one_panel(0.9 + 0.3 * len(shown))
     for place, (_, probability) in enumerate(shown):
@@ -31,7 +31,7 @@ def figure_posterior(diagnosis: Diagnosis) -> Figure:
             chance(probability), (100.0 * probability, place), offset, textcoords="offset points", va="center"
         )
     panel.axvline(0.0, color=BLACK, linewidth=0.8)
-    name_rows(panel, [hypothesis(names) for names, _ in shown])
+    name_rows(panel, [hypothesis(names, bool(diagnosis.compared_with)) for names, _ in shown])
     panel.grid(axis="y", visible=False)
     panel.set(xlim=(0.0, 112.0), xticks=range(0, 101, 25))
     panel.set_xlabel("probability, %")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from waxstudy.diagnosis.result import Diagnosis, Tried
-from waxstudy.report.diagnosis.words import chance, channel_words, percent, probability, stage_words
+from waxstudy.report.diagnosis.words import chance, channel_words, percent, stage_words
 from waxstudy.report.figures.plot import Lacking, drawing, one_panel
 from waxstudy.report.figures.style import BLACK, GREY, legend_of, name_rows
 
@@ -29,11 +28,10 @@ ROOM_FOR_WORDS = 65.0  # % of a scale that is longer than its bars
 @drawing(
     "ranking",
     "Every effect that was tried",
-    "Share of the gap above the noise floor that each effect explains, alone and as large as it fits best, on days "
-    "that its fit has not seen; at the bar its p over all effects tried (family-wise), or with a baseline its "
-    "probability. Black: found. Hatched: in the group of one that was found, and not to be told from it with this "
-    "record. White: not named, for the reason beside it. An effect that two measured channels can show stands twice, "
-    "each with its channel.",
+    "Share of the squared gap above the noise floor that each effect explains, alone and as large as it fits best; at "
+    "the bar its probability. Black: found. Hatched: in the group of one that was found, and not to be told from it "
+    "with this record. White: not named, for the reason beside it. An effect that two measured channels can show "
+    "stands twice, each with its channel.",
 )
 def figure_ranking(diagnosis: Diagnosis) -> Figure:
     """Shares explained [%] of the effects tried; raise `Lacking` where none could be."""
@@ -76,7 +74,7 @@ def role(diagnosis: Diagnosis, tried: Tried) -> str:
 def _bar(panel: Axes, place: int, tried: Tried, role: str) -> None:
     share = min(max(100.0 * tried.share, RANGE[0]), RANGE[1])
     panel.barh(place, share, 0.66, linewidth=0.9, **LOOKS[role])
-    text = chance(tried.probability) if math.isfinite(tried.probability) else f"p {probability(tried.p)}"
+    text = chance(tried.probability)
     text += "" if share == 100.0 * tried.share else f" (explains {percent(tried.share)})"
     text += f"; {tried.why}" if tried.why else ""
     panel.annotate(text, (max(share, 0.0), place), (5, 0), textcoords="offset points", va="center", fontsize=9.0)
