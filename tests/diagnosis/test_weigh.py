@@ -29,7 +29,16 @@ NOTHING = Weighed(
     spread=1.0,
     most=0.0,
 )
-LEAK = replace(NOTHING, names=("infiltration",), gain=30.0, price=6.0, most=50.0, always=-20.0, left=0.05)
+LEAK = replace(
+    NOTHING,
+    fitted=Hypothesis(((EFFECTS["infiltration"], {"factor": 2.0}),), PLAIN, np.zeros(0), ()),
+    names=("infiltration",),
+    gain=30.0,
+    price=6.0,
+    most=50.0,
+    always=-20.0,
+    left=0.05,
+)
 
 
 # --- probabilities -----------------------------------------------------------------------------------
@@ -60,7 +69,21 @@ def test_what_gains_much_is_probable_and_what_gains_little_is_not() -> None:
 
 
 def test_what_leaves_much_may_as_well_be_something_unknown() -> None:
-    assert posterior([NOTHING, replace(LEAK, left=0.9)])["unknown"] > 0.5
+    assert posterior([NOTHING, replace(LEAK, misfit=2.5, left=0.9)])["unknown"] > 0.5
+    assert posterior([NOTHING, replace(LEAK, misfit=2.5, left=0.05)])["infiltration"] > 0.8
+
+
+def test_of_two_that_leave_nothing_the_finer_name_must_be_earned() -> None:
+    coarse = replace(LEAK, names=("coarse",), gain=20.0, price=6.0, stands=5.0)
+    fine = replace(LEAK, names=("fine",), gain=24.0, price=12.0, stands=5.0)
+    assert posterior([NOTHING, coarse, fine])["coarse"] > 0.5
+    assert posterior([NOTHING, replace(coarse, misfit=4.0), fine])["fine"] > 0.6
+
+
+def test_what_no_more_than_noise_stands_out_for_is_no_effect() -> None:
+    """Likelihood alone is not calibrated: on records of nothing gains of a hundred occur."""
+    assert posterior([NOTHING, replace(LEAK, gain=100.0, stands=1.0)])["none"] > 0.8
+    assert posterior([NOTHING, replace(LEAK, gain=100.0, stands=5.0)])["infiltration"] > 0.9
 
 
 def test_what_was_so_from_the_start_is_no_change() -> None:
