@@ -173,9 +173,9 @@ def _selection(work: Work, segment: Segment, effects: Sequence[EffectType], tick
         problem = SegmentProblem(segment, record, belief, as_built=as_built, alike=whole)
         return differing(problem, healthy, whole, effects, work.thorough, tick)
     try:
-        known = presumed(segment, record, belief, tolerance, work.thorough)
+        known = presumed(segment, record, belief, effects, work.thorough)
     except ValueError as error:
         where = "[room]" if segment.stages[0] == "emitter" else "[nominal]"
         raise _wrong(work.dataset, str(error), where) from error
-    problem = SegmentProblem(segment, record, belief, tolerance, alike=known.problem)
+    problem = SegmentProblem(segment, record, belief, unknowns=known.problem.nuisances, alike=known.problem)
     return differing(problem, known, known.problem, effects, work.thorough, tick)

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import HealthyLeft, shared, together
+from waxstudy.diagnosis.calibration.calibrate import Effects, HealthyLeft, lasting_unknowns, shared, together
 from waxstudy.diagnosis.criteria import LIMITS
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
-from waxstudy.diagnosis.model.nuisance import nuisances
+from waxstudy.diagnosis.model.nuisance import Nuisance, of_record
 from waxstudy.diagnosis.model.room_response import error_of
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.partition import FIT
@@ -92,12 +92,16 @@ class Presumed:
         return self._losses[key]
 
 
-def presumed(segment: Segment, record: Record, belief: Belief, tolerance: float, thorough: float) -> Presumed:
+def presumed(segment: Segment, record: Record, belief: Belief, effects: Effects, thorough: float) -> Presumed:
     """Return what a link may leave by what is known of noise and form; of a room the record itself tells how."""
     parts = np.full(len(record), FIT)
     found = AsBuilt((), np.zeros(0), np.zeros((0, 0)))
-    unknowns = nuisances(belief, record, segment.driven_by, tolerance) if segment.with_room else []
-    problem = SegmentProblem(segment, record, belief, tolerance, as_built=found, unknowns=unknowns, parts=parts)
+    unknowns: list[Nuisance] = []
+    if segment.with_room:
+        # no room is as it was drawn: without a healthy record its levels show no effect
+        lasting = lasting_unknowns(segment, record, belief, effects)
+        unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
+    problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=parts)
     if not segment.with_room:
         fitted = Estimator(problem, thorough).base
         return Presumed(problem, fitted, NoiseFloor.of(problem, fitted).white)
