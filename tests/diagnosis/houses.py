@@ -27,10 +27,28 @@ class Event:
         return any(begin <= hour < end for begin, end in self.spans_h)
 
 
+@dataclass(frozen=True)
+class Life:
+    """What parts rooms that are lived in."""
+
+    wander_K: np.ndarray  # (rooms, n) of the air, slow
+    weekday_W: np.ndarray  # (rooms, n) recorded heat, from Monday to Friday
+    gain_W_K: np.ndarray | float = 250.0  # (rooms,) of their thermostats
+    warmer_K: np.ndarray | float = 0.0  # (rooms,) than other rooms
+
+
 def made(
-    seed: int, days: int = 12, rooms: int = 5, events: Sequence[Event] = (), with_gains: bool = True
+    seed: int,
+    days: int = 12,
+    rooms: int = 5,
+    events: Sequence[Event] = (),
+    with_gains: bool = True,
+    lives: bool = False,
 ) -> pd.DataFrame:
-    """Return a record by time: outdoors, sun, and of each room its air [C] and own heat [W], as measured."""
+    """Return a record by time: outdoors, sun, and of each room its air [C] and own heat [W], as measured.
+
+    Rooms that are lived in wander slowly by themselves, have thermostats of their own, and other hours at weekends.
+    """
     rng = np.random.default_rng(seed)
     count = days * 86_400 // STEP_S
     hour = np.arange(count) * STEP_S / 3600.0
@@ -38,7 +56,9 @@ def made(
     cloud = rng.uniform(0.1, 1.0, days)[(hour // 24).astype(int)]
     sun = np.maximum(0.0, np.sin(2 * np.pi * (hour - 6.0) / 24.0)) * 600.0 * cloud
     columns = {"outdoor_temperature_C": outdoor_C + rng.normal(0.0, 0.1, count), "sun": sun}
-    airs, gains = _rooms(rng, hour, outdoor_C, sun, rooms, events)
+    life = _life(seed, hour, rooms) if lives else Life(np.zeros((rooms, count)), np.zeros((rooms, count)))
+    airs, gains = _rooms(rng, hour, outdoor_C, sun, rooms, events, life)
+    airs = airs + life.wander_K
     for room in range(rooms):
         steps = sum(each.sensor_K * np.array([each.acts(h) for h in hour]) for each in events if each.room == room)
         columns[f"room{room}"] = np.round(airs[room] + steps + rng.normal(0.0, 0.05, count), 1)
@@ -55,14 +75,15 @@ def _rooms(
     sun: np.ndarray,
     rooms: int,
     events: Sequence[Event],
+    life: Life,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return air (rooms, n) [C] and own heat (rooms, n) [W]; per room a store of air and one of its structure."""
     count = len(hour)
     of_air, of_mass = rng.uniform(70.0, 130.0, rooms), rng.uniform(1500.0, 3000.0, rooms)  # Wh/K
     outside, inside = rng.uniform(10.0, 20.0, rooms), rng.uniform(80.0, 140.0, rooms)  # W/K
     between, window_m2 = 8.0, rng.uniform(0.2, 0.8, rooms)
-    target = rng.uniform(20.0, 22.0, rooms)
-    gains = _gains(rng, hour, rooms)
+    target = rng.uniform(20.0, 22.0, rooms) + life.warmer_K
+    gains = _gains(rng, hour, rooms) + life.weekday_W
     unknown = np.array([_wandering(rng, count, 25.0, 2.0) for _ in range(rooms)])
     air, mass, heating = target.copy(), target - 0.3, np.full(rooms, 200.0)
     airs = np.zeros((rooms, count))
@@ -75,12 +96,22 @@ def _rooms(
                 heat[each.room] += each.heat_W + each.outside_W_K * (outdoor_C[i] - air[each.room])
                 aim[each.room] -= each.setback_K
         # floor heating: slow, and its thermostat sees to the air
-        heating += step_h / 3.0 * (np.clip(250.0 * (aim - air) + 180.0, 0.0, 700.0) - heating)
+        heating += step_h / 3.0 * (np.clip(life.gain_W_K * (aim - air) + 180.0, 0.0, 700.0) - heating)
         flow = inside * (mass - air) + outside * (outdoor_C[i] - air) + between * (air.mean() - air)
         mass = mass + step_h * (inside * (air - mass) + heating) / of_mass
         air = air + step_h * (flow + heat) / of_air
         airs[:, i] = air
     return airs, gains
+
+
+def _life(seed: int, hour: np.ndarray, rooms: int) -> Life:
+    rng = np.random.default_rng([seed, 1])  # of its own: rooms without it stay what they were
+    count = len(hour)
+    wander = [_wandering(rng, count, rng.uniform(0.2, 0.4), rng.uniform(24.0, 48.0)) for _ in range(rooms)]
+    begin, length = rng.uniform(6.0, 18.0, (2, rooms, 1)) * [[[1.0]], [[0.4]]]
+    at = (hour % 24.0 >= begin) & (hour % 24.0 < begin + length) & ((hour // 24).astype(int) % 7 < 5)
+    weekday = rng.uniform(0.0, 150.0, (rooms, 1)) * at
+    return Life(np.array(wander), weekday, rng.uniform(80.0, 400.0, rooms), rng.uniform(-1.5, 1.0, rooms))
 
 
 def _gains(rng: np.random.Generator, hour: np.ndarray, rooms: int) -> np.ndarray:

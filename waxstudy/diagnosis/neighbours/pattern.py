@@ -19,6 +19,7 @@ class Pattern:
 
     spans: tuple[tuple[int, int], ...]
     taus_h: tuple[float, ...]
+    is_slow: bool = False  # judged on the scale of hours to days
 
     def shapes(self, house: House) -> FloatArray:
         """Return the course of the air for each time constant (n, k), for 1 K that it would come to in the end."""
