@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from waxstudy.diagnosis.neighbours.noise import Fit, fitted
 from waxstudy.diagnosis.neighbours.pattern import Pattern
 from waxstudy.diagnosis.neighbours.series import House, RoomSeries, bridged, common, response
+from waxstudy.diagnosis.neighbours.slow import Slow
 from waxstudy.plugin import FloatArray
 
 HARMONICS = 3  # of a room's ordinary day: waking and sleeping, and cooking in between
@@ -31,6 +33,11 @@ class Control:
     fit: Fit
     healed: Mapping[str, FloatArray]  # the rooms' air without what departs in them
 
+    @cached_property
+    def slow(self) -> Slow:
+        """The room on the scale of hours to days."""
+        return Slow(self.house, self.fit.left_K, self.regressors)
+
     def without(self, number: int) -> Control:
         """Return the room with all its patterns but one."""
         others = [each for i, each in enumerate(self.patterns) if i != number]
@@ -50,6 +57,11 @@ class Control:
         """Return the mean over its hours of what a pattern makes of the air."""
         inside = self.patterns[number].inside(len(self.house))
         return float(self.course_K(number)[inside].mean()) if inside.any() else 0.0
+
+    def told_K(self, number: int) -> float:
+        """Return the size by which a pattern is told: of a slow one where it comes to, else its mean."""
+        course = self.course_K(number)
+        return float(course[np.argmax(np.abs(course))]) if self.patterns[number].is_slow else self.mean_K(number)
 
     @property
     def departure_K(self) -> FloatArray:

@@ -58,6 +58,16 @@ class Happening:
         """The largest of its patterns."""
         return max(self.parts, key=lambda part: abs(self.control.mean_K(part)))
 
+    @property
+    def is_slow(self) -> bool:
+        """Whether its largest part only stood out on the scale of hours to days."""
+        return self.control.patterns[self.main].is_slow
+
+    @property
+    def told_K(self) -> float:
+        """The size by which it is noticed: of a slow one where it comes to, else its mean."""
+        return float(self.course_K[np.argmax(np.abs(self.course_K))]) if self.is_slow else self.size_K.value
+
     @cached_property
     def size_K(self) -> Interval:
         """The mean departure in its hours, with what its ends and the form of the answer leave open."""
@@ -148,7 +158,7 @@ def happenings(control: Control) -> Iterator[Happening]:
         groups = [group for group in groups if group not in touched]
         groups.append({number}.union(*touched))
     found = [Happening(control, tuple(sorted(group))) for group in groups]
-    told = [each for each in found if abs(each.size_K.value) >= NOTICEABLE_K and each.inside.any()]
+    told = [each for each in found if abs(each.told_K) >= NOTICEABLE_K and each.inside.any()]
     yield from sorted(told, key=lambda each: each.spans[0])
 
 

@@ -102,8 +102,10 @@ def _probability(happening: Happening) -> float:
     """Return how likely the room departs, even odds before and what was tried paid for."""
     control = happening.control
     pattern = control.patterns[happening.main]
-    unrest = unrest_of(control.house, control.fit, pattern)
-    odds = 0.5 * gained(control.without(happening.main), pattern) / unrest - log(tried(control.house))
+    without = control.without(happening.main)
+    unrest = 1.0 if pattern.is_slow else unrest_of(control.house, control.fit, pattern)
+    spans = without.slow.tried if pattern.is_slow else tried(control.house)
+    odds = 0.5 * gained(without, pattern) / unrest - log(spans)
     return 1.0 / (1.0 + exp(-min(SURE_LOG, max(-SURE_LOG, odds))))
 
 

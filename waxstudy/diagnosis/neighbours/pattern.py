@@ -19,11 +19,15 @@ class Pattern:
 
     spans: tuple[tuple[int, int], ...]
     taus_h: tuple[float, ...]
-    is_slow: bool = False  # judged on the scale of hours to days
+    lag_h: float | None = None  # of what heats the room, of a pattern that is judged on the scale of hours to days
+
+    @property
+    def is_slow(self) -> bool:
+        return self.lag_h is not None
 
     def shapes(self, house: House) -> FloatArray:
         """Return the course of the air for each time constant (n, k), for 1 K that it would come to in the end."""
-        drive = self.inside(len(house)).astype(float)
+        drive = response(self.inside(len(house)).astype(float), self.lag_h or 0.0, house.step_h)
         return np.column_stack([response(drive, tau_h, house.step_h) for tau_h in self.taus_h])
 
     def inside(self, count: int) -> np.ndarray:

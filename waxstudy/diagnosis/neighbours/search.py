@@ -9,6 +9,7 @@ from math import inf
 
 import numpy as np
 
+from waxstudy.diagnosis.neighbours import slow
 from waxstudy.diagnosis.neighbours.control import Control, controlled
 from waxstudy.diagnosis.neighbours.noise import HUBER
 from waxstudy.diagnosis.neighbours.pattern import Pattern, Scored
@@ -64,7 +65,16 @@ def _best(control: Control) -> Scored | None:
         found = [each for each in found if abs(_mean_K(house, each)) >= NOTICEABLE_K and _shows(control, each)]
         if found:
             return max(found, key=lambda each: each.score)
-    return None
+    return _best_slow(control)
+
+
+def _best_slow(control: Control) -> Scored | None:
+    """Return what stands out most on the scale of hours to days."""
+    scale = control.slow
+    least = 2.0 * np.log(scale.tried * SURE)
+    found = [each for each in scale.best() if each.score - scale.price(each.pattern) >= least]
+    found = [each for each in found if abs(each.size_K) * each.pattern.shapes(control.house).max() >= NOTICEABLE_K]
+    return max(found, key=lambda each: each.score - scale.price(each.pattern), default=None)
 
 
 def _shows(without: Control, each: Scored) -> bool:
@@ -149,12 +159,18 @@ def beside(pattern: Pattern) -> Sequence[Pattern]:
     shortest = min(end - begin for begin, end in pattern.spans)
     ends = [(move, 0) for move in MOVES] + [(0, move) for move in MOVES] + [(move, move) for move in MOVES]
     moved = [pattern.moved(*move) for move in ends if shortest + move[1] - move[0] >= SHORTEST]
-    answers = [*((each,) for each in TAUS_H), *combinations(TAUS_H, 2)]
-    return [*moved, *(replace(pattern, taus_h=each) for each in answers if each != pattern.taus_h)]
+    if pattern.is_slow:
+        others = [replace(pattern, taus_h=(tau_h,), lag_h=lag_h) for tau_h in slow.TAUS_H for lag_h in slow.LAGS_H]
+    else:
+        answers = [*((each,) for each in TAUS_H), *combinations(TAUS_H, 2)]
+        others = [replace(pattern, taus_h=each) for each in answers]
+    return [*moved, *(each for each in others if each != pattern)]
 
 
 def gained(without: Control, pattern: Pattern) -> float:
     """Return what a pattern gains beside all else of a room, twice its log likelihood, less the price of its sizes."""
+    if pattern.is_slow:
+        return without.slow.gained(pattern)
     size_K, precision = sizes(without, pattern)
     return float(size_K @ precision @ size_K) - len(size_K) * float(np.log(len(without.house)))
 
@@ -171,7 +187,7 @@ def sizes(without: Control, pattern: Pattern) -> tuple[FloatArray, FloatArray]:
 
 def _confirmed(control: Control, healed: dict[str, FloatArray]) -> Control:
     """Return a room without patterns that are not noticeable beside the rest."""
-    kept = [each for i, each in enumerate(control.patterns) if abs(control.mean_K(i)) >= NOTICEABLE_K]
+    kept = [each for i, each in enumerate(control.patterns) if abs(control.told_K(i)) >= NOTICEABLE_K]
     if len(kept) == len(control.patterns):
         return control
     return controlled(control.house, control.room, healed, kept)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from waxstudy.diagnosis.neighbours.noise import Fit
 from waxstudy.diagnosis.neighbours.pattern import Pattern, Scored
-from waxstudy.diagnosis.neighbours.series import House, coarse, response
+from waxstudy.diagnosis.neighbours.series import House, coarse
 from waxstudy.diagnosis.neighbours.spans import LEAST_DAYS, days_paid
 from waxstudy.plugin import FloatArray
 
@@ -19,11 +19,13 @@ STEP_H = 2.0  # longer than what a window or a cook leaves, short enough for whe
 MOST_STEPS = 180  # of a record; a longer one is looked at in longer steps
 # how a room comes to where less heat leaves it: linings, a light and a heavy structure
 TAUS_H = (6.0, 18.0, 54.0)
+LAGS_H = (0.0, 3.0)  # of what heats a room, before that: air or radiators, a heated floor or wall
 LENGTHS_H = (12, 16, 20, 24, 30, 36, 48, 60, 72, 96, 120)
 DAILY_H = (6, 8, 10, 12, 14)
 # a room wanders over one of these times, and its quick unrest, over an hour or two, has the rest of the variance
 WANDER_H, QUICK_H = (6.0, 15.0, 40.0, 100.0), 1.5
 SHARES = (0.5, 0.8, 0.95)
+SAME = 0.25  # of its length by which a span is moved, and is still about the same
 LEAST_SHARE = 0.1  # of a shape's weight that the regressors must leave, for it to be seen at all
 TINY = 1e-9
 
@@ -59,7 +61,7 @@ class Slow:
     """A room on a coarse scale: what its neighbours and drives leave of it, and the ways in which it may wander."""
 
     house: House
-    fit: Fit
+    left_K: FloatArray  # (n,)
     regressors: FloatArray  # (n, p)
 
     @cached_property
@@ -75,7 +77,7 @@ class Slow:
 
     @cached_property
     def known(self) -> np.ndarray:
-        return np.isfinite(coarse(self.fit.left_K, self.per_step))
+        return np.isfinite(coarse(self.left_K, self.per_step))
 
     def means(self, shapes: FloatArray) -> FloatArray:
         """Return the means of shapes (n, k) over the coarse steps that are known (m, k)."""
@@ -83,7 +85,7 @@ class Slow:
 
     @cached_property
     def wanders(self) -> list[_Wander]:
-        left = coarse(self.fit.left_K, self.per_step)[self.known]
+        left = coarse(self.left_K, self.per_step)[self.known]
         rows = self.means(self.regressors)
         rows = rows / np.maximum(np.sqrt(np.mean(rows**2, axis=0)), TINY)
         lag_h = np.abs(np.subtract.outer(*2 * (np.flatnonzero(self.known) * self.step_h,)))
@@ -110,41 +112,55 @@ class Slow:
             best = np.minimum(best, loss)
         return self.best_loss - best, sizes
 
+    def gained(self, pattern: Pattern) -> float:
+        """Return what a pattern gains, twice the log likelihood, less the price of its size and of its days."""
+        gain = float(self.gains(self.means(pattern.shapes(self.house)))[0][0])
+        return gain - self.price(pattern)
+
+    def price(self, pattern: Pattern) -> float:
+        """Return what a size costs, and the choice of days."""
+        per_day = round(24.0 / self.house.step_h)
+        days = np.array([begin for begin, _ in pattern.spans]) // per_day
+        paid = which_days_paid(days, -(-len(self.house) // per_day)) if len(days) > 1 else 0.0
+        return float(np.log(len(self.known))) + paid
+
     def best(self) -> Iterator[Scored]:
         """Yield for each answer and length the best single span, and the best hours on several days."""
-        for tau_h in TAUS_H:
+        for answer in product(LAGS_H, TAUS_H):
             for length_h in LENGTHS_H:
                 if 2 * length_h <= len(self.house) * self.house.step_h:
-                    yield self._single(tau_h, length_h)
+                    yield self._single(answer, length_h)
             for length_h in DAILY_H:
-                yield from self._daily(tau_h, length_h)
+                yield from self._daily(answer, length_h)
 
     @property
     def tried(self) -> int:
-        """How many spans are looked at, in all rooms."""
-        count = (len(LENGTHS_H) + len(DAILY_H)) * len(TAUS_H)
-        return count * len(self.known) * len(self.house.rooms)
+        """How many spans are looked at that differ, in all rooms."""
+        record_h = len(self.house) * self.house.step_h
+        singles = sum(max(1.0, record_h / (SAME * each)) for each in LENGTHS_H)
+        count = singles + len(DAILY_H) * 24.0 / self.step_h
+        return round(count * len(LAGS_H) * len(TAUS_H) * len(self.house.rooms))
 
-    def _shapes(self, tau_h: float, length_h: float) -> tuple[FloatArray, int]:
+    def _shapes(self, answer: tuple[float, float], length_h: float) -> tuple[FloatArray, int]:
         """Return the shape of a span from each coarse step on (m, steps), and its length in steps of the house."""
-        count, steps = len(self.house), round(length_h / self.house.step_h)
-        shape = coarse(response((np.arange(count) < steps).astype(float), tau_h, self.house.step_h), self.per_step)
+        steps = round(length_h / self.house.step_h)
+        shape = coarse(Pattern(((0, steps),), answer[1:], answer[0]).shapes(self.house)[:, 0], self.per_step)
         found = np.zeros((len(shape), len(shape)))
         for begin in range(len(shape)):
             found[begin:, begin] = shape[: len(shape) - begin]
         return found[self.known], steps
 
-    def _single(self, tau_h: float, length_h: float) -> Scored:
-        shapes, steps = self._shapes(tau_h, length_h)
+    def _single(self, answer: tuple[float, float], length_h: float) -> Scored:
+        shapes, steps = self._shapes(answer, length_h)
         gains, sizes = self.gains(shapes)
         first = int(np.argmax(gains))
         begin = first * self.per_step
-        pattern = Pattern(((begin, begin + steps),), (tau_h,), True)
+        pattern = Pattern(((begin, begin + steps),), answer[1:], answer[0])
         return Scored(pattern, float(sizes[first]), float(gains[first]), 1.0)
 
-    def _daily(self, tau_h: float, length_h: float) -> Iterator[Scored]:
+    def _daily(self, answer: tuple[float, float], length_h: float) -> Iterator[Scored]:
         """Yield the best hours of the day, on the days that show them most; which days is paid for."""
-        shapes, steps = self._shapes(tau_h, length_h)
+        shapes, steps = self._shapes(answer, length_h)
         _, alone = self.gains(shapes)
         per_day = round(24.0 / self.step_h)
         places = np.arange(shapes.shape[1])
@@ -157,10 +173,10 @@ class Slow:
         if not sets:
             return
         gains, sizes = self.gains(np.column_stack([shapes[:, each].sum(axis=1) for each in sets]))
-        gains -= np.array([which_days_paid(each // per_day, -(-len(places) // per_day)) for each in sets])
-        most = int(np.argmax(gains))
+        paid = np.array([which_days_paid(each // per_day, -(-len(places) // per_day)) for each in sets])
+        most = int(np.argmax(gains - paid))
         begins = [int(each) * self.per_step for each in sets[most]]
-        pattern = Pattern(tuple((begin, begin + steps) for begin in begins), (tau_h,), True)
+        pattern = Pattern(tuple((begin, begin + steps) for begin in begins), answer[1:], answer[0])
         yield Scored(pattern, float(sizes[most]), float(gains[most]), 1.0)
 
 
