@@ -17,7 +17,6 @@ from waxstudy.plugin import FloatArray
 HARMONICS = 3  # of a room's ordinary day: waking and sleeping, and cooking in between
 # chosen: a room answers to each drive at once and later; hours
 TAUS_H = {"outdoors": (4.0, 24.0), "sun": (1.0, 8.0), "own heat": (0.3, 1.0, 8.0), "neighbours": (0.0, 6.0)}
-BEFORE_H = (3.0, 12.0, 48.0)  # in which a room forgets what it was like before the record
 BUSY = 0.2  # of the largest change of own heat: beyond, the room is in use
 
 
@@ -82,8 +81,6 @@ def controlled(
     for order in range(1, HARMONICS + 1):
         angle = 2.0 * np.pi * order * house.hour / 24.0
         columns |= {f"day {order} sin": np.sin(angle), f"day {order} cos": np.cos(angle)}
-    since_h = (np.arange(len(house)) + 0.5) * house.step_h
-    columns |= {f"before {tau_h:g} h": np.exp(-since_h / tau_h) for tau_h in BEFORE_H}
     for kind, name, values in _drives(house, room, healed):
         known &= np.isfinite(values)
         filled = bridged(values)

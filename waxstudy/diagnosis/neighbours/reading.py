@@ -22,6 +22,9 @@ LOST = "heat is lost to a colder place at once, as through an open window or doo
 GAINED = "the air gets heat at once, as of a heater, people or cooking that was not recorded"
 COOLS = "it cools slowly: heating is off, set back or weaker, or a little heat is lost all the time"
 WARMS = "it warms slowly: heating is on for longer or set higher, or heat goes into floor and walls"
+SLOW_COLD = "it cools slowly, by {:.1f} K, from {:%H:%M} on, as if its heating were off or set lower, or a little heat were lost all the time"
+SLOW_WARM = "it warms slowly, by {:.1f} K, from {:%H:%M} on, as if its heating were on for longer or set higher"
+OTHER_DAYS = "; or it departs the other way on the other days"
 SENSOR = "the thermometer steps from one sample to the next and back: its reading, not the room"
 SHADE = "; by day it may be sun kept out, too"
 SUN = "; by day it may be sun let in, too"
@@ -36,10 +39,22 @@ def reading(happening: Happening) -> str:
     house = happening.control.house
     bright = house.is_day[happening.inside].mean() >= BRIGHT
     if happening.size_K.value < 0.0:
+        if happening.is_slow:
+            return _slowly(happening) + (SHADE if bright else "")
         words = (LOST + (RETURNS if is_quick(happening, True) else "")) if is_quick(happening) else COOLS
         return words + (SHADE if bright else "")
+    if happening.is_slow:
+        return _slowly(happening) + (SUN if bright else "") + (OWN if runs_own_heat(happening) else "")
     words = (GAINED + (RETURNS if is_quick(happening, True) else "")) if is_quick(happening) else WARMS
     return words + (SUN if bright else "") + (OWN if runs_own_heat(happening) else "")
+
+
+def _slowly(happening: Happening) -> str:
+    """Return in words how far a slow departure goes, and what it may be."""
+    most, begin = abs(happening.told_K), _at(happening.control.house, happening.spans[0][0])
+    course = (SLOW_COLD if happening.size_K.value < 0.0 else SLOW_WARM).format(most, begin)
+    days = {each % round(24.0 / happening.control.house.step_h) for each, _ in happening.spans}
+    return course + (OTHER_DAYS if len(happening.spans) > 1 and len(days) == 1 else "")
 
 
 def runs_own_heat(happening: Happening) -> bool:
@@ -128,6 +143,8 @@ def _days(days: Sequence[pd.Timestamp], house: House) -> str:
     since = every[every >= days[0]]
     if len(days) >= len(since) - 1 > MOST_DAYS // 2:
         return "every day" if days[0] <= every[1] else f"every day from {_day(days[0])} on"
+    if len(days) > 3 and all((b - a).days == 1 for a, b in zip(days, days[1:], strict=False)):
+        return f"on each day from {_day(days[0])} to {_day(days[-1])}"
     named = ", ".join(_day(each) for each in days[:MOST_DAYS])
     return f"on {named}" + (f" and {len(days) - MOST_DAYS} more days" if len(days) > MOST_DAYS else "")
 

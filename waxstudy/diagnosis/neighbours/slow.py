@@ -25,6 +25,7 @@ DAILY_H = (6, 8, 10, 12, 14)
 # a room wanders over one of these times, and its quick unrest, over an hour or two, has the rest of the variance
 WANDER_H, QUICK_H = (6.0, 15.0, 40.0, 100.0), 1.5
 SHARES = (0.5, 0.8, 0.95)
+BEFORE_H = (3.0, 12.0, 48.0)  # in which a room forgets what it was like before the record
 SAME = 0.25  # of its length by which a span is moved, and is still about the same
 LEAST_SHARE = 0.1  # of a shape's weight that the regressors must leave, for it to be seen at all
 TINY = 1e-9
@@ -86,7 +87,9 @@ class Slow:
     @cached_property
     def wanders(self) -> list[_Wander]:
         left = coarse(self.left_K, self.per_step)[self.known]
-        rows = self.means(self.regressors)
+        since_h = (np.arange(len(self.house)) + 0.5) * self.house.step_h
+        before = [np.exp(-since_h / tau_h) for tau_h in BEFORE_H]
+        rows = self.means(np.column_stack((self.regressors, *before)))
         rows = rows / np.maximum(np.sqrt(np.mean(rows**2, axis=0)), TINY)
         lag_h = np.abs(np.subtract.outer(*2 * (np.flatnonzero(self.known) * self.step_h,)))
         return [
