@@ -7,6 +7,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from waxstudy.results.atomic import PARTIAL
+from waxstudy.results.checksums import SUMS, write_sums
+from waxstudy.results.folder import ORIGIN
 
 
 def contents(folder: Path) -> dict[str, str]:
@@ -14,6 +16,11 @@ def contents(folder: Path) -> dict[str, str]:
     files = [Path(root) / name for root, _, names in os.walk(folder) if PARTIAL not in root for name in names]
     names = {path: path.relative_to(folder).as_posix() for path in files}
     return {names[path]: sha256(path.read_bytes()).hexdigest() for path in files if PARTIAL not in names[path]}
+
+
+def results(folder: Path) -> dict[str, str]:
+    """The same without what says which study's file began the run."""
+    return {name: digest for name, digest in contents(folder).items() if name != ORIGIN}
 
 
 def finished_cases(folder: Path) -> dict[str, str]:
@@ -28,3 +35,11 @@ def computed_at(folder: Path) -> dict[str, tuple[int, int]]:
         f"{path.parent.name.rpartition('_')[0]}/{path.name}": (stat.st_ino, stat.st_mtime_ns)
         for path, stat in files.items()
     }
+
+
+def resum(folder: Path) -> None:
+    """Write the checksums of a run anew, as if what was changed in it had been written so."""
+    for place in folder.glob("cases/*"):
+        write_sums(place / SUMS, {path.name: path for path in place.iterdir() if path.name != SUMS})
+    names = ["run.json", "study.toml", "kpis.csv", *(f"cases/{place.name}/{SUMS}" for place in folder.glob("cases/*"))]
+    write_sums(folder / SUMS, {name: folder / name for name in names})

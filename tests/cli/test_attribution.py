@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from tests.cli.conftest import Entry
-from tests.cli.folders import computed_at, contents, finished_cases
+from tests.cli.folders import computed_at, contents, finished_cases, resum
 from tests.cli.test_bad_input import INVALID, assert_clear
 from tests.cli.test_interruption import INTERRUPTED, start
 from tests.conftest import SMALL, Waxstudy
@@ -172,6 +172,7 @@ def test_a_run_of_other_versions_is_not_mixed_with_new_cases(entry: Entry, small
     (place / f"O_0_january_{old['key']}").rename(place / f"O_0_january_{'0' * 16}")
     old["key"] = "0" * 16
     (small_run / "run.json").write_text(json.dumps(manifest))
+    resum(small_run)
     ended = entry("report", "run", "--attribution")
     assert_clear(ended, INVALID)
     assert "`waxstudy run run/study.toml --out run`" in ended.stderr

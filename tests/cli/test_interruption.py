@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Entry
-from tests.cli.folders import contents, finished_cases
+from tests.cli.folders import contents, finished_cases, results
 from tests.conftest import SMALL, WAXSTUDY, Waxstudy
 
 FAILED, INTERRUPTED = 6, 130
@@ -171,7 +171,7 @@ def test_ctrl_c_ends_a_run_within_a_second_and_keeps_what_is_finished(
 def test_a_disk_that_takes_no_more_fails_the_run_and_leaves_earlier_results(
     waxstudy: Waxstudy, entry: Entry, small_study: Path, small_run: Path, changed: dict[str, str], limit: int
 ) -> None:
-    before = contents(small_run)
+    before = results(small_run)
     for old, new in changed.items():
         small_study.write_text(SMALL.replace(old, new))
 
@@ -181,7 +181,7 @@ def test_a_disk_that_takes_no_more_fails_the_run_and_leaves_earlier_results(
     done = waxstudy("run", "small.toml", "--out", "run", preexec_fn=full)
     assert (done.returncode, done.stdout) == (FAILED, "")
     assert done.stderr == "error: run: the results cannot be written: File too large\n"
-    assert contents(small_run) == before
+    assert results(small_run) == before
     assert entry("report", "run").code == 0
     assert entry("run", "small.toml", "--out", "run").code == 0
 

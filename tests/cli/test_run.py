@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Entry
-from tests.cli.folders import computed_at, contents
+from tests.cli.folders import computed_at, contents, results
 from tests.conftest import SMALL, WAXSTUDY, Waxstudy
 
 CASES = ("O_0", "O_CP", "O_WM")
@@ -24,11 +24,17 @@ def test_a_run_prints_the_comparison_and_last_the_folder_that_it_wrote(waxstudy:
     assert all(case in done.stdout for case in CASES)
     assert done.stdout.splitlines()[-1] == "results/small"
     folder = small_study.parent / "results" / "small"
-    assert {path.name for path in folder.iterdir()} == {"run.json", "study.toml", "kpis.csv", "cases"}
+    files = {"run.json", "study.toml", "kpis.csv", "SHA256SUMS", "origin.json"}
+    assert {path.name for path in folder.iterdir()} == {*files, "cases"}
     cases = list((folder / "cases").iterdir())
     assert sorted(case.name.rpartition("_")[0] for case in cases) == [f"{case}_january" for case in sorted(CASES)]
     for case in cases:
-        assert {path.name for path in case.iterdir()} == {"kpis.csv", "durations.parquet", "traces.parquet"}
+        assert {path.name for path in case.iterdir()} == {
+            "kpis.csv",
+            "durations.parquet",
+            "traces.parquet",
+            "SHA256SUMS",
+        }
 
 
 def test_with_json_stdout_holds_json_and_nothing_else(entry: Entry, small_study: Path, small_run: Path) -> None:
@@ -73,7 +79,7 @@ def test_progress_is_shown_on_a_terminal_and_not_with_quiet(small_study: Path, s
 def test_the_resolved_study_gives_the_same_key_figures_byte_for_byte(entry: Entry, small_run: Path) -> None:
     done = entry("run", small_run / "study.toml", "--out", "again")
     assert done.code == 0, done.stderr
-    first, again = contents(small_run), contents(small_run.parent / "again")
+    first, again = results(small_run), results(small_run.parent / "again")
     assert again["kpis.csv"] == first["kpis.csv"]
     assert again["study.toml"] == first["study.toml"]
     assert again == first

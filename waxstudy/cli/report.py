@@ -83,7 +83,7 @@ def _write(out: Path, text: str) -> None:
 def _folder_or_name(word: str) -> Path | str:
     """Return the run folder of this path or, if it holds no run, the word as the name of a registered reference."""
     from waxstudy.plugin.registry import PluginError, installed
-    from waxstudy.results.run import holds_run
+    from waxstudy.results.folder import holds_run
 
     folder = Path(word)
     if holds_run(folder):
@@ -111,7 +111,8 @@ def render(folder: Path, form: str, against: Path | str | None) -> str:
     """
     from waxstudy.plugin.registry import PluginError
     from waxstudy.report.content import gather
-    from waxstudy.results.run import Run, RunError
+    from waxstudy.results.folder import RunError
+    from waxstudy.results.run import Run
 
     try:
         run = Run(folder)
@@ -134,7 +135,8 @@ def render(folder: Path, form: str, against: Path | str | None) -> str:
 
 def render_attribution(folder: Path, form: str, quiet: bool) -> str:
     """Return the order-free ladder of a run in one of the formats; compute what it needs and the folder lacks."""
-    from waxstudy.results.run import Run, RunError
+    from waxstudy.results.folder import RunError
+    from waxstudy.results.run import Run
 
     try:
         run = Run(folder)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from waxstudy.cli.errors import BACKEND, FAILED, INTERRUPTED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.errors import BACKEND, FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
 
 if TYPE_CHECKING:
     from waxstudy.simulation.run import Progress
@@ -31,7 +31,7 @@ def resumable() -> Iterator[None]:
 def failures(study_file: Path, folder: Path) -> Iterator[None]:
     from waxstudy.plugin import BackendMissing, SimulationError
     from waxstudy.plugin.registry import PluginError
-    from waxstudy.results.run import RunError
+    from waxstudy.results.folder import OtherStudy, RunError
     from waxstudy.simulation.run import InputError
     from waxstudy.study.read import problem_at
 
@@ -44,6 +44,8 @@ def failures(study_file: Path, folder: Path) -> Iterator[None]:
         raise CommandError(str(error), PLUGIN) from error
     except BackendMissing as error:
         raise CommandError(str(error), BACKEND) from error
+    except OtherStudy as error:
+        raise CommandError(str(error), USAGE) from error
     except (SimulationError, RunError) as error:
         raise CommandError(str(error), FAILED) from error
     except OSError as error:

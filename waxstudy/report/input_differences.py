@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import PurePath
 from typing import Any
 
-from waxstudy.results.run import AGAIN, Run, RunError
+from waxstudy.results.folder import RunError
+from waxstudy.results.run import AGAIN, Run
 
 
 def differing_inputs(run: Run, other: Run) -> list[str]:

@@ -40,6 +40,8 @@ def whole_folder(path: Path) -> Iterator[Path]:
     try:
         yield temporary
         temporary.chmod(0o777 & ~UMASK)
+        if path.is_symlink():  # what it leads to is somebody else's
+            path.unlink()
         shutil.rmtree(path, ignore_errors=True)
         os.replace(temporary, path)
     finally:

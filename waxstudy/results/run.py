@@ -1,24 +1,24 @@
 """The run folder, format 1.
 
+    origin.json         which study file the folder belongs to; written when a run begins
     run.json            what was run, provenance, and where each case lies; written last
     study.toml          the resolved study, all defaults filled in
     kpis.csv            one row per case, week and member
-    cases/CASE_WEEK_KEY/ kpis.csv, durations.parquet, traces.parquet of one case in one week
+    SHA256SUMS          of these three and of each case's own; `sha256sum --check` reads it
+    cases/CASE_WEEK_KEY/ kpis.csv, durations.parquet, traces.parquet of one case in one week, and their SHA256SUMS
 
 A trace is stamped at the end of its intervals, as calendar time (`time`) and in seconds from the start of the week
 (`time_s`). Folders of earlier versions have no `time`, and `time_s` in single precision.
 A folder without run.json is a run that has not finished; its cases are used again when it goes on.
-A case that is missing, or cut off by a power failure, is computed again.
+A case that is missing, cut off by a power failure, or changed since it was computed is computed again.
 """
 
 from __future__ import annotations
 
 import json
-import os
 import re
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -27,21 +27,17 @@ from typing import Any
 import pandas as pd
 import tomli_w
 
-from waxstudy.results.atomic import PARTIAL, sole_use, whole_file, whole_folder
+from waxstudy.results.atomic import PARTIAL, whole_file, whole_folder
+from waxstudy.results.checksums import SUMS, changed, write_sums
+from waxstudy.results.folder import CASES, MANIFEST, STUDY, RunError
 from waxstudy.results.kpis import TRACE_CHANNELS
 from waxstudy.results.parquet import TIME, write_parquet
 from waxstudy.study.model import Ladder
 
 FORMAT = 1
-MANIFEST = "run.json"
-CASES = "cases"
-PARQUET_END = b"PAR1"
+OF_CASE = ("kpis.csv", "durations.parquet", "traces.parquet")
 AGAIN = "`waxstudy run` the study again"
 UNITS = {"time": TIME, "time_s": "s", "percent": "%", "member": "1", **TRACE_CHANNELS}
-
-
-class RunError(Exception):
-    """A run folder cannot be read; the message says which file and why."""
 
 
 @dataclass(frozen=True)
@@ -66,58 +62,18 @@ class CaseResult:
     traces: pd.DataFrame
 
 
-@contextmanager
-def run_folder(folder: Path) -> Iterator[None]:
-    """Make a folder for a run, and hold it.
-
-    Raises `RunError` where it holds something else or another run is at work, `OSError` if it cannot be made.
-    """
-    if folder.is_dir() and any(folder.iterdir()) and not holds_run(folder):
-        raise RunError(f"{folder}: this folder is in use and holds no run; choose another with --out")
-    (folder / CASES).mkdir(parents=True, exist_ok=True)
-    with sole_use(folder) as is_ours:
-        if not is_ours:
-            raise RunError(
-                f"{folder}: another run is at work in this folder; wait for it, or choose another with --out"
-            )
-        yield
+def is_finished(folder: Path, case: CaseFolder) -> bool:
+    """Say whether a case has been computed and is as it was written; its folder appears when all of it is written."""
+    return damaged(folder, case) is None
 
 
-def holds_run(folder: Path) -> bool:
-    """Say whether a folder holds what a run leaves, finished or not; False for what cannot be a path."""
-    return any(os.path.exists(folder / name) for name in (MANIFEST, CASES))
-
-
-def is_finished(folder: Path, case: CaseFolder, members: int) -> bool:
-    """Say whether a case has been computed; its folder appears only when all its files are written."""
-    return _cut_off(folder / CASES / case.name, members) is None
-
-
-def _cut_off(place: Path, members: int) -> Path | None:
-    """Return the first file of a case that is missing or not whole: what a power failure or a full copy leaves."""
-    for name, is_whole in FILES.items():
-        try:
-            if is_whole(place / name, members):
-                continue
-        except (OSError, ValueError):
-            pass
-        return place / name
-    return None
-
-
-def _is_whole_csv(path: Path, rows: int) -> bool:
-    text = path.read_text(encoding="utf-8")
-    return text.endswith("\n") and text.count("\n") == 1 + rows
-
-
-def _is_whole_parquet(path: Path, members: int) -> bool:
-    """Parquet files begin and end with their magic number."""
-    with path.open("rb") as file:
-        size = file.seek(-len(PARQUET_END), os.SEEK_END)
-        return size > 0 and file.read() == PARQUET_END
-
-
-FILES = {"kpis.csv": _is_whole_csv, "durations.parquet": _is_whole_parquet, "traces.parquet": _is_whole_parquet}
+def damaged(folder: Path, case: CaseFolder) -> Path | None:
+    """Return the first file of a case that is missing or not as it was written; the case's folder if that is none."""
+    place = folder / CASES / case.name
+    if place.is_symlink() or not place.is_dir():
+        return place
+    name = changed(place, OF_CASE)
+    return place / name if name else None
 
 
 def write_case(folder: Path, case: CaseFolder, result: CaseResult) -> None:
@@ -128,6 +84,7 @@ def write_case(folder: Path, case: CaseFolder, result: CaseResult) -> None:
         # of the channels, seven digits are more than enough; of a stamp they are not
         traces = result.traces.astype(dict.fromkeys(TRACE_CHANNELS, "float32"))
         write_parquet(traces, place / "traces.parquet", UNITS)
+        write_sums(place / SUMS, {name: place / name for name in OF_CASE})
 
 
 def finish(
@@ -139,7 +96,8 @@ def finish(
     provenance: Mapping[str, Any],
 ) -> None:
     """Put the finished cases together and publish them by writing the manifest last."""
-    frames = [_read_kpis(folder / CASES / case.name / "kpis.csv") for case in cases]
+    places = [f"{CASES}/{case.name}" for case in cases]
+    frames = [_read_kpis(folder / place / "kpis.csv") for place in places]
     manifest = {
         "format": FORMAT,
         "study": study["study"]["name"],
@@ -152,12 +110,15 @@ def finish(
     # all are written before the first takes its place, and the manifest, outermost, takes its place last
     with (
         whole_file(folder / MANIFEST) as manifest_path,
-        whole_file(folder / "study.toml") as study_path,
+        whole_file(folder / SUMS) as sums_path,
+        whole_file(folder / STUDY) as study_path,
         whole_file(folder / "kpis.csv") as kpis_path,
     ):
         manifest_path.write_text(json.dumps(manifest, indent=1) + "\n")
         study_path.write_bytes(tomli_w.dumps(dict(study)).encode())
         pd.concat(frames, ignore_index=True).to_csv(kpis_path, index=False)
+        of_cases = {f"{place}/{SUMS}": folder / place / SUMS for place in places}
+        write_sums(sums_path, {MANIFEST: manifest_path, STUDY: study_path, "kpis.csv": kpis_path, **of_cases})
         (folder / MANIFEST).unlink(missing_ok=True)  # no moment at which it names other figures
     _remove_others(folder, {case.name for case in cases})
 
@@ -174,7 +135,8 @@ def _remove_others(folder: Path, keep: set[str]) -> None:
     partial = [*folder.glob(f"{PARTIAL}*"), *folder.glob(f"{CASES}/{PARTIAL}*")]
     for place in [*cases, *partial]:
         if place.name not in keep:
-            shutil.rmtree(place) if place.is_dir() else place.unlink()
+            # a link is removed, and what it leads to stays
+            shutil.rmtree(place) if place.is_dir() and not place.is_symlink() else place.unlink()
 
 
 class Run:
@@ -194,19 +156,12 @@ class Run:
             raise RunError(f"{folder / MANIFEST}: damaged: {error} is missing; {AGAIN}") from None
         except (TypeError, ValueError):
             raise RunError(f"{folder / MANIFEST}: damaged: not as a run writes it; {AGAIN}") from None
-        for case in self.cases:
-            if path := _cut_off(folder / CASES / case.name, self.members):
-                raise RunError(f"{path}: missing or cut off; {AGAIN}")
+        self._check()
 
     @cached_property
     def kpis(self) -> pd.DataFrame:
         """One row per ladder case, week and member (columns of `results.kpis.key_figures` and the shift)."""
-        path = self.folder / "kpis.csv"
-        frame: pd.DataFrame = self._read(path)
-        expected = [(case.case, case.week) for case in self.cases for _ in range(self.members)]
-        found = [frame[name] for name in ("case", "week") if name in frame]
-        if list(zip(*found, strict=True)) != expected or not _is_whole_csv(path, len(expected)):
-            raise RunError(f"{path}: cut off or changed; {AGAIN}")
+        frame: pd.DataFrame = self._read(self.folder / "kpis.csv")
         return frame
 
     def durations(self, case: str, week: str) -> pd.DataFrame:
@@ -219,7 +174,16 @@ class Run:
 
     @property
     def study_file(self) -> Path:
-        return self.folder / "study.toml"
+        return self.folder / STUDY
+
+    def _check(self) -> None:
+        """Raise `RunError` naming a file that is not as the run wrote it."""
+        wrong = (path for case in self.cases if (path := damaged(self.folder, case)))
+        if path := next(wrong, None):
+            raise RunError(f"{path}: {_what_is_wrong(path)}; {AGAIN}")
+        of_cases = [f"{CASES}/{case.name}/{SUMS}" for case in self.cases]
+        if name := changed(self.folder, [MANIFEST, STUDY, "kpis.csv", *of_cases]):
+            raise RunError(f"{self.folder / name}: {_what_is_wrong(self.folder / name)}; {AGAIN}")
 
     def _case(self, case: str, week: str) -> Path:
         return next(self.folder / CASES / c.name for c in self.cases if (c.case, c.week) == (case, week))
@@ -231,6 +195,10 @@ class Run:
             return pd.read_parquet(path)
         except (OSError, ValueError) as error:
             raise RunError(f"{path}: cut off or damaged; {AGAIN}") from error
+
+
+def _what_is_wrong(path: Path) -> str:
+    return "cut off or changed since the run" if path.exists() else "missing"
 
 
 def _manifest(folder: Path) -> dict[str, Any]:

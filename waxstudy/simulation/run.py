@@ -30,8 +30,9 @@ from waxstudy.plugin import (
 )
 from waxstudy.plugin.registry import PluginError, described, installed, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
+from waxstudy.results.folder import run_folder
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
-from waxstudy.results.run import CaseFolder, CaseResult, finish, is_finished, run_folder, write_case
+from waxstudy.results.run import CaseFolder, CaseResult, damaged, finish, write_case
 from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import DAY_S, Loop, Start, Week
@@ -146,24 +147,34 @@ def _named(table: str, load: Callable[[], Any], week: str = "") -> Any:
         raise InputError(table, one_line(str(error))) from error
 
 
-def run(study: Study, folder: Path, *, jit: bool = True, progress: Progress | None = None) -> Plan:
-    """Compute what is missing in the folder and finish it.
+def run(
+    study: Study, folder: Path, *, jit: bool = True, progress: Progress | None = None, replaces: bool = False
+) -> Plan:
+    """Compute what is missing in the folder, or not as it was written, and finish it.
 
     Raises what `prepare` raises, `SimulationError` (naming case and week), `RunError` if the folder is in use,
-    `OSError`, or `KeyboardInterrupt`; what was finished before that is kept.
+    `OtherStudy` if it holds the results of another study's file and does not replace them, `OSError`, or
+    `KeyboardInterrupt`; what was finished before that is kept.
     """
     progress = progress or Progress()
     plan = prepare(study, jit)
     jobs = plan.jobs()
-    with run_folder(folder):
+    with run_folder(folder, study.described(), study.file, replaces=replaces):
         progress.total(len(jobs))
-        missing = [job for job in jobs if not is_finished(folder, job, study.ensemble.members)]
-        for job in jobs:
-            if job not in missing:
-                progress.done(job, False)
+        missing = [job for job in jobs if _is_missing(folder, job, progress)]
         _compute(plan, missing, folder, progress)
         finish(folder, study.described(), list(study.ladders.values()), list(plan.driven), jobs, provenance(plan, jobs))
     return plan
+
+
+def _is_missing(folder: Path, job: CaseFolder, progress: Progress) -> bool:
+    """Whether a case is to be computed; says so of one that was there and is not as it was written."""
+    path = damaged(folder, job)
+    if path is None:
+        progress.done(job, False)
+    elif path.name != job.name:
+        progress.warn(f"{path}: cut off or changed since it was computed; {job.case}, {job.week} is computed again")
+    return path is not None
 
 
 def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Progress) -> None:

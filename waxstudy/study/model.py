@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from pydantic import field_validator
@@ -141,6 +142,7 @@ class Study:
     """Everything a run needs. Weeks and cases keep the order of the file.
 
     `fragments` are the files that blocks were taken from, with their hashes; the blocks hold what they said.
+    `file` is the study's own, None of a study that was made otherwise.
     """
 
     name: str
@@ -154,6 +156,7 @@ class Study:
     ladders: Mapping[str, Ladder]
     cases: Mapping[str, Case]
     fragments: Mapping[str, str] = field(default_factory=dict)
+    file: Path | None = None
 
     def described(self) -> dict[str, Any]:
         """The resolved study in the study file's words; reading it again gives the same study."""

@@ -56,7 +56,7 @@ def read_study(path: Path, registry: Registry, *, needs_files: bool = True) -> S
         raise StudyError(check.problems)
     named = {ladder.name: Ladder(ladder.name, ladder.reference, [c.id for c in ladder.cases]) for ladder in ladders}
     tables = (study.name, study.step_s, study.against, room, weeks, comfort, ensemble, output)
-    return Study(*tables, named, cases, check.fragments)
+    return Study(*tables, named, cases, check.fragments, path)
 
 
 def problem_at(path: Path, table: KeyPath, wrong: str, key: str = "", value: object = None) -> Problem:

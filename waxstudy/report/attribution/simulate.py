@@ -8,7 +8,8 @@ from dataclasses import replace
 import pandas as pd
 
 from waxstudy.report.attribution.subsets import Subsets
-from waxstudy.results.run import Run, RunError
+from waxstudy.results.folder import RunError
+from waxstudy.results.run import Run
 from waxstudy.simulation.run import Progress, prepare, run
 from waxstudy.study.model import Case, Ladder, Study
 
@@ -42,4 +43,4 @@ def between(study: Study, ladders: Sequence[Subsets], new: Mapping[str, Case]) -
     """Return the study with the cases between those of its ladders in their place."""
     ids = {subsets.ladder.name: list(subsets.new) for subsets in ladders if subsets.new}
     named = {name: Ladder(name, cases[0], cases) for name, cases in ids.items()}
-    return replace(study, against=None, ladders=named, cases=new)
+    return replace(study, against=None, ladders=named, cases=new, file=None)

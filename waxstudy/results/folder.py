@@ -1,0 +1,112 @@
+"""A run folder as a place: made, held by one run at a time, and kept for the study that it was begun for.
+
+`origin.json` is written when a run begins: the study's file, seen from the folder, and the study as it was read.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from waxstudy.results.atomic import sole_use, whole_file
+
+MANIFEST = "run.json"
+CASES = "cases"
+STUDY = "study.toml"
+ORIGIN = "origin.json"
+
+
+class RunError(Exception):
+    """A run folder cannot be read or written; the message says which file and why."""
+
+
+class OtherStudy(RunError):
+    """A run folder holds the results of another study."""
+
+
+@contextmanager
+def run_folder(
+    folder: Path, study: Mapping[str, Any] | None = None, file: Path | None = None, *, replaces: bool = False
+) -> Iterator[None]:
+    """Make a folder for the run of a study, as it was read from a file, and hold it.
+
+    Raises `RunError` where it holds something else, links elsewhere, or another run is at work; `OtherStudy` where it
+    holds the results of another study and that is not to be replaced; `OSError` if it cannot be made.
+    """
+    if folder.is_dir() and any(folder.iterdir()) and not holds_run(folder):
+        raise RunError(f"{folder}: this folder is in use and holds no run; choose another with --out")
+    if (folder / CASES).is_symlink():
+        target = os.readlink(folder / CASES)
+        raise RunError(
+            f"{folder / CASES}: a link to {target}; a run writes and deletes in its own folder only: "
+            "remove the link, or choose another folder with --out"
+        )
+    (folder / CASES).mkdir(parents=True, exist_ok=True)
+    with sole_use(folder) as is_ours:
+        if not is_ours:
+            raise RunError(
+                f"{folder}: another run is at work in this folder; wait for it, or choose another with --out"
+            )
+        if study is not None:
+            _claim(folder, _plain(study), file.resolve() if file else None, replaces)
+        yield
+
+
+def holds_run(folder: Path) -> bool:
+    """Say whether a folder holds what a run leaves, finished or not; False for what cannot be a path."""
+    return any(os.path.exists(folder / name) for name in (MANIFEST, CASES))
+
+
+def _claim(folder: Path, study: Mapping[str, Any], file: Path | None, replaces: bool) -> None:
+    """Write down whose folder it is; raise `OtherStudy` where it is that of another file which says other things."""
+    known = _known(folder)
+    # as seen from the folder, so that both can be moved or copied together
+    earlier = (folder / known["study_file"]).resolve() if known and known["study_file"] else None
+    if known and not replaces and known["study"] != study and (earlier or file) and earlier != file:
+        raise OtherStudy(_refusal(folder, earlier, file))
+    if file is None:
+        return
+    # a copy that says the same goes on, but the folder stays the first one's as long as that is there
+    is_kept = earlier is not None and earlier.exists() and not replaces
+    owner = earlier if earlier and is_kept and known and known["study"] == study else file
+    with whole_file(folder / ORIGIN) as path:
+        path.write_text(json.dumps({"study_file": _seen_from(folder, owner), "study": study}, indent=1) + "\n")
+
+
+def _seen_from(folder: Path, file: Path) -> str:
+    try:
+        return os.path.relpath(file, folder.resolve())
+    except ValueError:  # on another drive
+        return str(file)
+
+
+def _plain(study: Any) -> Any:
+    """Return a study as JSON gives it back."""
+    return json.loads(json.dumps(study, default=str))
+
+
+def _known(folder: Path) -> dict[str, Any] | None:
+    """Return file and study that a folder was begun for, the file "" where that is not recorded; None if nothing is."""
+    try:
+        known = json.loads((folder / ORIGIN).read_text(encoding="utf-8"))
+        return {"study_file": str(known["study_file"]), "study": known["study"]}
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    try:
+        return {"study_file": "", "study": _plain(tomllib.loads((folder / STUDY).read_text(encoding="utf-8")))}
+    except (OSError, ValueError):
+        return None
+
+
+def _refusal(folder: Path, earlier: Path | None, file: Path | None) -> str:
+    held = str(earlier) if earlier else "another study, whose file is not recorded"
+    ours = str(file) if file else "a study without a file"
+    return (
+        f"{folder}: holds the results of {held}; those of {ours} would take their place; nothing was written. "
+        "Name another folder with --out, or say --replace"
+    )
