@@ -16,8 +16,9 @@ import pytest
 
 from tests.blind_test.conftest import DATA, NONE, answering
 from tests.conftest import ROOT, Waxstudy
+from waxstudy.blind_test.box import BOX_BYTES, OVERHEAD_BYTES, close_box, open_box
 from waxstudy.blind_test.draw import BUILT_SETS, NO_SUN, Case, drawn
-from waxstudy.blind_test.key import BOX_BYTES, Key, canonical
+from waxstudy.blind_test.key import Key, canonical
 from waxstudy.blind_test.make import Place, begin, make
 from waxstudy.blind_test.plan import Plan, Slot
 from waxstudy.blind_test.record import FILES, PAGE_BYTES, WIDTH
@@ -67,7 +68,7 @@ def place(finished_pairs: Path, tmp_path: Path) -> Place:
 
 
 def boxes(place: Place) -> dict[str, Any]:
-    return {name: KEY.opened(name, place.box(name).read_bytes()) for name in place.names()}
+    return {name: open_box(KEY, name, place.box(name).read_bytes()) for name in place.names()}
 
 
 # --- the house as it was built ---------------------------------------------------------------------
@@ -238,8 +239,8 @@ def test_the_longest_truth_fits_its_box() -> None:
     spans = [(2.0 * n, 2.0 * n + 0.667) for n in range(12 * 13)]
     staged = Staged({}, 10.0, "", {}, [None], [{}], when=[spans])
     size = Size("valve", "flow_L_h", 1.0, 1.0, 1.0, tuple(f"an-effect-{n}" for n in range(25)))
-    box = KEY.closed(case.name, {**told(case, staged, [size]), "files": 64 * "a"})
-    assert len(box) == BOX_BYTES + 32
+    box = close_box(KEY, case.name, {**told(case, staged, [size]), "files": 64 * "a"})
+    assert len(box) == BOX_BYTES + OVERHEAD_BYTES
 
 
 # --- make, solve, score ----------------------------------------------------------------------------
@@ -269,7 +270,7 @@ def test_files_of_a_pair_tell_no_more_by_their_times_and_sizes_than_those_of_one
     for path in (path for path in files if path.name == "data.csv"):
         header, *rows = path.read_text().splitlines()
         assert {len(row) for row in rows} == {STAMP + (len(header.split(",")) - 1) * (WIDTH + 1)}
-    assert {place.box(name).stat().st_size for name in place.names()} == {BOX_BYTES + 32}
+    assert {place.box(name).stat().st_size for name in place.names()} == {BOX_BYTES + OVERHEAD_BYTES}
 
 
 def test_the_documents_state_what_was_drawn_and_not_what_was_built(finished_pairs: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from tests.blind_test.conftest import CASES, answering
 from tests.conftest import Waxstudy
+from waxstudy.blind_test.box import open_box
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import Place
 from waxstudy.plugin.trial import engine_of
@@ -28,7 +29,7 @@ def test_a_diagnoser_that_always_says_the_same_scores_as_such(constant: Path, wa
     done = waxstudy("blind-test", "score", "test", "--key-file", "key", "--json")
     assert done.returncode == 0, done.stderr
     place = Place(constant)
-    truths = [key.opened(name, place.box(name).read_bytes()) for name in place.names()]
+    truths = [open_box(key, name, place.box(name).read_bytes()) for name in place.names()]
     own = json.loads(done.stdout)["diagnosers"]["constant"]["all"]
     nulls = [truth for truth in truths if truth["kind"] == "null"]
     apart = [truth for truth in nulls if "valve" in engine_of(truth["engine"]).departs]

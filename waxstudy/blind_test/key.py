@@ -1,4 +1,4 @@
-"""The key: what draws a blind test, names its records, and seals their truth."""
+"""The key: what draws a blind test, names its records, and seals their truth in boxes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ import numpy as np
 
 SALT_BYTES = 16
 WRITTEN = re.compile(r"(\d{1,18})-([0-9a-f]{32})")
-BOX_BYTES = 16_384  # of every box, so that its size tells nothing
 
 
 class KeyProblem(ValueError):
@@ -66,30 +65,6 @@ class Key:
     def seal_of(self, name: str, truth: Any) -> str:
         """Return the salted hash of a truth."""
         return hmac.new(self.digest("seal", name), canonical(truth), hashlib.sha256).hexdigest()
-
-    # --- boxes: the truth of a record, which nobody reads without the key ---
-
-    def closed(self, name: str, truth: Any) -> bytes:
-        """Return a truth enciphered, in boxes of equal size: XOR with a keystream of HMAC-SHA-256 blocks."""
-        text = canonical(truth)
-        text += b" " * (-len(text) % BOX_BYTES)
-        body = self._mixed(name, text)
-        return self._tag(name, body) + body
-
-    def opened(self, name: str, box: bytes) -> Any:
-        """Return the truth in a box; raise `KeyProblem` if this key does not fit or the box was changed."""
-        tag, body = box[:32], box[32:]
-        if not hmac.compare_digest(tag, self._tag(name, body)):
-            raise KeyProblem(f"the sealed truth of {name} does not open: another key's, or changed since")
-        return json.loads(self._mixed(name, body))
-
-    def _tag(self, name: str, body: bytes) -> bytes:
-        return hmac.new(self.digest("tag", name), body, hashlib.sha256).digest()
-
-    def _mixed(self, name: str, text: bytes) -> bytes:
-        blocks = (self.digest("stream", name, number) for number in range(len(text) // 32 + 1))
-        stream = np.frombuffer(b"".join(blocks), dtype=np.uint8)[: len(text)]
-        return (np.frombuffer(text, dtype=np.uint8) ^ stream).tobytes()
 
 
 def canonical(value: Any) -> bytes:

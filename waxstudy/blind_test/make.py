@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from waxstudy.blind_test.box import close_box, open_box
 from waxstudy.blind_test.draw import Case, drawn
 from waxstudy.blind_test.key import Key, KeyProblem
 from waxstudy.blind_test.plan import Plan, Slot
@@ -125,7 +126,7 @@ def is_made(place: Place, key: Key, index: int) -> bool:
     """Whether a record and its box are there, whole and unchanged."""
     name = key.record_name(index)
     try:
-        truth = key.opened(name, place.box(name).read_bytes())
+        truth = open_box(key, name, place.box(name).read_bytes())
         return bool(truth["files"] == digest_of(place.record(name)))
     except (OSError, KeyProblem):
         return False
@@ -138,7 +139,7 @@ def make_one(place: Place, key: Key, slot: Slot, index: int, is_judged: bool) ->
     case, staged, found = settled(place, key, slot, index, is_judged)
     truth = {**told(case, staged, found), "files": digest_of(place.record(case.name))}
     with whole_file(place.box(case.name)) as path:
-        path.write_bytes(key.closed(case.name, truth))
+        path.write_bytes(close_box(key, case.name, truth))
 
 
 def settled(place: Place, key: Key, slot: Slot, index: int, is_judged: bool) -> tuple[Case, Staged, Sequence[Any]]:
@@ -211,7 +212,7 @@ def seal(place: Place, key: Key, names: Sequence[str]) -> None:
     """Write the hash of every truth, which holds that of the record's files, and give all files one time."""
     records: dict[str, Mapping[str, str]] = {}
     for name in sorted(names):
-        records[name] = {"truth": key.seal_of(name, key.opened(name, place.box(name).read_bytes()))}
+        records[name] = {"truth": key.seal_of(name, open_box(key, name, place.box(name).read_bytes()))}
         _born_anew(place, name)
     _write(place.folder / SEALED, {"format": FORMAT, "records": records})
 

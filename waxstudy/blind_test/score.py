@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from waxstudy.blind_test.answer import Answer, NoAnswer
+from waxstudy.blind_test.box import open_box
 from waxstudy.blind_test.draw import drawn
 from waxstudy.blind_test.figures import Figure, mean, median, share
 from waxstudy.blind_test.goals import HALF, WHERE, described_goals, where_of
@@ -41,7 +42,7 @@ def opened(place: Place, key: Key) -> Opened:
     for index, slot in enumerate(plan.slots(key)):
         name = key.record_name(index)
         try:
-            boxes[name] = key.opened(name, place.box(name).read_bytes())
+            boxes[name] = open_box(key, name, place.box(name).read_bytes())
         except (OSError, KeyProblem) as error:
             broken.append(f"{name}: {error}")
             continue

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from waxstudy.blind_test.answer import Answer, NoAnswer
+from waxstudy.blind_test.box import open_box
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import BlindTestError, Place, Tick
 from waxstudy.blind_test.record import BASELINE, NAME, copy_record, copy_without_baseline
@@ -91,7 +92,7 @@ def leaving_one_out(place: Place, key: Key) -> tuple[Diagnoser, list[str]]:
     """
     removed = {}
     for name in place.names():
-        truth = key.opened(name, place.box(name).read_bytes())
+        truth = open_box(key, name, place.box(name).read_bytes())
         if truth["kind"] == "single" and truth["stratum"] in ("goal", "mixture"):
             removed[name] = (truth["causes"][0]["name"],)
     if missing := [name for name in place.names() if not is_answered(answer_path(place, OURS, name))]:
