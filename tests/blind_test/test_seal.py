@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import shutil
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -226,13 +228,33 @@ def test_a_changed_record_and_a_changed_truth_are_told(answered: Path, key: Key)
 
 
 def test_a_wrong_key_and_none_are_told(answered: Path, key: Key) -> None:
-    assert scored(answered, "--key", str(Key(key.seed, "0" * 32))) == (
-        2,
-        "error: this is not the key of these records\n",
-    )
-    assert scored(answered, "--key", "abc")[0] == 2
-    (answered / "noise").write_bytes(bytes(range(256)))
-    assert scored(answered, "--key-file", str(answered / "noise"))[1].startswith("error: this is no key")
+    for text, said in (
+        (str(Key(key.seed, "0" * 32)), "this is not the key of these records"),
+        ("abc", "this is no key"),
+    ):
+        answered.with_name("other").write_text(text)
+        code, told = scored(answered, "--key-file", "other")
+        assert (code, told.startswith(f"error: {said}")) == (2, True)
+    answered.with_name("noise").write_bytes(bytes(range(256)))
+    assert scored(answered, "--key-file", "noise")[1].startswith("error: this is no key")
+    assert "needs --key-file" in scored(answered)[1]
+
+
+def test_a_key_is_never_an_argument_and_never_below_the_set(answered: Path, key: Key) -> None:
+    """Arguments are seen by every process of the machine, and what lies with the records by whoever gets them."""
+    for command in ("make", "solve", "score"):
+        told = call(answered.parent, "blind-test", command, "--help").stdout
+        assert "--key-file" in told
+        assert "--key " not in told
+    code, said = scored(answered, "--key", str(key))
+    assert (code, "No such option" in said) == (2, True)
+    (answered / "records" / "key").write_text(str(key))
+    code, said = scored(answered, "--key-file", "test/records/key")
+    assert (code, said) == (2, "error: test/records/key: a key does not lie with what it seals: move it out of test\n")
+    done = call(answered.parent, "blind-test", "make", "--cases", "1", "--out", "new", "--key-file", "new/key")
+    assert (done.returncode, (answered.parent / "new").exists()) == (2, False)
+    done = call(answered.parent, "blind-test", "score", "test", "--key-file", "-", "--quiet", input=f"{key}\n")
+    assert done.returncode == 0
 
 
 def test_a_test_that_is_not_made_to_the_end_is_told(answered: Path) -> None:

@@ -15,9 +15,9 @@ import pytest
 
 from tests.blind_test.conftest import CASES, NONE, answering
 from tests.conftest import WAXSTUDY, Waxstudy
+from waxstudy.blind_test.child import _read
 from waxstudy.blind_test.make import Place
 from waxstudy.blind_test.record import digest_of
-from waxstudy.blind_test.solve import _read
 
 FINISHED = "test/answers/external/[!.][!o]*.json"  # neither half written ones nor command.json
 # prints what it can see instead of a diagnosis of anything

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import pickle
 import random
 from collections.abc import Callable
 from pathlib import Path
@@ -49,3 +51,33 @@ def test_a_cache_that_cannot_be_written_is_done_without(same: Same, tmp_path: Pa
     same(tmp_path / "file")
     same(Path("/proc/waxstudy"))
     assert (tmp_path / "file").read_text() == "not a folder\n"
+
+
+def test_code_that_others_planted_in_a_shared_cache_is_not_run(
+    waxstudy: Waxstudy, small_study: Path, tmp_path: Path
+) -> None:
+    """The cache's index is unpickled, which runs what it says."""
+    cache, marker = tmp_path / "cache", tmp_path / "planted"
+    command, environment = ("run", small_study, "--out"), {"WAXSTUDY_CACHE": str(cache)}
+    assert waxstudy(*command, "first", env=environment).returncode == 0
+    assert cache.stat().st_mode & 0o777 == 0o700
+    damage(cache, "*.nbi", lambda data: pickle.dumps(Planted(marker)))
+    cache.chmod(0o777)
+    done = waxstudy(*command, "second", env=environment)
+    assert done.returncode == 0
+    assert done.stderr == (
+        f"warning: others may write to {cache}: nothing is cached, as code that lies there is run; "
+        "WAXSTUDY_CACHE names a folder\n"
+    )
+    assert not marker.exists()
+    cache.chmod(0o700)
+    waxstudy(*command, "third", env=environment)
+    assert marker.exists()  # so it would have been
+
+
+class Planted:
+    def __init__(self, marker: Path) -> None:
+        self.marker = marker
+
+    def __reduce__(self) -> tuple[object, tuple[str, ...]]:
+        return os.mkdir, (str(self.marker),)

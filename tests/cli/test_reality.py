@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from tests.cli.conftest import Entry
+from tests.cli.folders import contents
 
 USAGE, INVALID, FAILED = 2, 3, 6
 
@@ -65,6 +67,23 @@ def test_what_cannot_be_is_refused_and_nothing_is_written(entry: Entry, small_st
     assert (done.code, done.stdout) == (USAGE, "")
     assert said in done.stderr
     assert [path.name for path in Path().iterdir()] == [small_study.name]
+
+
+def test_a_truth_that_a_killed_command_left_without_its_dataset_stands_in_nobody_s_way(
+    entry: Entry, small_study: Path
+) -> None:
+    command = ("reality", small_study, "--case", "O_0", "--days", "2", "--out", "room")
+    assert entry(*command).code == 0
+    before = contents(Path())
+    shutil.rmtree("room")
+    assert entry(*command).code == 0
+    assert contents(Path()) == before
+    shutil.rmtree("room")
+    Path("room-truth.json").write_text("{}\n")  # of something else
+    done = entry(*command)
+    assert (done.code, done.stdout) == (USAGE, "")
+    assert "room-truth.json: there is something of this name already" in done.stderr
+    assert Path("room-truth.json").read_text() == "{}\n"
 
 
 @pytest.mark.parametrize("there", ["room", "room-truth.json"])

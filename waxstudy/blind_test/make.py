@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from waxstudy.blind_test.box import close_box, open_box
+from waxstudy.blind_test.child import die_with_parent
 from waxstudy.blind_test.draw import Case, drawn
 from waxstudy.blind_test.key import Key, KeyProblem
 from waxstudy.blind_test.plan import Plan, Slot
@@ -110,7 +111,8 @@ def make(place: Place, plan: Plan, key: Key, workers: int, tick: Tick) -> None:
     missing = [index for index in range(len(slots)) if index not in done]
     tick(f"{len(done)} of {len(slots)} records", len(done) / max(1, len(slots)))
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(workers, max(1, len(missing))), mp_context=context) as pool:
+    processes = min(workers, max(1, len(missing)))
+    with ProcessPoolExecutor(processes, mp_context=context, initializer=die_with_parent) as pool:
         jobs = [pool.submit(make_one, place, key, slots[index], index, plan.is_judged) for index in missing]
         try:
             for number, job in enumerate(as_completed(jobs), start=len(done) + 1):

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from waxstudy.blind_test.child import die_with_parent
 from waxstudy.blind_test.draw import Case, Measured
 from waxstudy.blind_test.make import Place, Tick
 from waxstudy.blind_test.marks import Mark
@@ -30,7 +31,8 @@ def true_shrinkages(
     jobs = [job for mark in own if (job := _job(mark, boxes))]
     known = {job[0]: _kept(folder / f"{job[0]}.json", job) for job in jobs}
     missing = [job for job in jobs if known[job[0]] is None]
-    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=die_with_parent) as pool:
         futures = {pool.submit(true_shrinkage, *job): job for job in missing}
         for number, future in enumerate(as_completed(futures)):
             job = futures[future]

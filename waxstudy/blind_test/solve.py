@@ -4,38 +4,27 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import re
-import signal
-import subprocess
 import sys
-import tempfile
-import threading
-import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from waxstudy.blind_test.answer import Answer, NoAnswer
+from waxstudy.blind_test import child
 from waxstudy.blind_test.box import open_box
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import BlindTestError, Place, Tick
 from waxstudy.blind_test.record import BASELINE, NAME, copy_record, copy_without_baseline
 from waxstudy.plugin.trial import baseline_names
-from waxstudy.results.atomic import whole_file
-from waxstudy.simulation.threads import ONE_THREAD
+from waxstudy.results.atomic import scratch_folder, whole_file
 
 OURS = "ours"
 LEAVE_ONE_OUT = "ours-leave-one-out"
 WITHOUT_BASELINES = "-without-baselines"  # behind the name of whoever gets none
 PROGRAM = (sys.executable, "-c", "from waxstudy.cli import main; main()")
 HERE = "{}"  # where a command wants the dataset's folder, if not at its end
-TAIL = 2000  # letters of stderr that are kept of a failure
-INTERRUPTED = (-signal.SIGINT, 128 + signal.SIGINT)  # by a signal that may be on its way to us as well
-A_MOMENT_S = 2.0  # in which an interrupt that ended a diagnoser has reached us as well
 
 
 @dataclass(frozen=True)
@@ -113,7 +102,7 @@ def answer_path(place: Place, diagnoser: str, record: str) -> Path:
 def solve(place: Place, who: Diagnoser, names: Sequence[str], workers: int, timeout_s: float, tick: Tick) -> int:
     """Store the answer to every record that has none yet; return how many are failures. Raise `BlindTestError`."""
     _begin(place, who)
-    _stopped.clear()
+    child.begin()
     paths = {name: answer_path(place, who.name, name) for name in names}
     missing = [name for name in names if not is_answered(paths[name])]
     done = len(names) - len(missing)
@@ -126,7 +115,7 @@ def solve(place: Place, who: Diagnoser, names: Sequence[str], workers: int, time
                 tick(f"{number} of {len(names)} records", number / len(names))
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
-            _end_all()
+            child.end_all()
             raise
     return sum(stored(path)["answer"] is None for path in paths.values())
 
@@ -157,75 +146,14 @@ def is_answered(path: Path) -> bool:
         return False
 
 
-_running: set[subprocess.Popen[str]] = set()
-_stopped = threading.Event()  # what ends from then on was ended, and has not answered
-
-
-def _end_all() -> None:
-    """End what still runs, with its children."""
-    _stopped.set()
-    for process in list(_running):
-        _end(process)
-
-
-def _end(process: subprocess.Popen[str]) -> None:
-    if os.name == "posix":
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-    else:
-        process.kill()
-
-
 def _solve_one(place: Place, who: Diagnoser, record: str, timeout_s: float) -> None:
-    with tempfile.TemporaryDirectory(prefix="waxstudy-", ignore_cleanup_errors=True) as temporary:
-        folder = Path(temporary) / NAME
+    with scratch_folder("waxstudy-solve-") as temporary:
+        folder = temporary / NAME
         folder.mkdir()
         copy = copy_record if who.sees_baselines else copy_without_baseline
         copy(place.record(record), folder)
-        told = _called(who.called(record, folder), Path(temporary), timeout_s)
-    if _stopped.wait(A_MOMENT_S if told["exit_code"] in INTERRUPTED else 0):
+        told = child.answered(who.called(record, folder), temporary, timeout_s)
+    if told is None:
         return
     with whole_file(answer_path(place, who.name, record)) as path:
         path.write_text(json.dumps({"record": record, **told}, indent=1) + "\n", encoding="utf-8")
-
-
-def _called(command: Sequence[str], folder: Path, timeout_s: float) -> dict[str, Any]:
-    """Run a command; return its answer, or None and what it said instead."""
-    begin = time.perf_counter()
-    streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    try:
-        process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env={**os.environ, **ONE_THREAD},
-            encoding="utf-8",
-            errors="replace",
-            start_new_session=True,
-            **streams,
-        )
-    except OSError as error:
-        raise BlindTestError(f"{command[0]}: cannot be run: {error.strerror or error}") from error
-    _running.add(process)
-    try:
-        out, err = process.communicate(timeout=timeout_s)
-    except subprocess.TimeoutExpired:
-        _end(process)
-        out, err = process.communicate()
-        err += f"\nended after {timeout_s:g} s"
-    finally:
-        _running.discard(process)
-    told: dict[str, Any] = {"seconds": round(time.perf_counter() - begin, 2), "exit_code": process.returncode}
-    answer, problem = _read(out, process.returncode)
-    return {**told, "answer": answer} if answer else {**told, "answer": None, "problem": problem, "stderr": err[-TAIL:]}
-
-
-def _read(out: str, exit_code: int) -> tuple[Any, str]:
-    """Return the answer and no problem, or None and why there is none."""
-    if exit_code:
-        return None, f"it ended with exit code {exit_code}"
-    try:
-        said = json.loads(out)
-        Answer.read(said)
-    except (ValueError, NoAnswer) as error:
-        return None, f"it printed no diagnosis: {error}"
-    return said, ""

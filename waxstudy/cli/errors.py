@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 from collections.abc import Callable
 from io import TextIOWrapper
 from pathlib import Path
@@ -34,6 +36,7 @@ def taken(path: Path) -> CommandError:
 def exit_code(command: Callable[[], Any]) -> int:
     """Run a command; print what went wrong on stderr and return the exit code."""
     _make_streams_safe()
+    _end_as_by_ctrl_c()
     try:
         return int(command() or DONE)
     except click.ClickException as error:
@@ -45,6 +48,17 @@ def exit_code(command: Callable[[], Any]) -> int:
     except CommandError as error:
         click.echo(error, err=True)
         return error.code
+
+
+def _end_as_by_ctrl_c() -> None:
+    """Let what asks a process to end, and the end of its terminal, take the path of Ctrl-C."""
+    if threading.current_thread() is not threading.main_thread():
+        return  # only the main thread of a program that calls us may say so
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        # what was told to go on without its terminal does
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
 
 
 def _make_streams_safe() -> None:

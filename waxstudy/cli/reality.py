@@ -111,9 +111,8 @@ def command(
     from waxstudy.synthetic.write import Telling, truth_beside
 
     truth = truth_beside(out)
-    for path in (out, truth):
-        if os.path.lexists(path):
-            raise taken(path)
+    if os.path.lexists(out):
+        raise taken(out)
     study, instruments = load_study(study_file), Instruments(**measured)
     weeks = list(weeks or [next(iter(study.weeks))])
     believed = case if believed is None else believed
@@ -149,6 +148,8 @@ def _make(out: Path, telling: Telling, days: int | None, instruments: Instrument
         raise CommandError(str(error), USAGE) from error
     except EffectError as error:
         raise CommandError(str(error), INVALID) from error
+    except FileExistsError as error:
+        raise taken(Path(str(error))) from error
 
 
 def chosen(names: Sequence[str], values: Mapping[str, float]) -> list[Choice]:

@@ -66,9 +66,8 @@ def command(
     from waxstudy.synthetic.write import truth_beside
 
     truth = truth_beside(folder)
-    for path in (folder, truth):
-        if os.path.lexists(path):
-            raise taken(path)
+    if os.path.lexists(folder):
+        raise taken(folder)
     try:
         motors = Motors(actuator, values, valve, _bench(bench), seed)
         _make(folder, motors, programme)
@@ -109,6 +108,8 @@ def _make(folder: Path, motors: Any, programme: Path | None) -> None:
         raise CommandError(f"actuator '{motors.actuator}': {error}", USAGE) from error
     except SimulationError as error:
         raise CommandError(str(error), FAILED) from error
+    except FileExistsError as error:
+        raise taken(Path(str(error))) from error
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
         raise CommandError(f"{folder}: the records cannot be written: {reason}", FAILED) from error

@@ -15,6 +15,7 @@ import pandas as pd
 
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
+from waxstudy.plugin.files import check_file
 
 SEPARATORS = (",", ";", "\t", "|")
 MISSING = ("-", "--", "---")  # besides what pandas takes for missing: "", "NA", "NaN", "null", ...
@@ -30,6 +31,7 @@ DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
 def read_table(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
     """Return the file's columns as they are written, an index of stamps as a column; note why it cannot be read."""
     try:
+        check_file(path)
         with path.open("rb") as file:
             beginning = file.read(8)
         if beginning.startswith(BINARY):

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin import Parameters, parameter
+from waxstudy.plugin.files import check_file
 from waxstudy.plugin.registry import installed
 from waxstudy.study.check import Check
 from waxstudy.study.problems import StudyError
@@ -88,6 +89,7 @@ def described(paths: Sequence[Path], measured: str = "displacement") -> list[Des
 def is_marked(path: Path) -> bool:
     """Whether a comment above the header says that a record is simulated, as those of the virtual bench do."""
     try:
+        check_file(path)
         with path.open("rb") as file:
             head = file.read(LOOKED_AT).replace(b"\0", b"").decode("utf-8", errors="ignore").lstrip("\ufeff")
     except OSError:  # reading the record tells

@@ -11,6 +11,7 @@ from waxstudy import __version__
 from waxstudy.identification.models import Value
 from waxstudy.identification.performance import ACTUATOR
 from waxstudy.identification.records import Record
+from waxstudy.plugin.files import read_file
 from waxstudy.study.problems import Problem, StudyError
 
 DIGITS = 4
@@ -72,7 +73,7 @@ def sources(records: Sequence[Record]) -> list[dict[str, Any]]:
 def read_fragment(path: Path, kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the block of this kind, and what is known of its fit; raise `StudyError`."""
     try:
-        values = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        values = tomllib.loads(read_file(path).decode("utf-8-sig"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise StudyError([Problem(str(path), 0, "", "", "", f"is no fragment that can be read: {error}")]) from None
     if not isinstance(values.get(kind), dict):

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from waxstudy.plugin import FloatArray
+from waxstudy.plugin.files import read_file
 from waxstudy.study.model import NAME_RULE, is_safe_name
 from waxstudy.study.problems import Problem, StudyError, listed, shown
 
@@ -64,7 +65,7 @@ def table_a1() -> list[Trial]:
 def read_programme(path: Path) -> list[Trial]:
     """Return the trials of a CSV file with the columns of `table_a1.csv`; raise `StudyError`."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_file(path).decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise StudyError([Problem(str(path), 0, "", "", "", f"cannot be read: {error}")]) from None
     return _trials(str(path), text)

@@ -10,17 +10,17 @@ from typing import Any
 import tomli_w
 
 from waxstudy import __version__
-from waxstudy.results.atomic import whole_file, whole_folder
+from waxstudy.results.atomic import whole_folder
 from waxstudy.rig.bench import Motors, Recorded, run_trial
 from waxstudy.rig.programme import Trial
-from waxstudy.synthetic.write import truth_beside
+from waxstudy.synthetic.write import truth_beside, write_truth
 
 DESCRIPTION = "records.toml"
 MARK = "simulated by waxstudy rig: no motor was measured"
 
 
 def write_rig(folder: Path, motors: Motors, programme: Sequence[Trial]) -> None:
-    """Write every record, `records.toml` and, beside the folder, the truth; raise as `run_trial` does."""
+    """Write every record, `records.toml` and, beside it, the truth; raise as `run_trial` and `write_truth` do."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     told: list[dict[str, Any]] = []
     with whole_folder(folder) as inside:
@@ -29,8 +29,7 @@ def write_rig(folder: Path, motors: Motors, programme: Sequence[Trial]) -> None:
             told.append(_told(recorded))
         text = tomli_w.dumps(_description(motors, programme))
         (inside / DESCRIPTION).write_text(f"# {MARK}\n{text}", encoding="utf-8")
-        with whole_file(truth_beside(folder)) as path:
-            path.write_text(json.dumps(_truth(motors, programme, told), indent=2) + "\n", encoding="utf-8")
+        write_truth(truth_beside(folder), json.dumps(_truth(motors, programme, told), indent=2) + "\n")
 
 
 def _write_record(path: Path, recorded: Recorded) -> None:

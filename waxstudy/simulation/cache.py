@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import shutil
 import sys
 import threading
@@ -15,6 +14,7 @@ import llvmlite
 import numba
 import numpy as np
 
+from waxstudy.simulation.cache_place import cache_base, private
 from waxstudy.simulation.sources import digest, source_digest
 
 log = logging.getLogger(__name__)
@@ -22,12 +22,9 @@ T = TypeVar("T")
 
 
 def cache_folder() -> Path:
-    """Folder of the compiled code: `WAXSTUDY_CACHE`, or the user's cache folder; one subfolder per digest."""
-    base = os.environ.get("WAXSTUDY_CACHE") or os.path.join(
-        os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache"), "waxstudy"
-    )
+    """Folder of the compiled code; one subfolder per digest."""
     versions = (numba.__version__, llvmlite.__version__, np.__version__, sys.version)
-    return Path(base) / digest((*versions, source_digest(__name__)))
+    return cache_base() / digest((*versions, source_digest(__name__)))
 
 
 _one_at_a_time = threading.Lock()  # numba has one cache folder for the whole process
@@ -40,10 +37,11 @@ def cached(build: Callable[[Path | None], T]) -> T:
 
 
 def _cached(build: Callable[[Path | None], T], folder: Path) -> T:
+    if private(folder) is None:
+        return build(None)
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         return build(folder)
     except numba.core.errors.NumbaError:
         raise

@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Mapping
 from typing import Any
 
+from waxstudy.plugin.files import read_file
 from waxstudy.study.check import Check
 from waxstudy.study.problems import StudyError
 from waxstudy.study.source import read_source
@@ -49,7 +50,7 @@ def _table(check: Check, kind: str, path: object, place: Spot) -> Mapping[str, A
     if not isinstance(table, dict):
         check.problem(place, f"describes no {kind}: it has no table [{kind}]", value=path)
         return None
-    check.fragments[path] = _origin(full.read_bytes(), values)
+    check.fragments[path] = _origin(read_file(full), values)
     return table
 
 

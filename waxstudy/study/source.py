@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from waxstudy.plugin.files import read_file
 from waxstudy.study.lines import DEEPEST, KeyPath, key_lines
 from waxstudy.study.problems import Problem, StudyError
 
@@ -78,7 +79,7 @@ def read_source(path: Path) -> Source:
 def _text(path: Path) -> str:
     """Return the file's text; a byte order mark, which some editors write, is left out."""
     try:
-        data = path.read_bytes()
+        data = read_file(path)
     except IsADirectoryError:
         raise StudyError([_problem(path, 0, "this is a folder; a TOML file is expected")]) from None
     except FileNotFoundError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -64,16 +65,29 @@ def truth_beside(folder: Path) -> Path:
 
 
 def write(folder: Path, telling: Telling, reality: Reality, instruments: Instruments) -> None:
-    """Write the dataset's folder and the truth, both whole or not at all; raise `RealityError` or `OSError`."""
+    """Write the dataset's folder and the truth, both whole or not at all.
+
+    Raises `RealityError`, `OSError`, or `FileExistsError` where there is another truth.
+    """
     data = measure(reality, instruments)
     about = described(folder.name, telling, list(data.columns[1:]), instruments)
     hidden = truth_of(folder.name, telling, reality, instruments)
     folder.parent.mkdir(parents=True, exist_ok=True)
     # outermost, the folder takes its place last: no dataset without its truth
-    with whole_folder(folder) as place, whole_file(truth_beside(folder)) as truth_path:
+    with whole_folder(folder) as place:
         data.to_csv(place / "data.csv", index=False, lineterminator="\n")
         (place / "dataset.toml").write_bytes(tomli_w.dumps(about).encode())
-        truth_path.write_text(json.dumps(hidden, indent=1) + "\n", encoding="utf-8")
+        write_truth(truth_beside(folder), json.dumps(hidden, indent=1) + "\n")
+
+
+def write_truth(path: Path, text: str) -> None:
+    """Write a truth; the same may be there, left by a command that was killed. Raises `FileExistsError` for another."""
+    if os.path.lexists(path):
+        if not path.is_file() or path.read_text(encoding="utf-8", errors="replace") != text:
+            raise FileExistsError(path)
+        return
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def described(name: str, telling: Telling, names: Sequence[str], instruments: Instruments) -> dict[str, Any]:

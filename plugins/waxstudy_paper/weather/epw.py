@@ -6,13 +6,13 @@ import io
 from codecs import BOM_UTF8
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timedelta
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from pydantic import field_validator
 
 from waxstudy.plugin import Facade, FloatArray, Weather, WeatherRecord, parameter
+from waxstudy.plugin.files import DATA_BYTES, read_file
 from waxstudy_paper.weather.sun import Sky, SunParameters, on_facade, sun_at
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ class Epw(Weather):
 def _lines(path: str) -> list[str]:
     """Return the file's lines; place names may be in any encoding, figures are ASCII."""
     try:
-        data = Path(path).read_bytes().removeprefix(BOM_UTF8)
+        data = read_file(path, DATA_BYTES).removeprefix(BOM_UTF8)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read ({error.strerror})") from None
     # lines are split as bytes: in other encodings a byte of a letter may be a line's end to Python

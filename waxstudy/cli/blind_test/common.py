@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,6 +21,7 @@ def failures(folder: Path) -> Iterator[None]:
     """Turn what goes wrong into a message and an exit code."""
     from concurrent.futures import BrokenExecutor
 
+    from waxstudy.blind_test.child import NoProcess
     from waxstudy.blind_test.key import KeyProblem
     from waxstudy.blind_test.make import BlindTestError
     from waxstudy.blind_test.plan import PlanProblem
@@ -29,7 +31,7 @@ def failures(folder: Path) -> Iterator[None]:
     use_one_thread()
     try:
         yield
-    except (BlindTestError, KeyProblem, PlanProblem) as error:
+    except (BlindTestError, KeyProblem, NoProcess, PlanProblem) as error:
         raise CommandError(str(error), USAGE) from error
     except PluginError as error:
         raise CommandError(str(error), PLUGIN) from error
@@ -46,13 +48,19 @@ def failures(folder: Path) -> Iterator[None]:
         raise CommandError(kept, INTERRUPTED, label="") from None
 
 
-def key_given(text: str | None, file: Path | None) -> Key | None:
-    """Return the key of --key or --key-file, None where neither holds one; raise `KeyProblem` or `OSError`."""
-    from waxstudy.blind_test.key import Key, KeyProblem
+def key_given(file: Path | None, folder: Path) -> Key | None:
+    """Return the key that a file holds, or stdin for "-"; None where there is none.
 
-    if text and file:
-        raise KeyProblem("give --key or --key-file, not both")
-    if text:
-        return Key.read(text)
+    Raises `KeyProblem`, also of a key that lies with what it seals, or `OSError`.
+    """
+    from waxstudy.blind_test.key import Key, KeyProblem
+    from waxstudy.plugin.files import read_file
+
+    if file is None:
+        return None
+    if str(file) == "-":
+        return Key.read(sys.stdin.read())
+    if file.resolve().is_relative_to(folder.resolve()):
+        raise KeyProblem(f"{file}: a key does not lie with what it seals: move it out of {folder}")
     # a file that is no text holds no key, which `read` says
-    return Key.read(file.read_text(encoding="utf-8", errors="replace")) if file and file.exists() else None
+    return Key.read(read_file(file).decode("utf-8", errors="replace")) if file.exists() else None

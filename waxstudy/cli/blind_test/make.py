@@ -24,8 +24,8 @@ CASES = "Records of a mixture of everything but what is kept for judged runs."
 JUDGED = "A judged run: every stratum, with the families and engines that are kept for it."
 SHARE = "Share of every stratum of a judged run, rounded up."
 STRATUM = "Only this stratum of a judged run; repeatable."
-KEY_FILE = "File that gets the key, or holds the one of a run to go on with."
-FILE = click.Path(dir_okay=False, path_type=Path)
+KEY_FILE = "File that gets the key, or holds the one of a run to go on with (- for stdin); never below DIR."
+FILE = click.Path(dir_okay=False, allow_dash=True, path_type=Path)
 
 
 @click.command("make", cls=Command)
@@ -35,7 +35,6 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 @click.option("--stratum", "strata", multiple=True, metavar="NAME", help=STRATUM)
 @click.option("--seed", type=click.IntRange(0, 10**18 - 1), help="Seed of the key  [default: drawn]")
 @click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help="Folder.")
-@click.option("--key", "key_text", metavar="KEY", help="Key of a run to go on with.")
 @click.option("--key-file", type=FILE, metavar="FILE", help=KEY_FILE)
 @click.option("--workers", type=click.IntRange(1, 64), default=2, show_default=True, help="Processes.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -47,7 +46,6 @@ def command(
     strata: tuple[str, ...],
     seed: int | None,
     out: Path,
-    key_text: str | None,
     key_file: Path | None,
     workers: int,
     as_json: bool,
@@ -65,7 +63,7 @@ def command(
         from waxstudy.blind_test.make import Place, begin, make
 
         place, plan = Place(out), _plan(cases, share, strata)
-        key, is_new = _key(place, seed, key_text, key_file)
+        key, is_new = _key(place, seed, key_file)
         records = len(plan.slots(key))
         begin(place, plan, key)
         _tell(out, key if is_new else None, records, as_json)
@@ -81,19 +79,19 @@ def _plan(cases: int | None, share: float, strata: tuple[str, ...]) -> Plan:
     return Plan(cases or 0, share, strata, available(is_judged=not cases))
 
 
-def _key(place: Place, seed: int | None, text: str | None, file: Path | None) -> tuple[Key, bool]:
+def _key(place: Place, seed: int | None, file: Path | None) -> tuple[Key, bool]:
     """Return the key, and whether it is a new one."""
     from waxstudy.blind_test.key import Key
     from waxstudy.blind_test.make import ABOUT
     from waxstudy.results.atomic import whole_file
 
-    given = key_given(text, file)
+    given = key_given(file, place.folder)
     if given:
         if seed not in (None, given.seed):
             raise CommandError(f"the key's seed is {given.seed}, not {seed}", USAGE)
         return given, False
     if (place.folder / ABOUT).exists():
-        raise CommandError(f"{place.folder}: records are there already; to go on, give their key with --key", USAGE)
+        raise CommandError(f"{place.folder}: records are there already; to go on, give their --key-file", USAGE)
     key = Key.new(secrets.randbelow(10**9) if seed is None else seed)
     if file:
         file.parent.mkdir(parents=True, exist_ok=True)

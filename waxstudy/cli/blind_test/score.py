@@ -18,20 +18,18 @@ if TYPE_CHECKING:
     from waxstudy.blind_test.score import Opened
 
 OUT = "Folder for score.json and score.html  [default: DIR/score]"
-FILE = Existing(dir_okay=False)
+FILE = Existing(dir_okay=False, allow_dash=True)
 
 
 @click.command("score", cls=Command)
 @click.argument("folder", metavar="DIR", type=Existing(file_okay=False))
-@click.option("--key", "key_text", metavar="KEY", help="Key that `make` printed.")
-@click.option("--key-file", type=FILE, metavar="FILE", help="File that holds the key.")
+@click.option("--key-file", type=FILE, metavar="FILE", help="File that holds the key, - for stdin; never below DIR.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help=OUT)
 @click.option("--workers", type=click.IntRange(1, 64), default=2, show_default=True, help="Processes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the score as JSON instead of the table.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 def command(
     folder: Path,
-    key_text: str | None,
     key_file: Path | None,
     out: Path | None,
     workers: int,
@@ -47,9 +45,9 @@ def command(
         from waxstudy.blind_test.make import Place
         from waxstudy.blind_test.score import opened, score
 
-        key = key_given(key_text, key_file)
+        key = key_given(key_file, folder)
         if key is None:
-            raise CommandError("the truth needs --key or --key-file", USAGE)
+            raise CommandError("the truth needs --key-file", USAGE)
         place = Place(folder)
         found = opened(place, key)
         told = score(place, found, _shrinkages(place, found, workers, tick))

@@ -19,7 +19,7 @@ LEAVE = "Ask ours again with each record's true effect taken out of its library;
 WITHOUT = "Take the baseline out of the records that have one; kept under NAME-without-baselines."
 SHARE = "Only this share of the records."
 TIMEOUT = "Seconds after which a diagnoser is ended; that counts as a failure."
-FILE = Existing(dir_okay=False)
+FILE = Existing(dir_okay=False, allow_dash=True)
 
 
 @click.command("solve", cls=Command, context_settings={"ignore_unknown_options": False})
@@ -29,8 +29,7 @@ FILE = Existing(dir_okay=False)
 @click.option("--name", metavar="NAME", default="external", show_default=True, help=NAME)
 @click.option("--leave-one-out", is_flag=True, help=LEAVE)
 @click.option("--without-baselines", is_flag=True, help=WITHOUT)
-@click.option("--key", "key_text", metavar="KEY", help="Key, for --leave-one-out.")
-@click.option("--key-file", type=FILE, metavar="FILE", help="File that holds the key.")
+@click.option("--key-file", type=FILE, metavar="FILE", help="File that holds the key, - for stdin; never below DIR.")
 @click.option("--share", type=click.FloatRange(0.0, 1.0, min_open=True), default=1.0, show_default=True, help=SHARE)
 @click.option("--timeout-s", type=click.FloatRange(1.0), default=1800.0, show_default=True, help=TIMEOUT)
 @click.option("--workers", type=click.IntRange(1, 64), default=2, show_default=True, help="Records at a time.")
@@ -43,7 +42,6 @@ def command(
     name: str,
     leave_one_out: bool,
     without_baselines: bool,
-    key_text: str | None,
     key_file: Path | None,
     share: float,
     timeout_s: float,
@@ -67,9 +65,9 @@ def command(
         place = Place(folder)
         names = place.names()
         if leave_one_out:
-            key = key_given(key_text, key_file)
+            key = key_given(key_file, folder)
             if key is None:
-                raise CommandError("--leave-one-out needs --key or --key-file", USAGE)
+                raise CommandError("--leave-one-out needs --key-file", USAGE)
             place.check_key(key)
             diagnoser, names = solve.leaving_one_out(place, key)
         else:

@@ -38,6 +38,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import Belief
 from waxstudy.results.atomic import whole_file
 from waxstudy.simulation.cache import cache_folder
+from waxstudy.simulation.cache_place import private
 from waxstudy.simulation.sources import digest, source_digest
 
 log = logging.getLogger(__name__)
@@ -47,7 +48,10 @@ Kept = Mapping[str, Any]
 
 def calibrated(record: Record, belief: Belief, effects: Effects, thorough: float) -> Calibration:
     """Return what a healthy record says of a loop, from the cache where the same was asked before."""
-    path = cache_folder() / FOLDER / f"{_key(record, belief, effects, thorough)}.json"
+    folder = private(cache_folder() / FOLDER)
+    if folder is None:
+        return calibrate(record, belief, effects, thorough)
+    path = folder / f"{_key(record, belief, effects, thorough)}.json"
     try:
         return _recalled(json.loads(path.read_text(encoding="utf-8")), record, belief, effects)
     except FileNotFoundError:
@@ -93,7 +97,6 @@ def _sources() -> str:
 
 def _write(path: Path, kept: Kept) -> None:
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as temporary:
             temporary.write_text(json.dumps(kept), encoding="utf-8")
         for old in sorted(path.parent.glob("*.json"), key=os.path.getmtime)[:-MOST]:

@@ -1,0 +1,51 @@
+"""Files that a user names: regular ones only, and none larger than what it is taken for can be."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+TEXT_BYTES = 5_000_000  # of what people write: studies, fragments, descriptions, keys
+DATA_BYTES = 2_000_000_000  # of what loggers and weather services write
+
+
+def read_file(path: Path | str, most_bytes: int = TEXT_BYTES) -> bytes:
+    """Return what a file holds.
+
+    Raises `OSError`: of a device, a pipe or a socket, which may never end, and of a file that is too large, its
+    `strerror` says so.
+    """
+    handle = _open(path, most_bytes)
+    with os.fdopen(handle, "rb") as file:
+        data = file.read(most_bytes + 1)  # files of /proc say that they are empty
+    if len(data) > most_bytes:
+        raise _too_large(path, most_bytes)
+    return data
+
+
+def check_file(path: Path | str, most_bytes: int = DATA_BYTES) -> None:
+    """Raise `OSError` as `read_file` does, for a file that is read by others."""
+    os.close(_open(path, most_bytes))
+
+
+def _open(path: Path | str, most_bytes: int) -> int:
+    # without waiting: the other end of a pipe may never come
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    try:
+        status = os.fstat(handle)
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        if not stat.S_ISREG(status.st_mode):
+            raise OSError(errno.EINVAL, "it is a device, a pipe or a socket; a regular file is expected", str(path))
+        if status.st_size > most_bytes:
+            raise _too_large(path, most_bytes)
+    except OSError:
+        os.close(handle)
+        raise
+    return handle
+
+
+def _too_large(path: Path | str, most_bytes: int) -> OSError:
+    return OSError(errno.EFBIG, f"it is larger than {most_bytes / 1e6:g} MB", str(path))
