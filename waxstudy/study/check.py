@@ -128,7 +128,8 @@ class Check:
 
 
 def is_file(path: Path) -> bool:
+    """Whether something is there that is no folder; if it is no regular file, reading it says so."""
     try:
-        return path.is_file()
+        return path.exists() and not path.is_dir()
     except (OSError, ValueError):  # too long, or with characters that no file name has
         return False
