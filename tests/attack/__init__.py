@@ -1,0 +1,1 @@
+"""A seeded attack that anyone can repeat: `make attack`."""
