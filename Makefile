@@ -3,7 +3,7 @@ BIN := .venv/bin
 # the matrices are small: threads of the linear algebra library would only wait for each other
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test golden characterise bench clean
+.PHONY: run test golden characterise attack bench clean
 
 run: .venv/installed  ## set up, run the paper's study, print its Table 5
 	$(BIN)/waxstudy run studies/table5.toml
@@ -24,6 +24,9 @@ golden: .venv/installed-dev  ## compute the golden results, the study file's sch
 
 characterise: .venv/installed-dev  ## compare what the diagnosis says of 70 records with what is stored
 	$(BIN)/python -m tests.characterisation
+
+attack: .venv/installed-dev  ## spoil studies, records and folders, kill commands, fill disks; SEED=N for another campaign
+	$(BIN)/python -m tests.attack --seed $(or $(SEED),1)
 
 bench: .venv/installed-dev  ## measure speed and memory
 	$(BIN)/python -m benchmarks

@@ -94,31 +94,39 @@ def spoilt(text: str, random: Random) -> bytes:
 
 
 def _spoil(rows: list[list[str]], random: Random) -> None:
-    column, row = random.randrange(len(rows[0])), random.randrange(1, max(2, len(rows)))
-    match random.choice(("cell", "column", "number", "drop", "swap", "rename", "gap", "double", "cut", "short")):
-        case "cell":
-            rows[min(row, len(rows) - 1)][column:] = [random.choice(CELLS)]
-        case "column":
+    random.choice((_spoil_column, _spoil_rows))(rows, random)
+
+
+def _spoil_column(rows: list[list[str]], random: Random) -> None:
+    column, other = random.randrange(len(rows[0])), random.randrange(len(rows[0]))
+    match random.choice(("same", "scale", "drop", "swap", "rename")):
+        case "same":
             value = random.choice(CELLS)
             rows[1:] = [[*each[:column], value, *each[column + 1 :]] for each in rows[1:]]
-        case "number":
+        case "scale":
             factor = random.choice((-1.0, 0.0, 0.01, 10.0, 1e6, 1e200))
             rows[1:] = [[*each[:column], _scaled(each, column, factor), *each[column + 1 :]] for each in rows[1:]]
-        case "drop":
-            rows[:] = [each[:column] + each[column + 1 :] for each in rows] if len(rows[0]) > 2 else rows
+        case "drop" if len(rows[0]) > 2:
+            rows[:] = [each[:column] + each[column + 1 :] for each in rows]
         case "swap":
-            other = random.randrange(len(rows[0]))
             rows[0][column], rows[0][other] = rows[0][other], rows[0][column]
-        case "rename":
+        case _:
             rows[0][column] = random.choice(WORDS)
+
+
+def _spoil_rows(rows: list[list[str]], random: Random) -> None:
+    column, row = random.randrange(len(rows[0])), random.randrange(len(rows))
+    match random.choice(("cell", "gap", "double", "cut", "short")):
+        case "cell":
+            rows[row][column : column + 1] = [random.choice(CELLS)]
         case "gap":
-            del rows[row : row + random.choice((1, 50, 2000))]
+            del rows[row + 1 : row + random.choice((1, 50, 2000))]
         case "double":
             rows[row:row] = rows[row : row + random.choice((1, 30))]
         case "cut":
             del rows[random.choice((1, 2, 3, 12)) :]
         case "short":
-            rows[min(row, len(rows) - 1)][column:] = []
+            rows[row][column:] = []
 
 
 def _scaled(row: list[str], column: int, factor: float) -> str:

@@ -40,6 +40,8 @@ def computed_at(folder: Path) -> dict[str, tuple[int, int]]:
 def resum(folder: Path) -> None:
     """Write the checksums of a run anew, as if what was changed in it had been written so."""
     for place in folder.glob("cases/*"):
-        write_sums(place / SUMS, {path.name: path for path in place.iterdir() if path.name != SUMS})
+        write_sums(
+            place / SUMS, {f"../{place.name}/{path.name}": path for path in place.iterdir() if path.name != SUMS}
+        )
     names = ["run.json", "study.toml", "kpis.csv", *(f"cases/{place.name}/{SUMS}" for place in folder.glob("cases/*"))]
     write_sums(folder / SUMS, {name: folder / name for name in names})

@@ -131,6 +131,21 @@ def test_what_was_changed_is_refused_by_name_and_computed_again_by_a_run(
     assert contents(small_run) == whole
 
 
+def test_cases_whose_folders_were_swapped_are_computed_again(
+    entry: Entry, small_study: Path, small_run: Path, tmp_path: Path
+) -> None:
+    """Files and checksums of a case fit each other wherever they lie."""
+    whole = contents(small_run)
+    one, other = sorted((small_run / "cases").iterdir())[:2]
+    one.rename(tmp_path / "one")
+    other.rename(one)
+    (tmp_path / "one").rename(other)
+    assert entry("report", "run").code == 3
+    ended = entry("run", small_study, "--out", "run")
+    assert (ended.code, contents(small_run)) == (0, whole)
+    assert ended.stderr.count("is computed again") == 2
+
+
 # --- links --------------------------------------------------------------------------------------------
 
 

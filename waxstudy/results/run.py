@@ -72,8 +72,13 @@ def damaged(folder: Path, case: CaseFolder) -> Path | None:
     place = folder / CASES / case.name
     if place.is_symlink() or not place.is_dir():
         return place
-    name = changed(place, OF_CASE)
-    return place / name if name else None
+    name = changed(place, _of_case(case))
+    return place / Path(name).name if name else None
+
+
+def _of_case(case: CaseFolder) -> dict[str, str]:
+    """Return each file of a case by its name in the checksums, where it has its folder: no case passes as another."""
+    return {f"../{case.name}/{name}": name for name in OF_CASE}
 
 
 def write_case(folder: Path, case: CaseFolder, result: CaseResult) -> None:
@@ -84,7 +89,7 @@ def write_case(folder: Path, case: CaseFolder, result: CaseResult) -> None:
         # of the channels, seven digits are more than enough; of a stamp they are not
         traces = result.traces.astype(dict.fromkeys(TRACE_CHANNELS, "float32"))
         write_parquet(traces, place / "traces.parquet", UNITS)
-        write_sums(place / SUMS, {name: place / name for name in OF_CASE})
+        write_sums(place / SUMS, {told: place / name for told, name in _of_case(case).items()})
 
 
 def finish(
