@@ -42,6 +42,24 @@ def test_mae_is_against_the_shifted_setpoint() -> None:
     assert key_figures(shifted)["mae_K"] == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize("shift_K", [-0.5, 0.5])
+def test_warm_hours_are_over_the_setpoint_that_people_asked_for_not_the_shifted_one(shift_K: float) -> None:
+    """With the shifted one 21.8 C would be too warm where the shift is -0.5 K, and 22.2 C not where it is 0.5 K."""
+    for operative_C, share in ((21.8, 0.0), (22.2, 1.0), (22.0, 0.0)):
+        channels = week(operative_C=np.full(STEPS, operative_C)).channels
+        figures = key_figures(MemberWeek(channels, 5.0, 21.0 + shift_K, 120.0, 21.0, 21.0))
+        assert figures["over_setpoint_1K_share"] == share
+
+
+@pytest.mark.parametrize(("steps", "too_slow"), [(59, 0.0), (60, 0.0), (61, 1.0)])
+def test_a_start_is_too_slow_beyond_the_reserve_market_s_limit_and_not_at_it(steps: int, too_slow: float) -> None:
+    signal, opening = np.zeros(STEPS), np.zeros(STEPS)
+    signal[100:1000] = 1.0
+    opening[100 + steps - 1 : 1000] = 1.0
+    figures = key_figures(week(signal=signal, opening=opening))
+    assert (figures["starts"], figures["starts_over_300_s"]) == (1.0, too_slow)
+
+
 def test_a_flow_that_trembles_in_the_middle_is_no_cycle() -> None:
     assert count_cycles(np.array([0.0, 0.6, 0.4, 0.6, 0.4, 1.0])) == 1
     assert count_cycles(np.array([0.0, 1.0, 0.05, 1.0, 0.0])) == 2
