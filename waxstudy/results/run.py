@@ -18,7 +18,8 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,7 +32,7 @@ from waxstudy.results.atomic import PARTIAL, whole_file, whole_folder
 from waxstudy.results.checksums import SUMS, changed, write_sums
 from waxstudy.results.folder import CASES, MANIFEST, STUDY, RunError
 from waxstudy.results.kpis import TRACE_CHANNELS
-from waxstudy.results.parquet import TIME, write_parquet
+from waxstudy.results.parquet import TIME, parquet_parts, write_parquet
 from waxstudy.study.model import Ladder
 
 FORMAT = 1
@@ -54,12 +55,20 @@ class CaseFolder:
 
 
 @dataclass(frozen=True)
-class CaseResult:
-    """What the simulation gives for one case in one week, members below each other."""
+class CaseWriter:
+    """What one case is written to while it runs: traces member after member, each part after part."""
 
-    kpis: pd.DataFrame
-    durations: pd.DataFrame
-    traces: pd.DataFrame
+    place: Path
+    add_trace: Callable[[pd.DataFrame], None]
+
+    def trace(self, part: pd.DataFrame) -> None:
+        # of the channels, seven digits are more than enough; of a stamp they are not
+        self.add_trace(part.astype(dict.fromkeys(TRACE_CHANNELS, "float32")))
+
+    def figures(self, kpis: pd.DataFrame, durations: pd.DataFrame) -> None:
+        """Write what is told of all members."""
+        kpis.to_csv(self.place / "kpis.csv", index=False)
+        write_parquet(durations, self.place / "durations.parquet", UNITS)
 
 
 def is_finished(folder: Path, case: CaseFolder) -> bool:
@@ -76,14 +85,12 @@ def damaged(folder: Path, case: CaseFolder) -> Path | None:
     return place / name if name else None
 
 
-def write_case(folder: Path, case: CaseFolder, result: CaseResult) -> None:
-    """Write one case; raise `OSError` if the disk refuses."""
+@contextmanager
+def writing_case(folder: Path, case: CaseFolder) -> Iterator[CaseWriter]:
+    """Give what a case is written to; it takes its place when all is written. Raises `OSError` if the disk refuses."""
     with whole_folder(folder / CASES / case.name) as place:
-        result.kpis.to_csv(place / "kpis.csv", index=False)
-        write_parquet(result.durations, place / "durations.parquet", UNITS)
-        # of the channels, seven digits are more than enough; of a stamp they are not
-        traces = result.traces.astype(dict.fromkeys(TRACE_CHANNELS, "float32"))
-        write_parquet(traces, place / "traces.parquet", UNITS)
+        with parquet_parts(place / "traces.parquet", UNITS) as add:
+            yield CaseWriter(place, add)
         write_sums(place / SUMS, {name: place / name for name in OF_CASE})
 
 
