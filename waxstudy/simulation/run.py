@@ -32,7 +32,7 @@ from waxstudy.plugin.registry import PluginError, described, installed, one_line
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.folder import run_folder
 from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
-from waxstudy.results.run import CaseFolder, CaseResult, damaged, finish, write_case
+from waxstudy.results.run import CaseFolder, CaseResult, damaged, finish, what_is_wrong, write_case
 from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import DAY_S, Loop, Start, Week
@@ -172,8 +172,8 @@ def _is_missing(folder: Path, job: CaseFolder, progress: Progress) -> bool:
     path = damaged(folder, job)
     if path is None:
         progress.done(job, False)
-    elif path.name != job.name:
-        progress.warn(f"{path}: cut off or changed since it was computed; {job.case}, {job.week} is computed again")
+    elif path.name != job.name or path.is_symlink():
+        progress.warn(f"{path}: {what_is_wrong(path)}; {job.case}, {job.week} is computed again")
     return path is not None
 
 
