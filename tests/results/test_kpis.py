@@ -42,6 +42,24 @@ def test_mae_is_against_the_shifted_setpoint() -> None:
     assert key_figures(shifted)["mae_K"] == pytest.approx(0.1)
 
 
+def test_overheating_is_against_the_setpoint_before_the_shift() -> None:
+    operative = np.full(STEPS, 21.5)  # over the shifted setpoint by more than a kelvin
+    operative[: STEPS // 7] = 22.5
+    operative[STEPS // 7 : STEPS // 2] = 22.0  # a kelvin, and not over it
+    shifted = MemberWeek(week(operative_C=operative).channels, 5.0, 20.0, 120.0, 21.0, 21.0)
+    assert key_figures(shifted)["over_setpoint_1K_share"] == pytest.approx(1.0 / 7.0)
+
+
+def test_a_start_of_exactly_300_s_is_not_over_300_s() -> None:
+    signal, opening = np.zeros(STEPS), np.zeros(STEPS)
+    for begin, steps in ((100, 60), (1100, 61), (2100, 59)):  # of 5 s each
+        signal[begin : begin + 200] = 1.0
+        opening[begin + steps - 1 : begin + 200] = 1.0
+    assert opening_times_s(signal, opening, 5.0).tolist() == [300.0, 305.0, 295.0]
+    figures = key_figures(week(signal=signal, opening=opening))
+    assert (figures["starts"], figures["starts_over_300_s"]) == (3.0, 1.0)
+
+
 def test_a_flow_that_trembles_in_the_middle_is_no_cycle() -> None:
     assert count_cycles(np.array([0.0, 0.6, 0.4, 0.6, 0.4, 1.0])) == 1
     assert count_cycles(np.array([0.0, 1.0, 0.05, 1.0, 0.0])) == 2
