@@ -32,7 +32,7 @@ from waxstudy.plugin.registry import PluginError, described, installed, one_line
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.folder import run_folder
 from waxstudy.results.kpis import Figures, MemberWeek, thinned
-from waxstudy.results.run import CaseFolder, damaged, finish, writing_case
+from waxstudy.results.run import CaseFolder, damaged, finish, what_is_wrong, writing_case
 from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.budget import Needs, free_disk, free_memory
 from waxstudy.simulation.chain import Chain
@@ -174,8 +174,8 @@ def _is_missing(folder: Path, job: CaseFolder, progress: Progress) -> bool:
     path = damaged(folder, job)
     if path is None:
         progress.done(job, False)
-    elif path.name != job.name:
-        progress.warn(f"{path}: cut off or changed since it was computed; {job.case}, {job.week} is computed again")
+    elif path.name != job.name or path.is_symlink():
+        progress.warn(f"{path}: {what_is_wrong(path)}; {job.case}, {job.week} is computed again")
     return path is not None
 
 
