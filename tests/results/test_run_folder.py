@@ -107,7 +107,7 @@ def test_a_run_that_ends_half_way_through_publishing_counts_as_unfinished(finish
     earlier, study = Run(run), tomllib.loads((run / "study.toml").read_text())
     (run / "study.toml").unlink()
     (run / "study.toml").mkdir()  # nothing takes its place: the table of figures is new, what comes after it is not
-    with pytest.raises(OSError, match="study.toml"):
+    with pytest.raises(OSError, match=r"study\.toml"):
         finish(run, study, earlier.ladders, earlier.weeks, earlier.cases[:1], earlier.provenance)
     with pytest.raises(RunError, match="this run has not finished"):
         Run(run)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import sys
@@ -12,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import click
+
+from waxstudy.study.visible import visible_lines
 
 DONE, CHECK_FAILED, USAGE, INVALID, PLUGIN, BACKEND, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 6, 130
 
@@ -40,14 +43,21 @@ def exit_code(command: Callable[[], Any]) -> int:
     try:
         return int(command() or DONE)
     except click.ClickException as error:
-        error.show()
+        shown = io.StringIO()
+        error.show(shown)
+        say(shown.getvalue().rstrip("\n"))
         return USAGE
     except (KeyboardInterrupt, click.Abort):
-        click.echo("interrupted", err=True)
+        say("interrupted")
         return INTERRUPTED
     except CommandError as error:
-        click.echo(error, err=True)
+        say(str(error))
         return error.code
+
+
+def say(text: str) -> None:
+    """Write to stderr."""
+    click.echo(visible_lines(text), err=True)
 
 
 def _end_as_by_ctrl_c() -> None:

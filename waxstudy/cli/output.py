@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import shutil
 import sys
 from contextlib import redirect_stdout
@@ -12,7 +13,9 @@ from typing import Any, TextIO
 import click
 
 from waxstudy.cli.errors import FAILED, PLUGIN, CommandError
+from waxstudy.study.visible import visible_lines
 
+COLOUR = re.compile("(\x1b\\[[0-9;]*m)")
 MOST_PRINTED = 10  # lines; a block that prints does so at every step
 
 
@@ -59,8 +62,11 @@ def terminal() -> tuple[int, bool]:
 
 def print_out(text: str) -> None:
     """Write to stdout; a reader that has seen enough and closed it is no failure."""
+    parts = COLOUR.split(text) if stdout().isatty() else [text]
+    # every second one is a colour, of ours: what `console` prints brings none with a name
+    safe = "".join(part if place % 2 else visible_lines(part) for place, part in enumerate(parts))
     try:
-        click.echo(text, file=stdout(), nl=False)
+        click.echo(safe, file=stdout(), nl=False)
     except OSError as error:
         # keep Python from complaining once more when it flushes at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), stdout().fileno())

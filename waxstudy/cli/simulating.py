@@ -9,9 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from waxstudy.cli.errors import BACKEND, FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
+from waxstudy.cli.errors import BACKEND, FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError, say
 
 if TYPE_CHECKING:
     from waxstudy.simulation.run import Progress
@@ -54,7 +52,7 @@ def failures(study_file: Path, folder: Path) -> Iterator[None]:
 
 
 def warn(text: str) -> None:
-    click.echo(f"warning: {text}", err=True)
+    say(f"warning: {text}")
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,8 +10,8 @@ from waxstudy import __version__
 from waxstudy.identification.models import Value
 from waxstudy.identification.performance import ACTUATOR
 from waxstudy.identification.records import Record
-from waxstudy.plugin.files import read_file
 from waxstudy.study.problems import Problem, StudyError
+from waxstudy.study.source import read_source
 
 DIGITS = 4
 MARK = "SIMULATED: its records come from a virtual test bench, no motor was measured."
@@ -72,10 +71,7 @@ def sources(records: Sequence[Record]) -> list[dict[str, Any]]:
 
 def read_fragment(path: Path, kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the block of this kind, and what is known of its fit; raise `StudyError`."""
-    try:
-        values = tomllib.loads(read_file(path).decode("utf-8-sig"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise StudyError([Problem(str(path), 0, "", "", "", f"is no fragment that can be read: {error}")]) from None
+    values = read_source(path).values
     if not isinstance(values.get(kind), dict):
         raise StudyError([Problem(str(path), 0, f"[{kind}]", "", "", f"missing: the file describes no {kind}")])
     about = values.get("fit")

@@ -1,4 +1,4 @@
-"""Files that a user names: regular ones only, and none larger than what it is taken for can be."""
+"""Files that a user names: regular ones only, and none larger than what it is taken for can be (docs/security.md)."""
 
 from __future__ import annotations
 
@@ -14,13 +14,12 @@ DATA_BYTES = 2_000_000_000  # of what loggers and weather services write
 def read_file(path: Path | str, most_bytes: int = TEXT_BYTES) -> bytes:
     """Return what a file holds.
 
-    Raises `OSError`: of a device, a pipe or a socket, which may never end, and of a file that is too large, its
-    `strerror` says so.
+    Raises `OSError`: of a device, a pipe or a socket, which may never end, of a file of the system that does not tell
+    its size, and of a file that is too large, its `strerror` says so.
     """
-    handle = _open(path, most_bytes)
-    with os.fdopen(handle, "rb") as file:
-        data = file.read(most_bytes + 1)  # files of /proc say that they are empty
-    if len(data) > most_bytes:
+    with os.fdopen(_open(path, most_bytes), "rb") as file:
+        data = file.read(most_bytes + 1)
+    if len(data) > most_bytes:  # it grew meanwhile
         raise _too_large(path, most_bytes)
     return data
 
@@ -52,10 +51,17 @@ def _open(path: Path | str, most_bytes: int) -> int:
             raise OSError(errno.EINVAL, "it is a device, a pipe or a socket; a regular file is expected", str(path))
         if status.st_size > most_bytes:
             raise _too_large(path, most_bytes)
+        if status.st_size == 0 and os.read(handle, 1):  # as those of /proc, some of which never end
+            raise OSError(errno.EINVAL, "it does not tell how large it is: copy it to a regular file", str(path))
     except OSError:
         os.close(handle)
         raise
     return handle
+
+
+def why(error: Exception) -> str:
+    """Return why a file cannot be read, in words without its name."""
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
 
 
 def _too_large(path: Path | str, most_bytes: int) -> OSError:

@@ -14,8 +14,10 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table as Grid
+from rich.text import Text
 
 from waxstudy.report.table import Table
+from waxstudy.study.visible import visible
 
 WIDEST = 1000  # columns that no table needs
 FIRST = 3  # of a list, in the terminal
@@ -45,17 +47,17 @@ def _finite(value: Any) -> Any:
 
 def markdown(title: str, tables: Sequence[Table[Any]], notes: Sequence[str]) -> str:
     """Pipe tables, then the notes."""
-    parts = [f"# {title}\n"]
+    parts = [f"# {visible(title)}\n"]
     for table in _filled(tables):
         lines = [table.names, ["---"] * len(table.columns), *table.texts]
-        parts.append(f"## {table.heading}\n\n" + "".join(map(_pipes, lines)))
+        parts.append(f"## {visible(table.heading)}\n\n" + "".join(map(_pipes, lines)))
     if notes:
-        parts.append("## Notes\n\n" + "".join(f"- {note}\n" for note in notes))
+        parts.append("## Notes\n\n" + "".join(f"- {visible(note)}\n" for note in notes))
     return "\n".join(parts)
 
 
 def _pipes(texts: Sequence[str]) -> str:
-    return "| " + " | ".join(text.replace("|", "\\|") for text in texts) + " |\n"
+    return "| " + " | ".join(visible(text).replace("|", "\\|") for text in texts) + " |\n"
 
 
 def _filled(tables: Sequence[Table[Any]]) -> list[Table[Any]]:
@@ -76,9 +78,16 @@ def terminal(tables: Sequence[Table[Any]], notes: Sequence[str], width: int, col
     return out.getvalue()
 
 
+class _Terminal(Console):
+    """Every word that it prints goes through here: colours are its own, none comes with a name."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        return super().render_str(visible(text), **options)
+
+
 def console(out: io.StringIO, width: int, colour: bool) -> Console:
     """Return what prints for a terminal, words as they are."""
-    return Console(file=out, width=width, force_terminal=colour, highlight=False, markup=False, emoji=False)
+    return _Terminal(file=out, width=width, force_terminal=colour, highlight=False, markup=False, emoji=False)
 
 
 def _grid(table: Table[Any]) -> Grid:

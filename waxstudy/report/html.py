@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from waxstudy.report.table import Column
 from waxstudy.results.run import Run
+from waxstudy.study.visible import visible_lines
 
 STYLES = {"figure": "", "theirs": "published"}  # of other kinds of columns: text
 MARKS = {
@@ -30,7 +31,7 @@ def filled(template: str, **values: Any) -> str:
         lstrip_blocks=True,
     )
     environment.filters |= {"svg": Markup, "quoted": _quoted, "style": _style}
-    return environment.get_template(template).render(**values)
+    return visible_lines(environment.get_template(template).render(**values))
 
 
 def _quoted(title: str) -> str:

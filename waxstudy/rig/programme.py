@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from waxstudy.plugin import FloatArray
-from waxstudy.plugin.files import read_file
+from waxstudy.plugin.files import read_file, why
 from waxstudy.study.model import NAME_RULE, is_safe_name
 from waxstudy.study.problems import Problem, StudyError, listed, shown
 
@@ -67,7 +67,7 @@ def read_programme(path: Path) -> list[Trial]:
     try:
         text = read_file(path).decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise StudyError([Problem(str(path), 0, "", "", "", f"cannot be read: {error}")]) from None
+        raise StudyError([Problem(str(path), 0, "", "", "", f"cannot be read: {why(error)}")]) from None
     return _trials(str(path), text)
 
 

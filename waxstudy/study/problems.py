@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from waxstudy.plugin.registry import did_you_mean
+from waxstudy.study.visible import visible
 
 LONGEST_VALUE = 60
 
@@ -31,7 +32,7 @@ class Problem:
         subject = f"{where} {key}".strip()
         allowed = f" ({self.allowed})" if self.allowed else ""
         parts = [place, subject.removesuffix(":"), f"{self.wrong}{did_you_mean(self.near)}{allowed}"]
-        return _one_line(": ".join(part for part in parts if part))
+        return " ".join(visible(": ".join(part for part in parts if part)).split())
 
 
 class StudyError(Exception):
@@ -66,9 +67,3 @@ def shown(value: object) -> str:
 
 def listed(words: Iterable[str]) -> str:
     return ", ".join(words) or "none"
-
-
-def _one_line(text: str) -> str:
-    """Whatever a file or a plugin put into a message, it stays one line and harmless on a terminal."""
-    printable = (c if c.isprintable() else " " if c.isspace() else ascii(c)[1:-1] for c in text)
-    return " ".join("".join(printable).split())

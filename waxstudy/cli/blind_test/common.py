@@ -51,10 +51,10 @@ def failures(folder: Path) -> Iterator[None]:
 def key_given(file: Path | None, folder: Path) -> Key | None:
     """Return the key that a file holds, or stdin for "-"; None where there is none.
 
-    Raises `KeyProblem`, also of a key that lies with what it seals, or `OSError`.
+    Raises `KeyProblem`, also of a key that lies with what it seals or cannot be read.
     """
     from waxstudy.blind_test.key import Key, KeyProblem
-    from waxstudy.plugin.files import read_file
+    from waxstudy.plugin.files import read_file, why
 
     if file is None:
         return None
@@ -62,5 +62,10 @@ def key_given(file: Path | None, folder: Path) -> Key | None:
         return Key.read(sys.stdin.read())
     if file.resolve().is_relative_to(folder.resolve()):
         raise KeyProblem(f"{file}: a key does not lie with what it seals: move it out of {folder}")
-    # a file that is no text holds no key, which `read` says
-    return Key.read(read_file(file).decode("utf-8", errors="replace")) if file.exists() else None
+    if not file.exists():
+        return None
+    try:
+        # a file that is no text holds no key, which `read` says
+        return Key.read(read_file(file).decode("utf-8", errors="replace"))
+    except OSError as error:
+        raise KeyProblem(f"{file}: cannot be read: {why(error)}") from None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -11,6 +12,9 @@ from typing import Any, Generic, TypeVar
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from waxstudy.study.visible import visible_lines
 
 WIDTH_IN = 11.0  # the width of the page's text: at 100 % a point of a figure is a point on the page
 RC: Any = {
@@ -99,8 +103,12 @@ def one_panel(height_in: float) -> tuple[Figure, Axes]:
 
 def _svg(figure: Figure, prefix: str) -> str:
     """Return the figure as an element of a page, the same for the same figure; the prefix keeps ids apart."""
+    for words in figure.findobj(Text):  # names may hold anything: no formulas, and nothing that no font has a sign for
+        words.set_text(visible_lines(words.get_text()))
+        words.set_parse_math("$" not in words.get_text())
     out = io.StringIO()
-    with rc_context(RC):
+    with rc_context(RC), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a name in another script gets boxes
         figure.savefig(out, format="svg", metadata={"Date": None})
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", out.getvalue(), flags=re.S)
     element = re.sub(r"\sxmlns(:\w+)?=\"[^\"]*\"", "", text[text.index("<svg") :])
