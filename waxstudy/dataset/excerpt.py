@@ -57,8 +57,9 @@ def _days(dataset: Dataset) -> Dataset:
     chosen = (day >= days[first]) & (day <= days[first + MOST_DAYS - 1])
     begin, end = (f"{each:%Y-%m-%d}" for each in (days[first], days[first + MOST_DAYS - 1]))
     said = (
-        f"Of the record's {len(days)} days the {MOST_DAYS} from {begin} to {end} are judged, which tell most, as the "
-        "valve moves most and least is missing. What shows on other days only is not seen: cut the record to judge those."
+        f"Of the record's {len(days)} days the {MOST_DAYS} from {begin} to {end} are judged, which tell most: "
+        "the valve moves most there, and least is missing. What shows on other days only is not seen: cut the record "
+        "to judge those."
     )
     return replace(
         dataset, time=dataset.time[chosen], values=dataset.values[chosen], warnings=(*dataset.warnings, said)
