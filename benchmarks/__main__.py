@@ -173,6 +173,7 @@ def command_figures(folder: Path) -> None:
 LONG = """
 [study]
 name = "long"
+step_s = {step_s}
 [room]
 use = "nzeb"
 [weather.long]
@@ -197,16 +198,16 @@ def long_figures(folder: Path) -> None:
         print("left out: WAXSTUDY_DATA names no folder with weather/*.epw")
         return
 
-    def study(days: int, members: int) -> str:
-        path = folder / f"{days}.toml"
-        path.write_text(LONG.format(weather=weather.resolve(), days=days, members=members))
+    def study(days: int, members: int, step_s: float = 5.0) -> str:
+        path = folder / f"{days}-{step_s:g}.toml"
+        path.write_text(LONG.format(weather=weather.resolve(), days=days, members=members, step_s=step_s))
         return str(path)
 
     command_figure("a year at 5 s, 4 members", ["run", study(365, 4), "--out", str(folder / "year")], "500 MB")
-    for days, interval_s in ((14, 60), (60, 60), (14, 5)):
+    for days, interval_s in ((14, 60), (60, 60), (14, 1)):
         record = str(folder / f"{days}-{interval_s}")
         options = ["--case", "O_WM", "--believed", "O_0", "--interval-s", str(interval_s)]
-        making = [WAXSTUDY, "reality", study(days, 1), *options, "--out", record]
+        making = [WAXSTUDY, "reality", study(days, 1, min(5.0, interval_s)), *options, "--out", record]
         subprocess.run(making, stdout=subprocess.DEVNULL, check=True)
         command_figure(f"diagnosis of {days} days at {interval_s} s", ["diagnose", record, "--json", "--quiet"], "")
 
