@@ -210,3 +210,15 @@ def test_a_report_that_cannot_be_written_is_a_failure_too(
     ended = entry("report", "run", "--out", out)
     assert_clear(ended, FAILED)
     assert ended.stderr.startswith(f"error: {out}: cannot be written: ")
+
+
+def test_a_link_that_leads_nowhere_is_told_as_such(entry: Entry) -> None:
+    Path("study.toml").symlink_to("study.toml")
+    Path("room").symlink_to("gone")
+    for name, target, command in (("study.toml", "study.toml", "run"), ("room", "gone", "diagnose")):
+        ended = entry(command, name)
+        assert_clear(ended, USAGE)
+        assert f"'{name}' is a link to '{target}', which is not there or leads back to it." in " ".join(
+            ended.stderr.split()
+        )
+        assert "Did you mean" not in ended.stderr

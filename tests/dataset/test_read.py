@@ -229,12 +229,52 @@ def test_stamps_at_the_start_are_moved_to_the_end(good: Path) -> None:
     assert (read_dataset(good).time - ours.time == pd.Timedelta(seconds=60)).all()
 
 
+@pytest.mark.parametrize(
+    ("steps_s", "interval_s", "late_s"),
+    [
+        ([40] * 3 + [60] * 30, 30, 30),  # logged at changes: a row is of its interval, not of all until the next
+        ([60] * 60, 600, 60),  # of a finer file a row is of what passes until the next
+    ],
+    ids=["coarser", "finer"],
+)
+def test_a_row_stamped_at_its_start_ends_with_its_interval_or_at_the_next_row(
+    tmp_path: Path, steps_s: list[int], interval_s: int, late_s: int
+) -> None:
+    start = pd.Timestamp("2020-01-10T00:00:00")
+    offsets_s = np.cumsum([0, *steps_s])
+    rows = [f"{(start + pd.Timedelta(seconds=int(s))).isoformat()},{20 + i / 100}" for i, s in enumerate(offsets_s)]
+    (tmp_path / "data.csv").write_text("\n".join(["time,air_temperature_C", *rows]) + "\n")
+
+    def first(stamps: str, moved_s: int) -> tuple[pd.Timestamp, list[float]]:
+        told = f'[dataset]\ninterval_s = {interval_s}\nstamps = "{stamps}"\n[nominal]\n'
+        (tmp_path / "dataset.toml").write_text(told)
+        moved = [f"{(pd.Timestamp(r[:19]) + pd.Timedelta(seconds=moved_s)).isoformat()}{r[19:]}" for r in rows]
+        (tmp_path / "data.csv").write_text("\n".join(["time,air_temperature_C", *moved]) + "\n")
+        read = read_dataset(tmp_path)
+        return read.time[0], read.values["air_temperature_C"].fillna(-1.0).tolist()
+
+    assert first("start", 0) == first("end", late_s)
+
+
 def test_the_interval_is_found_where_it_is_not_given(good: Path) -> None:
     path = good / "dataset.toml"
     path.write_text(path.read_text(encoding="utf-8").replace("interval_s = 60\n", ""), encoding="utf-8")
     read = read_dataset(good)
     assert read.interval_s == 60.0
     assert any("interval_s is not given" in sentence for sentence in read.assumptions)
+
+
+@pytest.mark.parametrize("minutes", [1, 10, 60])
+@pytest.mark.parametrize(
+    ("night", "is_told"), [("2020-03-29T02:00", True), ("2020-03-08T02:00", True), ("2020-03-25T02:00", False)]
+)
+def test_a_clock_that_was_put_forward_is_told(tmp_path: Path, minutes: int, night: str, is_told: bool) -> None:
+    times = pd.date_range(pd.Timestamp(night) - pd.Timedelta("2D"), periods=4 * 1440 // minutes, freq=f"{minutes}min")
+    local = times.where(times < pd.Timestamp(night), times + pd.Timedelta("1h"))
+    (tmp_path / "dataset.toml").write_text("[nominal]\n")
+    values = 20.0 + np.sin(np.arange(len(local)) / 50.0)
+    pd.DataFrame({"time": local, "air_temperature_C": values}).to_csv(tmp_path / "data.csv", index=False)
+    assert told(read_dataset(tmp_path), "a Sunday, as where summer time begins") == is_told
 
 
 # --- faults are told, and only impossible samples are taken out ------------------------------------
@@ -538,3 +578,37 @@ def test_the_measured_house_is_read_through_its_mapping(tmp_path: Path) -> None:
     heights = table.filter(regex="_AT$")
     np.testing.assert_allclose(read.values["air_temperature_C"], heights.mean(axis=1))
     np.testing.assert_allclose(read.values["internal_gain_W"], table.filter(regex="_IHS_elP$").sum(axis=1))
+
+
+def test_two_columns_for_one_channel_and_two_channels_of_one_column_are_told(good: Path) -> None:
+    def doubled(data: pd.DataFrame) -> pd.DataFrame:
+        return data.assign(T1=data["air_temperature_C"], when=data["time"])
+
+    mapped = '[columns]\ntime = "when"\nair_temperature_C = "T1"\noperative_temperature_C = "T1"\n'
+    read = reread(good, doubled, mapped)
+    assert told(read, "column 'air_temperature_C' of the data file is not read, as [columns] takes")
+    assert told(read, "column 'time' of the data file is not read, as [columns] takes time from 'when'")
+    assert told(read, "air_temperature_C, operative_temperature_C: all are column 'T1'")
+
+
+def test_thousands_of_columns_that_are_no_channels_get_a_few_lines(good: Path) -> None:
+    def wide(data: pd.DataFrame) -> pd.DataFrame:
+        extra = pd.DataFrame(0.0, index=data.index[:], columns=[f"x{i}" for i in range(3000)])
+        return pd.concat([data, extra.assign(flow_L_hh=1.0)], axis="columns").head(200)
+
+    strange = [each for each in reread(good, wide).warnings if "no channel" in each]
+    assert len(strange) == 6
+    assert strange[-1].startswith("2996 other columns are no channels and are not read: among them 'flow_L_hh'; did")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("value", [1e300, -1e300, 1e15])
+def test_a_number_beyond_all_channels_is_missing_and_told(good: Path, value: float) -> None:
+    def wild(data: pd.DataFrame) -> pd.DataFrame:
+        data.loc[[7, 900], ["air_temperature_C", "flow_L_h"]] = value
+        return data
+
+    read = reread(good, wild)
+    for name in ("air_temperature_C", "flow_L_h"):
+        assert list(np.flatnonzero(read.values[name].isna())) == [7, 900]
+        assert told(read, f"{name}: 2 cells are no numbers of at most 1e+12")

@@ -72,6 +72,16 @@ DATA: dict[str, tuple[Frame, str]] = {
         r"data\.csv:3: time: some stamps have an offset",
     ),
     "a stamp twice": (stamps(lambda t: [t[1], *t[1:]]), r"data\.csv:3: time: the stamp .* is there twice"),
+    "summer time ends": (
+        lambda d: d.head(120).assign(
+            time=[f"2020-10-25T02:{m:02}" for m in range(60)] + [f"2020-10-25T02:{m:02}" for m in range(60)]
+        ),
+        "time goes back, from 2020-10-25 02:59:00 to 2020-10-25 02:00:00, as where summer time ends",
+    ),
+    "nothing but huge numbers": (
+        changed(air_temperature_C=lambda x: x * 1e300),
+        r"air_temperature_C = .*: 2880 of 2880 cells are no numbers of at most 1e\+12",
+    ),
     "time goes back": (lambda d: d.iloc[::-1], r"data\.csv:3: time: time goes back"),
     "another interval": (lambda d: d.iloc[::10], "600 s and more from each other, but interval_s = 60"),
     "no channel": (lambda d: d[["time"]].assign(x=1.0), "has no channel"),
@@ -188,6 +198,10 @@ DESCRIPTION: dict[str, tuple[tuple[str, str], str]] = {
     "a mapping of nothing": (
         ("[noise]", "[columns]\nflow_L_h = { scale = 2.0 }\n[noise]"),
         "give one of column, mean",
+    ),
+    "a mapping beyond all units": (
+        ("[noise]", '[columns]\nflow_L_h = { column = "flow_L_h", scale = 1e300 }\n[noise]'),
+        r"\[columns\] flow_L_h.scale = 1e\+300: must be at most 1",
     ),
     "a mapping to nothing": (
         ("[noise]", '[columns]\nflow_L_h = { column = "flow_L_h", scale = 0.0 }\n[noise]'),

@@ -212,15 +212,32 @@ def test_an_effect_whose_stage_shows_nowhere_is_untestable_and_what_to_record_is
     few = Record(seen.interval_s, 0.0, {n: seen.values[n] for n in ("sensor_temperature_C", "control_output")})
     few = replace(few, values={**few.values, "setpoint_C": np.full(len(few), SETPOINT_C)})
     chain = Belief(believed.blocks)
-    told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), segments(few, chain), chain)}
+    told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), segments(few, chain), few, chain)}
     assert "flow_L_h" in told["let-by"]
     assert "displacement" in told["slow-actuator"]
     assert "dead-band" not in told
 
 
 def test_with_all_channels_every_stage_shows() -> None:
-    _, believed, cut = ready()
-    assert list(uncovered(list(EFFECTS.values()), cut, believed)) == []
+    seen, believed, cut = ready()
+    assert list(uncovered(list(EFFECTS.values()), cut, seen, believed)) == []
+
+
+@pytest.mark.parametrize(
+    ("recorded", "wanted"),
+    [
+        (("control_output",), "sensor_temperature_C and what drives it"),
+        (("sensor_temperature_C", "control_output"), "setpoint_C"),
+        (("sensor_temperature_C", "setpoint_C"), "what comes behind it, as control_output"),
+    ],
+)
+def test_nobody_is_told_to_record_what_is_recorded_already(recorded: Sequence[str], wanted: str) -> None:
+    seen, believed, _ = ready()
+    levels = {**seen.values, "setpoint_C": np.full(len(seen), SETPOINT_C)}
+    few = Record(seen.interval_s, 0.0, {name: levels[name] for name in recorded})
+    chain = Belief(believed.blocks)
+    told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), segments(few, chain), few, chain)}
+    assert told["sensor-bias"] == f"no channel shows the sensor: record {wanted}"
 
 
 def test_a_leak_does_not_show_in_a_valve_that_is_never_closed() -> None:

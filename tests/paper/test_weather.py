@@ -403,6 +403,22 @@ def test_a_header_without_a_place_is_refused(tmp_path: Path, made_up: str) -> No
         load(str(path), start="01-02")
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("59.4,", "999.9,", "line 1: latitude 999.9 is not within -90 to 90 degrees"),
+        (",24.8,", ",-200,", "line 1: longitude -200 is not within -180 to 180 degrees"),
+        ("59.4,", "nan,", "line 1: latitude nan is not within"),
+    ],
+)
+def test_a_place_that_is_not_on_earth_is_refused(tmp_path: Path, made_up: str, old: str, new: str, reason: str) -> None:
+    path = tmp_path / "nowhere.epw"
+    text = Path(made_up).read_text(encoding="latin-1")
+    path.write_text(text.replace(old, new, 1), encoding="latin-1")
+    with pytest.raises(ValueError, match=reason):
+        load(str(path), start="01-02")
+
+
 @pytest.mark.parametrize("start", ["13-01", "02-30", "20 January", "2019-01-20", ""])
 def test_a_start_that_is_no_day_is_refused(start: str) -> None:
     with pytest.raises(ValidationError, match=f"'{start}' is not a day of the year as MM-DD"):

@@ -20,6 +20,9 @@ class Existing(click.Path):
         try:
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
+            if (link := Path(value)).is_symlink() and not os.path.exists(link):
+                wrong = f"'{link}' is a link to '{os.readlink(link)}', which is not there or leads back to it."
+                raise click.BadParameter(wrong, ctx, param) from None
             if near := self._nearest(Path(value)):
                 raise click.BadParameter(f"{error.message} Did you mean '{near}'?", ctx, param) from None
             raise

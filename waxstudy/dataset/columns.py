@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -24,6 +24,8 @@ CODE = "a code for a missing sample"
 NEVER_NEGATIVE = ("level", "flow", "gain")  # a temperature in tenths may be -127
 THOUSANDS = re.compile(r"\d,\d{3}\b.*\.|\d\.\d{3}\b.*,")
 NAMED = 20  # columns that a message lists
+LARGEST = 1e12  # no channel has a number beyond; squares of those within are finite
+TOLD = 5  # columns that get a warning each
 
 
 def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, notes: Notes) -> pd.DataFrame | None:
@@ -33,6 +35,7 @@ def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, n
         name: column for name, column in wanted.items() if name in columns or (name in table.columns and name != time)
     }
     _tell_others(table, found, time, bool(columns), notes)
+    _tell_shared(table, {name: [part.column for part in each.parts] for name, each in found.items()}, time, notes)
     if not found:
         allowed = f"columns: {named(table)}; channels: {listed(CHANNELS)}"
         notes.refuse("", "has no channel: name its columns as the channels, or map them in [columns]", allowed=allowed)
@@ -83,27 +86,30 @@ def _without_codes(channel: str, numbers: pd.Series, column: Column, scale: floa
 
 
 def numbers_of(channel: str, written: pd.Series, notes: Notes) -> pd.Series | None:
-    """Return a column's numbers; a cell that is none, or infinite, is missing, and the user is told."""
+    """Return a column's numbers; a cell that is none, or beyond `LARGEST`, is missing, and the user is told."""
     if pd.api.types.is_datetime64_any_dtype(written):
         notes.refuse(channel, "holds times, not numbers; are columns swapped?")
         return None
     if CHANNELS[channel].quantity == "level" and pd.api.types.is_string_dtype(written):
         written = _in_words(channel, written, notes)
     numbers = pd.to_numeric(written, errors="coerce").astype(float)
-    numbers = numbers.where(np.isfinite(numbers))
+    numbers = numbers.where(numbers.abs() <= LARGEST)
     bad = written.notna() & numbers.isna()
     if not bad.any():
         return numbers
     row = int(np.argmax(bad.to_numpy()))
     example = shown(str(written.iloc[row]))
+    is_large = pd.notna(pd.to_numeric(written.iloc[row], errors="coerce"))
+    within = f" of at most {LARGEST:g}" if is_large else ""
     if bad.sum() > UNREADABLE_SHARE * written.notna().sum():
-        wrong = f"{bad.sum()} of {len(written)} cells are no numbers"
+        wrong = f"{bad.sum()} of {len(written)} cells are no numbers{within}"
         hint = '[dataset] decimal = "," if it is a decimal comma' if "," in example else ""
         if THOUSANDS.search(example):
             hint = "write numbers without a mark of thousands"
         notes.refuse(channel, wrong, line=row + 2, value=example, allowed=hint)
         return None
-    cells = "1 cell is no number (it" if bad.sum() == 1 else f"{bad.sum()} cells are no numbers (the first"
+    one = bad.sum() == 1
+    cells = f"1 cell is no number{within} (it" if one else f"{bad.sum()} cells are no numbers{within} (the first"
     notes.warn(f"{channel}: {cells} is {example} in line {notes.line_of(row + 2)}): missing")
     return numbers
 
@@ -123,8 +129,32 @@ def _tell_others(table: pd.DataFrame, found: Mapping[str, Column], time: str, is
     if is_mapped and others:
         columns = "1 column" if len(others) == 1 else f"{len(others)} columns"
         notes.assume(f"Not read: {columns} of the data file that [columns] does not name.")
-    for name in () if is_mapped else others:
+    strange = [] if is_mapped else others
+    for name in strange[:TOLD]:
         notes.warn(f"column '{name}' is no channel and is not read{hint(name, CHANNELS)}")
+    if rest := strange[TOLD:]:
+        near = [f"'{name}'{hint(name, CHANNELS)}" for name in rest if hint(name, CHANNELS)][:TOLD]
+        like = f": among them {'; '.join(near)}" if near else ""
+        columns = (
+            "1 other column is no channel and is"
+            if len(rest) == 1
+            else f"{len(rest)} other columns are no channels and are"
+        )
+        notes.warn(f"{columns} not read{like}")
+
+
+def _tell_shared(table: pd.DataFrame, read: Mapping[str, Sequence[str]], time: str, notes: Notes) -> None:
+    """Say where two columns are there for one channel, and where two channels are one column."""
+    for name, columns in {TIME: [time], **read}.items():
+        if name in table.columns and name not in columns:
+            taken = " and ".join(f"'{column}'" for column in columns)
+            notes.warn(f"column '{name}' of the data file is not read, as [columns] takes {name} from {taken}")
+    for name, columns in read.items():
+        if twins := [other for other in read if other > name and read[other] == columns and len(columns) == 1]:
+            who = ", ".join([name, *twins])
+            notes.warn(
+                f"{who}: all are column '{columns[0]}', so that one says nothing of the other: name the one it is"
+            )
 
 
 def named(table: pd.DataFrame) -> str:

@@ -17,6 +17,7 @@ YEARS = (1900, 2200)
 ISO = "expected ISO 8601, as 2020-01-31T12:00:00"
 # so written, pandas looks for it in compiled code
 ZONED = r"(?:Z|[+-][0-9]{2}:?[0-9]{2}|(?:T|:)[0-9.,]+ *[+-][0-9]{2}) *\Z"
+HOUR_S, LATE_S = 3600.0, 600.0  # of a clock change, and by how much a logger may be late then
 DAY_FIRST = r"\s*\d{1,2}([./-])\d{1,2}\1\d{4}"
 
 
@@ -38,7 +39,10 @@ def stamps_of(table: pd.DataFrame, column: str, about: DatasetTable, notes: Note
         notes.refuse(TIME, f"{times[row]} is not within the years {YEARS[0]} to {YEARS[1]}", line=row + 2)
         return None
     times = _local(times, notes)
-    return times if _in_order(times, notes) else None
+    if not _in_order(times, notes):
+        return None
+    _tell_clock_changes(times, notes)
+    return times
 
 
 def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
@@ -131,9 +135,28 @@ def _in_order(times: pd.DatetimeIndex, notes: Notes) -> bool:
         row = int(back[0]) + 1
         wrong = f"time goes back, from {times[row - 1]} to {times[row]}"
         wrong += f", and at {len(back) - 1} more places" if len(back) > 1 else ""
+        wrong += ", as where summer time ends" if _is_changing_night(times[[row - 1]])[0] else ""
         notes.refuse(TIME, wrong, line=row + 2, allowed="rows in order of time, in standard time all year")
     if len(same):
         row = int(same[0]) + 1
         wrong = f"the stamp {times[row]} is there twice" + (f" ({len(same)} such stamps)" if len(same) > 1 else "")
         notes.refuse(TIME, wrong, line=row + 2, allowed="one row per stamp, in standard time all year")
     return not (len(back) or len(same))
+
+
+def _is_changing_night(times: pd.DatetimeIndex) -> np.ndarray:
+    """Whether clocks are changed at such a time somewhere: in a small hour of a Sunday in spring or autumn."""
+    return np.asarray((times.day_of_week == 6) & (times.hour <= 3) & times.month.isin((3, 4, 9, 10, 11)))
+
+
+def _tell_clock_changes(times: pd.DatetimeIndex, notes: Notes) -> None:
+    """Say it where stamps jump by an hour in such a night: nothing else shows that a clock was put forward."""
+    steps_s = np.diff(times.as_unit("ns").asi8) / 1e9
+    usual_s = float(np.median(steps_s))
+    is_hour = np.abs(steps_s - usual_s - HOUR_S) <= min(0.5 * usual_s, LATE_S)
+    if len(found := np.flatnonzero(is_hour & _is_changing_night(times[:-1]))):
+        before = times[found[0]]
+        notes.warn(
+            f"time: an hour is missing after {before}, a Sunday, as where summer time begins: if a clock was put "
+            "forward, all stamps after it are an hour late; write them in standard time, or with their offset from UTC"
+        )

@@ -80,11 +80,14 @@ class Nominal(Parameters):
     setpoint_C: float | None = given("setpoint that is believed where none was measured", unit="C", ge=5.0, le=40.0)
 
 
+FACTORS: dict[str, Any] = {"ge": -1e9, "le": 1e9}  # beyond any unit
+
+
 class Part(Parameters):
     """A column of a foreign file, with a weight of its own."""
 
     column: str = given("name of the file's column", ...)
-    scale: float = given("factor", 1.0, unit="1")
+    scale: float = given("factor", 1.0, unit="1", **FACTORS)
 
 
 class Column(Parameters):
@@ -93,8 +96,8 @@ class Column(Parameters):
     column: str | None = given("name of the file's column")
     mean: tuple[str | Part, ...] | None = given("columns whose mean is the channel", min_length=1, strict=False)
     sum: tuple[str | Part, ...] | None = given("columns whose sum is the channel", min_length=1, strict=False)
-    scale: float = given("factor on the file's values", 1.0, unit="1")
-    offset: float = given("added to the scaled values", 0.0)
+    scale: float = given("factor on the file's values", 1.0, unit="1", **FACTORS)
+    offset: float = given("added to the scaled values", 0.0, **FACTORS)
 
     @model_validator(mode="after")
     def _is_one_of_them(self) -> Self:

@@ -241,7 +241,7 @@ def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tri
 def _untestable(
     work: Work, cut: Sequence[Segment], short: Mapping[Segment, str], selections: Sequence[Selection]
 ) -> Iterator[Untestable]:
-    yield from uncovered(work.effects, cut, work.belief)
+    yield from uncovered(work.effects, cut, work.record, work.belief)
     looked_at = [each for each in selections if not each.segment.is_supply]
     tried = [effect for selection in looked_at for effect in of_segment(selection.segment, work.effects)]
     for segment, reason in short.items():

@@ -22,6 +22,7 @@ HEADER_LINES = 8
 MISSING_W_M2 = 9999.0
 STEFAN_BOLTZMANN = 5.670e-8  # W/(m2 K4)
 COMMON_YEAR, LEAP_YEAR = 2001, 2000
+PLACE = {"latitude": 90.0, "longitude": 180.0}  # the sun stands nowhere else
 # pvlib's column -> what it is, and the range outside which EPW has no value (missing: 99.9 and 9999)
 DRY_BULB = {"temp_air": ("dry bulb temperature", -70.0, 70.0)}
 RADIATION = {
@@ -175,6 +176,9 @@ def _table(
         data, site = read_epw(io.StringIO(text), coerce_year=year)
     except (ValueError, KeyError, TypeError):
         raise ValueError(f"{path}: not an EPW file that pvlib can read") from None
+    for what, most in PLACE.items():
+        if not abs(site[what]) <= most:
+            raise ValueError(f"{path} line 1: {what} {site[what]:g} is not within -{most:g} to {most:g} degrees")
     return data, site
 
 

@@ -81,20 +81,27 @@ def _known(record: Record, channel: str) -> np.ndarray:
     return np.isfinite(record.values[channel])
 
 
-def uncovered(effects: Sequence[EffectType], segments: Sequence[Segment], belief: Belief) -> Iterator[Untestable]:
+def uncovered(
+    effects: Sequence[EffectType], segments: Sequence[Segment], record: Record, belief: Belief
+) -> Iterator[Untestable]:
     """Yield the effects whose stage no segment covers, with what is missing."""
     covered = {stage for segment in segments for stage in segment.stages}
     for effect in effects:
         # without a record of what drives a room no effect of its own can be thought of
         is_lacking = belief.room is not None and belief.inputs is None and effect.stage in ROOM_STAGES
         if effect.stage not in covered and (is_lacking or not effect.hindrance(belief)):
-            reason = f"no channel shows the {effect.stage}: record {needed(effect.stage)}"
+            reason = f"no channel shows the {effect.stage}: record {needed(effect.stage, record)}"
             yield Untestable(effect.name, reason, Lack.NOT_RECORDED)
 
 
-def needed(stage: str) -> str:
-    """Return what to record to judge a stage."""
-    return NEEDS.get(stage) or f"{SHOWN[stage]} and what drives it"
+def needed(stage: str, record: Record) -> str:
+    """Return what to record to judge a stage, of what is not recorded yet."""
+    if stage in NEEDS:
+        return NEEDS[stage]
+    if not record.has(SHOWN[stage]):
+        return f"{SHOWN[stage]} and what drives it"
+    before = "setpoint_C" if stage in ("sensor", "controller") else SHOWN[CHAIN[CHAIN.index(stage) - 1]]
+    return before if not record.has(before) else "what comes behind it, as control_output"
 
 
 def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Untestable]:
