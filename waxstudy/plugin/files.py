@@ -33,10 +33,10 @@ def lacking(path: Path) -> str:
     """Return why a file cannot be had, "" if it can."""
     try:
         check_file(path)
-    except (FileNotFoundError, NotADirectoryError, ValueError):  # a name may hold what no file's does
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError, ValueError):  # no file has some names
         return "no such file"
     except OSError as error:
-        return f"cannot be read: {error.strerror}"
+        return "no such file" if error.errno == errno.ENAMETOOLONG else f"cannot be read: {error.strerror}"
     return ""
 
 
