@@ -3,7 +3,7 @@ BIN := .venv/bin
 # the matrices are small: threads of the linear algebra library would only wait for each other
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test golden characterise attack bench clean
+.PHONY: run test golden characterise attack mutate bench clean
 
 run: .venv/installed  ## set up, run the paper's study, print its Table 5
 	$(BIN)/waxstudy run studies/table5.toml
@@ -28,6 +28,9 @@ characterise: .venv/installed-dev  ## compare what the diagnosis says of 70 reco
 attack: .venv/installed-dev  ## spoil studies, records and folders, kill commands, fill disks; SEED=N for another campaign
 	$(BIN)/python -m tests.attack --seed $(or $(SEED),1)
 
+mutate: .venv/installed-mutate  ## change the code in one place after another, and see whether a test notices
+	$(BIN)/python -m tests.mutation
+
 bench: .venv/installed-dev  ## measure speed and memory
 	$(BIN)/python -m benchmarks
 
@@ -38,6 +41,10 @@ bench: .venv/installed-dev  ## measure speed and memory
 
 .venv/installed-dev: .venv/installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]" --editable plugins/waxstudy-enthalpy
+	touch $@
+
+.venv/installed-mutate: .venv/installed-dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[mutate]"
 	touch $@
 
 clean:

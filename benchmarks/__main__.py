@@ -170,6 +170,48 @@ def command_figures(folder: Path) -> None:
         command_figure(f"report --format {form} --against paper", arguments, "")
 
 
+LONG = """
+[study]
+name = "long"
+step_s = {step_s}
+[room]
+use = "nzeb"
+[weather.long]
+use = "epw"
+path = "{weather}"
+start = "01-01"
+days = {days}
+[ensemble]
+members = {members}
+[ladder.on-off]
+reference = "O_WM"
+start = {{ id = "O_0", controller = {{ use = "on-off" }} }}
+steps = [{{ id = "O_WM", valve = {{ use = "quick-opening" }}, actuator = {{ use = "variable-times" }} }}]
+"""
+
+
+def long_figures(folder: Path) -> None:
+    """Time and memory of long runs and records; they need a year of weather in the folder `WAXSTUDY_DATA`."""
+    weather = next(Path(os.environ.get("WAXSTUDY_DATA", "none"), "weather").glob("*.epw"), None)
+    print(f"\nlong runs and records\n{'':40} {'wall':>8}  {'peak':>8}")
+    if weather is None:
+        print("left out: WAXSTUDY_DATA names no folder with weather/*.epw")
+        return
+
+    def study(days: int, members: int, step_s: float = 5.0) -> str:
+        path = folder / f"{days}-{step_s:g}.toml"
+        path.write_text(LONG.format(weather=weather.resolve(), days=days, members=members, step_s=step_s))
+        return str(path)
+
+    command_figure("a year at 5 s, 4 members", ["run", study(365, 4), "--out", str(folder / "year")], "500 MB")
+    for days, interval_s in ((14, 60), (60, 60), (14, 1)):
+        record = str(folder / f"{days}-{interval_s}")
+        options = ["--case", "O_WM", "--believed", "O_0", "--interval-s", str(interval_s)]
+        making = [WAXSTUDY, "reality", study(days, 1, min(5.0, interval_s)), *options, "--out", record]
+        subprocess.run(making, stdout=subprocess.DEVNULL, check=True)
+        command_figure(f"diagnosis of {days} days at {interval_s} s", ["diagnose", record, "--json", "--quiet"], "")
+
+
 def main() -> None:
     study = read_study(STUDY, installed())
     plan = prepare(study)
@@ -180,6 +222,7 @@ def main() -> None:
     folder = Path(tempfile.mkdtemp())
     try:
         command_figures(folder)
+        long_figures(folder)
     finally:
         shutil.rmtree(folder)
 

@@ -8,7 +8,6 @@ import os
 import pickle
 import subprocess
 import sys
-import tempfile
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from waxstudy.plugin import TRACE, Advance, FloatArray, Refused, Stopped, WeatherRecord
+from waxstudy.results.atomic import scratch_folder
 from waxstudy.simulation.engine import START, WARM_UP_DAYS, Start
 from waxstudy.study.model import is_multiple
 from waxstudy_energyplus.library import EnergyPlusError, installed_version
@@ -97,8 +97,7 @@ def simulate(
     refuse_times(weather, step_s)
     installed_version()
     job = Job(room, weather, advance, step_s, setpoint_C, start, warm_up_days, dict(told or {}))
-    with tempfile.TemporaryDirectory(prefix="waxstudy-energyplus-", ignore_cleanup_errors=True) as name:
-        folder = Path(name)
+    with scratch_folder("waxstudy-energyplus-") as folder:
         (folder / "room.epJSON").write_text(json.dumps(model(room, job.days)))
         (folder / "year.epw").write_text(still_year())
         minutes, chain = _answer(job, folder, stop)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -16,6 +15,7 @@ from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged
+from waxstudy.results.atomic import scratch_folder
 from waxstudy_trials.family import Channels
 from waxstudy_trials.put import Range
 
@@ -174,7 +174,7 @@ def first_midnight(house: Dataset) -> int:
 @cache
 def measured() -> Dataset:
     """Return the record as it was measured."""
-    with tempfile.TemporaryDirectory() as place:
+    with scratch_folder("waxstudy-house-") as place:
         shutil.copy(DESCRIPTION, place)
         shutil.copy(record_path(), place)
-        return read_dataset(Path(place))
+        return read_dataset(place)

@@ -129,3 +129,38 @@ def test_a_diagnoser_ends_with_the_command_that_asked_it(
     if by != "SIGKILL":
         assert process.returncode == 130
         assert list(temporary.iterdir()) == []
+
+
+def children(process: int) -> list[int]:
+    return [int(each) for path in Path(f"/proc/{process}/task").glob("*/children") for each in path.read_text().split()]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
+@pytest.mark.parametrize("by", ["SIGTERM", "SIGKILL"])
+def test_workers_end_with_the_command_that_started_them_whatever_they_are_at(tmp_path: Path, by: str) -> None:
+    cases = 30
+    command = ("blind-test", "make", "--cases", cases, "--seed", 4, "--out", "new", "--key-file", "key", "--quiet")
+    process = started(tmp_path, *command)
+    while not list(tmp_path.glob("new/records/*/data.csv")):
+        assert process.poll() is None
+        time.sleep(0.05)
+    workers = children(process.pid)
+    assert len(workers) >= 2
+    os.kill(process.pid, signal.Signals[by])  # it alone, not its group
+    process.wait(timeout=60)
+    assert process.returncode == (130 if by == "SIGTERM" else -signal.SIGKILL)
+    for _ in range(200):
+        if not any(map(is_there, workers)):
+            break
+        time.sleep(0.05)
+    assert not any(map(is_there, workers))
+    assert len(list(tmp_path.glob("new/boxes/*.box"))) < cases
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="it can be asked on Linux only")
+def test_a_process_whose_parent_ended_before_it_could_ask_ends_as_well() -> None:
+    parents = [str(os.getpid()), str(os.getppid())]
+    asking = "import sys; from waxstudy.blind_test.child import die_with_parent; die_with_parent(int(sys.argv[1]))"
+    codes = [subprocess.run([sys.executable, "-c", asking, each], check=False).returncode for each in parents]
+    assert codes == [0, -signal.SIGKILL]

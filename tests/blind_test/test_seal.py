@@ -268,7 +268,7 @@ def test_going_on_needs_the_key_and_the_same_plan(small_test: Path) -> None:
         done = call(small_test.parent, "blind-test", "make", "--out", "test", *more)
         return done.returncode, done.stderr
 
-    assert "give their key" in made("--cases", CASES)[1]
+    assert "give their --key-file" in made("--cases", CASES)[1]
     assert "another plan" in made("--cases", CASES + 1, "--key-file", "key")[1]
     shutil.rmtree(small_test / "boxes")
     shutil.rmtree(small_test / "records")

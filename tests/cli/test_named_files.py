@@ -74,7 +74,7 @@ def test_weather(entry: Entry, small_study: Path, make: Make, says: str) -> None
     small_study.write_text(SMALL.replace('use = "tallinn-week"\nmonth = "january"', weather))
     done = entry("run", small_study)
     assert done.code == INVALID
-    assert f"tallinn.epw: cannot be read ({says})" in done.stderr
+    assert f'path = "tallinn.epw": cannot be read: {says}' in done.stderr
 
 
 @strange_text

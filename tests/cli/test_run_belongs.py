@@ -124,7 +124,7 @@ def test_what_was_changed_is_refused_by_name_and_computed_again_by_a_run(
     named = line.removeprefix("error: ").split(":")[0]
     # checksums that were changed tell of the file that they no longer fit
     assert named == str(file.relative_to(small_run.parent)) or file.name == "SHA256SUMS"
-    assert "`waxstudy run` the study again" in line
+    assert "`waxstudy run small.toml --out run` computes it again" in line
     ended = entry("run", small_study, "--out", "run")
     assert ended.code == 0
     assert ("is computed again" in ended.stderr) == which.startswith("cases/")
@@ -170,7 +170,32 @@ def test_a_case_s_folder_that_links_elsewhere_is_computed_again_beside_it(
     old = small_run / "cases" / "O_X_january_0123456789abcdef"
     os.symlink(tmp_path / "elsewhere", old)
     before = contents(tmp_path / "elsewhere")
-    assert entry("run", small_study, "--out", "run").code == 0
+    ended = entry("report", "run")
+    assert ended.code == 3
+    assert ended.stderr.startswith(
+        f"error: run/cases/{case.name}: a link to {tmp_path / 'elsewhere'}, which a run does"
+    )
+    ended = entry("run", small_study, "--out", "run")
+    assert ended.code == 0
+    assert "which a run does not follow; O_0, january is computed again" in ended.stderr
     assert not case.is_symlink()
     assert not old.is_symlink()
     assert contents(tmp_path / "elsewhere") == before
+
+
+def test_the_cases_of_an_attribution_are_not_kept_at_the_end_of_a_link(
+    entry: Entry, small_run: Path, tmp_path: Path
+) -> None:
+    old = tmp_path / "elsewhere" / "cases" / "O_X_january_0123456789abcdef"
+    old.mkdir(parents=True)
+    os.symlink(tmp_path / "elsewhere", small_run / "attribution")
+    ended = entry("report", "run", "--attribution")
+    assert (ended.code, ended.stdout) == (6, "")
+    assert ended.stderr.startswith("error: run/attribution: a link to ")
+    assert contents(tmp_path / "elsewhere") == {}
+    assert old.is_dir()
+
+
+def test_a_study_whose_file_is_gone_is_asked_for_without_its_name(entry: Entry, small_run: Path) -> None:
+    edited(small_run / "kpis.csv")
+    assert entry("report", "run").stderr.endswith("; `waxstudy run` the study again\n")

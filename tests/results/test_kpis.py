@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
+import pandas as pd
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from waxstudy.results.kpis import (
     TRACE_CHANNELS,
+    Figures,
     MemberWeek,
+    Valve,
     count_cycles,
-    durations,
     key_figures,
-    opening_times_s,
     thinned,
 )
 
@@ -42,25 +48,51 @@ def test_mae_is_against_the_shifted_setpoint() -> None:
     assert key_figures(shifted)["mae_K"] == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize("shift_K", [-0.5, 0.5])
+def test_warm_hours_are_over_the_setpoint_that_people_asked_for_not_the_shifted_one(shift_K: float) -> None:
+    """With the shifted one 21.8 C would be too warm where the shift is -0.5 K, and 22.2 C not where it is 0.5 K."""
+    for operative_C, share in ((21.8, 0.0), (22.2, 1.0), (22.0, 0.0)):
+        channels = week(operative_C=np.full(STEPS, operative_C)).channels
+        figures = key_figures(MemberWeek(channels, 5.0, 21.0 + shift_K, 120.0, 21.0, 21.0))
+        assert figures["over_setpoint_1K_share"] == share
+
+
+@pytest.mark.parametrize(("steps", "too_slow"), [(59, 0.0), (60, 0.0), (61, 1.0)])
+def test_a_start_is_too_slow_beyond_the_reserve_market_s_limit_and_not_at_it(steps: int, too_slow: float) -> None:
+    signal, opening = np.zeros(STEPS), np.zeros(STEPS)
+    signal[100:1000] = 1.0
+    opening[100 + steps - 1 : 1000] = 1.0
+    figures = key_figures(week(signal=signal, opening=opening))
+    assert (figures["starts"], figures["starts_over_300_s"]) == (1.0, too_slow)
+
+
 def test_a_flow_that_trembles_in_the_middle_is_no_cycle() -> None:
     assert count_cycles(np.array([0.0, 0.6, 0.4, 0.6, 0.4, 1.0])) == 1
     assert count_cycles(np.array([0.0, 1.0, 0.05, 1.0, 0.0])) == 2
     assert count_cycles(np.full(5, 0.3)) == 0
 
 
+def opening_times_s(signal: np.ndarray, opening: np.ndarray) -> np.ndarray:
+    valve = Valve()
+    valve.add(signal, opening)
+    return valve.opening_times_s(5.0)
+
+
 def test_opening_times_run_from_the_signal_to_full_opening() -> None:
     signal = np.array([0, 1, 1, 1, 1, 0, 0, 0, 1, 1, 0, 0, 1, 1, 1.0])
     opening = np.array([0, 0, 0.5, 1, 1, 1, 0.5, 0, 0, 0.5, 0.2, 0, 0, 1, 1.0])
     # the second start ends before the valve is open, and does not count
-    assert opening_times_s(signal, opening, 5.0).tolist() == [15.0, 10.0]
-    assert opening_times_s(np.full(4, 0.5), np.ones(4), 5.0).tolist() == []
+    assert opening_times_s(signal, opening).tolist() == [15.0, 10.0]
+    assert opening_times_s(np.full(4, 0.5), np.ones(4)).tolist() == []
 
 
 def test_durations_are_percentiles_and_the_return_counts_only_with_flow() -> None:
     flow = np.zeros(STEPS)
     flow[: STEPS // 2] = 60.0
     back = np.where(flow > 0, 25.0, 99.0)
-    table = durations(week(flow_L_h=flow, return_C=back))
+    figures = Figures()
+    figures.add(week(flow_L_h=flow, return_C=back))
+    table = figures.durations()
     assert len(table) == 101
     assert table["return_C"].max() == 25.0
     assert table["flow_L_h"].iloc[[0, 100]].tolist() == [0.0, 60.0]
@@ -73,3 +105,37 @@ def test_thinned_traces_keep_means_of_flows_and_last_values_of_temperatures() ->
     assert table["time_s"].iloc[[0, -1]].tolist() == [60.0, 604800.0]
     assert table["air_C"].iloc[0] == 11.0
     assert table["flow_L_h"].iloc[0] == 5.5
+
+
+@given(cuts=st.lists(st.integers(1, 599), max_size=5, unique=True), seed=st.integers(0, 2**32 - 1))
+def test_a_record_in_parts_has_the_key_figures_of_the_whole(cuts: list[int], seed: int) -> None:
+    random = np.random.default_rng(seed)
+    on = np.repeat(random.integers(0, 2, 60), 10).astype(float)
+    opening = np.clip(np.convolve(on, np.full(5, 0.2))[:600], 0.0, 1.0).round(6)
+    channels = {name: random.normal(21.0, 1.0, 600) for name in TRACE_CHANNELS}
+    channels |= {"signal": on, "opening": opening, "flow_L_h": 120.0 * opening}
+
+    def part(first: int, last: int) -> MemberWeek:
+        return MemberWeek({n: c[first:last] for n, c in channels.items()}, 7.5, 20.9, 120.0, 21.0, 21.0)
+
+    whole, parts = Figures(), Figures()
+    whole.add(part(0, 600))
+    edges = [0, *sorted(cuts), 600]
+    for first, last in pairwise(edges):
+        parts.add(part(first, last))
+    one, other = whole.key_figures(), parts.key_figures()
+    assert other == pytest.approx(one, rel=1e-12, nan_ok=True)
+    assert one["starts"] > 0
+    assert parts.durations().equals(whole.durations())
+
+
+def test_a_trace_in_parts_is_the_trace_of_the_whole() -> None:
+    ramp = np.arange(STEPS, dtype=float)
+    whole = week(air_C=ramp, flow_L_h=ramp)
+    half = [
+        replace(whole, channels={n: c[at] for n, c in whole.channels.items()})
+        for at in (slice(0, 6000), slice(6000, None))
+    ]
+    first = thinned(half[0], 60.0, "2023-01-22")
+    both = pd.concat([first, thinned(half[1], 60.0, "2023-01-22", len(first))], ignore_index=True)
+    assert both.equals(thinned(whole, 60.0, "2023-01-22"))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -29,8 +28,7 @@ with whole_file(place / "file.csv") as file, whole_folder(place / "folder") as f
 
 @pytest.fixture
 def later(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """A process that comes when what was just made is no longer new."""
-    monkeypatch.setattr(atomic, "A_MOMENT_S", 0.0)
+    """A process that has not looked for leftovers yet, with temporary files of its own."""
     monkeypatch.setattr(atomic, "_swept", set())
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
     (tmp_path / "temporary").mkdir()
@@ -63,7 +61,6 @@ def test_what_a_living_process_writes_stays_and_what_a_killed_one_left_goes(tmp_
         process.kill()
         process.wait()
     atomic._swept.clear()
-    time.sleep(0.01)
     with whole_folder(tmp_path / "other"), atomic.scratch_folder("waxstudy-test-"):
         assert len(left(tmp_path)) == 2
     assert left(tmp_path) == []
@@ -71,13 +68,24 @@ def test_what_a_living_process_writes_stays_and_what_a_killed_one_left_goes(tmp_
     assert sorted(path.name for path in tmp_path.iterdir()) == ["notes.partial-", "other", "other.csv", "temporary"]
 
 
-def test_what_was_made_a_moment_ago_is_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It may be locked in the next."""
-    monkeypatch.setattr(atomic, "_swept", set())
-    (tmp_path / f"{PARTIAL}new").mkdir()
-    with whole_file(tmp_path / "file") as path:
-        path.write_text("whole")
-    assert (tmp_path / f"{PARTIAL}new").exists()
+WRITE_OFTEN = """\
+import pathlib, sys
+from waxstudy.results import atomic
+place = pathlib.Path(sys.argv[1])
+for number in range(400):
+    atomic._swept.clear()
+    with atomic.whole_folder(place / sys.argv[2]) as folder, atomic.whole_file(folder / "data") as file:
+        file.write_text(str(number))
+    assert (place / sys.argv[2] / "data").read_text() == str(number)
+"""
+
+
+def test_who_writes_and_who_removes_leftovers_at_one_time_do_not_hinder_each_other(tmp_path: Path) -> None:
+    names = ["one", "two", "three"]
+    command = [sys.executable, "-c", WRITE_OFTEN, str(tmp_path)]
+    processes = [subprocess.Popen([*command, name], stderr=subprocess.PIPE, text=True) for name in names]
+    assert [process.communicate()[1] for process in processes] == ["", "", ""]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
 
 
 @pytest.mark.usefixtures("later")

@@ -20,7 +20,7 @@ import waxstudy
 from waxstudy.plugin.registry import installed
 from waxstudy.results.kpis import TRACE_CHANNELS, stamps
 from waxstudy.results.parquet import write_parquet
-from waxstudy.results.run import CaseFolder, CaseResult, Run, write_case
+from waxstudy.results.run import CaseFolder, Run, writing_case
 from waxstudy.simulation.run import prepare
 from waxstudy.study.read import read_study
 
@@ -43,7 +43,9 @@ def written(trace: pd.DataFrame, place: Path) -> pa.Table:
     case = CaseFolder("case", "year", "0" * 16)
     (place / "cases").mkdir()
     table = trace.assign(**dict.fromkeys(TRACE_CHANNELS, 21.0), member=0)
-    write_case(place, case, CaseResult(pd.DataFrame(), pd.DataFrame(), table))
+    with writing_case(place, case) as writer:
+        writer.trace(table)
+        writer.figures(pd.DataFrame(), pd.DataFrame())
     return pq.read_table(place / "cases" / case.name / "traces.parquet")
 
 

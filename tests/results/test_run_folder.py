@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -99,6 +100,17 @@ def test_what_cannot_be_put_together_leaves_the_earlier_run(finished: Path, tmp_
         finish(run, study, earlier.ladders, earlier.weeks, earlier.cases[:1], {"machine": object()})
     assert contents(run) == before
     assert not list(run.glob(".partial-*"))
+
+
+def test_a_run_that_ends_half_way_through_publishing_counts_as_unfinished(finished: Path, tmp_path: Path) -> None:
+    run = shutil.copytree(finished, tmp_path / "run")
+    earlier, study = Run(run), tomllib.loads((run / "study.toml").read_text())
+    (run / "study.toml").unlink()
+    (run / "study.toml").mkdir()  # nothing takes its place: the table of figures is new, what comes after it is not
+    with pytest.raises(OSError, match=r"study\.toml"):
+        finish(run, study, earlier.ladders, earlier.weeks, earlier.cases[:1], earlier.provenance)
+    with pytest.raises(RunError, match="this run has not finished"):
+        Run(run)
 
 
 def test_a_run_folder_is_made_in_an_empty_place_or_on_top_of_a_run_only(finished: Path, tmp_path: Path) -> None:

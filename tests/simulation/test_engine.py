@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waxstudy.plugin import Actuator, FloatArray, Parameters, SimulationError
+from waxstudy.plugin import ROOM_OUTPUTS, Actuator, FloatArray, Parameters, SimulationError
 from waxstudy.plugin.registry import PluginError, installed
 from waxstudy.simulation import kernel
 from waxstudy.simulation.chain import Chain
@@ -266,6 +266,16 @@ def test_weather_that_is_not_a_number_ends_the_run(room: DrivenRoom) -> None:
     lost = replace(room, offsets=np.where(np.arange(len(room.offsets))[:, None] == 30, np.nan, room.offsets))
     with pytest.raises(SimulationError, match="the room's temperatures are lost by day 2, 07:00:00"):
         list(Loop(Chain({"controller": choice(controllers.PI)}, STEP_S), lost, 21.0).weeks(21.0, [Start(0.0, 0.0)]))
+
+
+@pytest.mark.parametrize("jit", [True, False])
+@pytest.mark.parametrize("value_C", [600.0, -300.0])
+@pytest.mark.parametrize("output", ["layer_C", "operative_C"])
+def test_a_temperature_that_no_room_has_ends_the_run(output: str, value_C: float, jit: bool, room: DrivenRoom) -> None:
+    offsets = room.offsets.copy()
+    offsets[30, ROOM_OUTPUTS.index(output)] = value_C
+    with pytest.raises(SimulationError, match="the room's temperatures are lost by day 2, 07:00:00"):
+        list(Loop(Chain(ON_OFF, STEP_S), replace(room, offsets=offsets), 21.0, jit=jit).weeks(21.0, [Start(0.0, 0.0)]))
 
 
 def test_every_registered_block_has_its_own_name_and_kind() -> None:

@@ -1,17 +1,20 @@
-"""A diagnoser's process: what it is given, how long it may take, and that it ends when we do."""
+"""Processes of a blind test: what a diagnoser's is given, how long it may take, and that all end when we do."""
 
 from __future__ import annotations
 
 import ctypes
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -59,14 +62,31 @@ def environment(home: Path) -> dict[str, str]:
     return {**kept, **own, **ONE_THREAD}
 
 
-def die_with_parent() -> None:
-    """Ask the system to end this process when the one that started it ends; it can be asked on Linux only."""
+def die_with_parent(parent: int) -> None:
+    """Ask the system to end this process when `parent`, which started it, ends; it can be asked on Linux only."""
     if sys.platform == "linux":
-        _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:  # it ended before we asked
+            os.kill(os.getpid(), signal.SIGKILL)
+
+
+@contextmanager
+def worker_processes(count: int) -> Iterator[ProcessPoolExecutor]:
+    """Give processes for work of our own; they end when we do, and in the midst of it if the block fails."""
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(count, context, initializer=die_with_parent, initargs=(os.getpid(),))
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            process.terminate()
+        raise
+    pool.shutdown()
 
 
 # loaded before any process is made: nothing may be loaded between fork and exec
-_LIBC: Any = ctypes.CDLL(None) if sys.platform == "linux" else None
+LIBC: Any = ctypes.CDLL(None) if sys.platform == "linux" else None
 
 
 def _called(command: Sequence[str], folder: Path, timeout_s: float) -> dict[str, Any]:
@@ -82,7 +102,7 @@ def _called(command: Sequence[str], folder: Path, timeout_s: float) -> dict[str,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             start_new_session=True,
-            preexec_fn=die_with_parent if os.name == "posix" else None,
+            preexec_fn=partial(die_with_parent, os.getpid()) if os.name == "posix" else None,
         )
     except OSError as error:
         raise NoProcess(f"{command[0]}: cannot be run: {error.strerror or error}") from error

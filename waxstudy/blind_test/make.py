@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from waxstudy.blind_test.box import close_box, open_box
-from waxstudy.blind_test.child import die_with_parent
+from waxstudy.blind_test.child import worker_processes
 from waxstudy.blind_test.draw import Case, drawn
 from waxstudy.blind_test.key import Key, KeyProblem
 from waxstudy.blind_test.plan import Plan, Slot
@@ -110,17 +109,12 @@ def make(place: Place, plan: Plan, key: Key, workers: int, tick: Tick) -> None:
     done = {index for index in range(len(slots)) if is_made(place, key, index)}
     missing = [index for index in range(len(slots)) if index not in done]
     tick(f"{len(done)} of {len(slots)} records", len(done) / max(1, len(slots)))
-    context = multiprocessing.get_context("spawn")
     processes = min(workers, max(1, len(missing)))
-    with ProcessPoolExecutor(processes, mp_context=context, initializer=die_with_parent) as pool:
+    with worker_processes(processes) as pool:
         jobs = [pool.submit(make_one, place, key, slots[index], index, plan.is_judged) for index in missing]
-        try:
-            for number, job in enumerate(as_completed(jobs), start=len(done) + 1):
-                job.result()
-                tick(f"{number} of {len(slots)} records", number / len(slots))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        for number, job in enumerate(as_completed(jobs), start=len(done) + 1):
+            job.result()
+            tick(f"{number} of {len(slots)} records", number / len(slots))
     seal(place, key, [key.record_name(index) for index in range(len(slots))])
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import shutil
-import tempfile
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,7 +17,7 @@ from waxstudy.dataset.channels import CHANNELS, Channel
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.trial import Staged
-from waxstudy.results.atomic import whole_folder
+from waxstudy.results.atomic import scratch_folder, whole_folder
 from waxstudy.synthetic.instruments import DECIMALS, rows
 
 if TYPE_CHECKING:
@@ -97,8 +96,8 @@ def _cells(channel: Channel, values: FloatArray) -> list[str]:
 def without_noise(staged: Staged, measured: Measured) -> Dataset:
     """Return the record as perfect instruments would show it."""
     table = shown(staged, measured, noise=False)
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place) / NAME
+    with scratch_folder("waxstudy-record-") as place:
+        folder = place / NAME
         folder.mkdir()
         table.to_csv(folder / "data.csv", index=False, lineterminator="\n")
         (folder / "dataset.toml").write_bytes(tomli_w.dumps(_described(table, staged, measured)).encode())

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from waxstudy.blind_test.child import die_with_parent
+from waxstudy.blind_test.child import worker_processes
 from waxstudy.blind_test.draw import Case, Measured
 from waxstudy.blind_test.make import Place, Tick
 from waxstudy.blind_test.marks import Mark
@@ -31,8 +30,7 @@ def true_shrinkages(
     jobs = [job for mark in own if (job := _job(mark, boxes))]
     known = {job[0]: _kept(folder / f"{job[0]}.json", job) for job in jobs}
     missing = [job for job in jobs if known[job[0]] is None]
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=die_with_parent) as pool:
+    with worker_processes(workers) as pool:
         futures = {pool.submit(true_shrinkage, *job): job for job in missing}
         for number, future in enumerate(as_completed(futures)):
             job = futures[future]

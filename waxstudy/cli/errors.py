@@ -7,7 +7,8 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
@@ -39,9 +40,9 @@ def taken(path: Path) -> CommandError:
 def exit_code(command: Callable[[], Any]) -> int:
     """Run a command; print what went wrong on stderr and return the exit code."""
     _make_streams_safe()
-    _end_as_by_ctrl_c()
     try:
-        return int(command() or DONE)
+        with _ended_as_by_ctrl_c():
+            return int(command() or DONE)
     except click.ClickException as error:
         shown = io.StringIO()
         error.show(shown)
@@ -60,15 +61,20 @@ def say(text: str) -> None:
     click.echo(visible_lines(text), err=True)
 
 
-def _end_as_by_ctrl_c() -> None:
+@contextmanager
+def _ended_as_by_ctrl_c() -> Iterator[None]:
     """Let what asks a process to end, and the end of its terminal, take the path of Ctrl-C."""
-    if threading.current_thread() is not threading.main_thread():
-        return  # only the main thread of a program that calls us may say so
-    for name in ("SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        # what was told to go on without its terminal does
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
-            signal.signal(number, signal.default_int_handler)
+    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    is_main = threading.current_thread() is threading.main_thread()  # no other thread may say so
+    # what was told to go on without its terminal does
+    taken_over = [each for each in numbers if is_main and signal.getsignal(each) == signal.SIG_DFL]
+    for number in taken_over:
+        signal.signal(number, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for number in taken_over:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def _make_streams_safe() -> None:

@@ -132,7 +132,7 @@ def command(
 def _make(out: Path, telling: Telling, days: int | None, instruments: Instruments) -> None:
     from waxstudy.synthetic.effects import EffectError, with_effects
     from waxstudy.synthetic.simulate import RealityError, reality_loop, simulate
-    from waxstudy.synthetic.write import write
+    from waxstudy.synthetic.write import OtherTruth, write
 
     study, case, weeks, setpoint_C = telling.study, telling.case, telling.weeks, telling.setpoint_C
     try:
@@ -148,7 +148,7 @@ def _make(out: Path, telling: Telling, days: int | None, instruments: Instrument
         raise CommandError(str(error), USAGE) from error
     except EffectError as error:
         raise CommandError(str(error), INVALID) from error
-    except FileExistsError as error:
+    except OtherTruth as error:
         raise taken(Path(str(error))) from error
 
 

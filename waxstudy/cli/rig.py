@@ -99,6 +99,7 @@ def _make(folder: Path, motors: Any, programme: Path | None) -> None:
     from waxstudy.rig.programme import read_programme, table_a1
     from waxstudy.rig.write import write_rig
     from waxstudy.study.problems import StudyError
+    from waxstudy.synthetic.write import OtherTruth
 
     try:
         write_rig(folder, motors, read_programme(programme) if programme else table_a1())
@@ -108,7 +109,7 @@ def _make(folder: Path, motors: Any, programme: Path | None) -> None:
         raise CommandError(f"actuator '{motors.actuator}': {error}", USAGE) from error
     except SimulationError as error:
         raise CommandError(str(error), FAILED) from error
-    except FileExistsError as error:
+    except OtherTruth as error:
         raise taken(Path(str(error))) from error
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)

@@ -21,8 +21,9 @@ from waxstudy.dataset.stamps import stamps_of
 from waxstudy.dataset.tables import Site
 from waxstudy.dataset.text import read_table
 from waxstudy.plugin import Belief, Inputs
+from waxstudy.plugin.files import lacking
 from waxstudy.plugin.registry import Registry, installed
-from waxstudy.study.check import Check, is_file
+from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import StudyError
 from waxstudy.study.source import read_source
@@ -108,11 +109,11 @@ def _data_path(check: Check, folder: Path) -> Path | None:
     name = table.get("file") if isinstance(table, dict) else None
     if isinstance(name, str):
         path = folder / name
-        if is_file(path):
+        if not (wrong := lacking(path)):
             return path
-        check.problem(spot, "no such file", value=name, allowed=f"looked for {path}")
+        check.problem(spot, wrong, value=name, allowed=f"looked for {path}")
         return None
-    found = [folder / name for name in FILES if is_file(folder / name)]
+    found = [folder / name for name in FILES if (folder / name).exists()]
     if not found:
         check.problem(Spot.table(), f"there is no {' or '.join(FILES)} beside it, and [dataset] names no file")
     return found[0] if found else None
@@ -120,7 +121,7 @@ def _data_path(check: Check, folder: Path) -> Path | None:
 
 def _baseline_path(check: Check, folder: Path, path: str) -> Path:
     found = folder / path
-    if not is_file(found / "dataset.toml"):
+    if lacking(found / "dataset.toml"):
         check.problem(Spot.table("baseline").at("path"), "no such dataset", value=path, allowed=f"looked for {found}")
     elif found.resolve() == folder.resolve():
         check.problem(Spot.table("baseline").at("path"), "a record cannot be its own baseline", value=path)

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.baseline import refuse_too_short
+from waxstudy.dataset.excerpt import excerpt
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
@@ -58,6 +59,7 @@ def diagnose(
     `tick` is told what is being tried and the share done. With `weighs` hypotheses are weighed where no healthy record
     is known, too; blind tests hold that against the rules.
     """
+    whole, dataset, baseline = dataset, excerpt(dataset), excerpt(baseline) if baseline else None
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     thorough = QUICK if quick else 1.0
@@ -71,7 +73,7 @@ def diagnose(
     short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
     judged = [segment for segment in cut if segment not in short]
     selections = list(_selections(work, judged, tick or (lambda what, share: None)))
-    return _with_neighbours(assembled(work, cut, short, selections, quick), dataset, tick or (lambda what, share: None))
+    return _with_neighbours(assembled(work, cut, short, selections, quick), whole, tick or (lambda what, share: None))
 
 
 def _with_neighbours(diagnosis: Diagnosis, dataset: Dataset, tick: Tell) -> Diagnosis:
@@ -105,6 +107,7 @@ def calibrated_room(dataset: Dataset) -> CalibratedRoom:
     if dataset.room is None:
         raise _wrong(dataset, "there is no room to calibrate", "[building]", "tell it in [building] or [room]")
     refuse_too_short(dataset)
+    dataset = excerpt(dataset)
     record = record_of(dataset)
     documented = _documented(dataset, record)
     if not any(segment.with_room and not segment.is_supply for segment in segments(record, documented)):

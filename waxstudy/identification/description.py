@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin import Parameters, parameter
-from waxstudy.plugin.files import check_file
+from waxstudy.plugin.files import check_file, lacking
 from waxstudy.plugin.registry import installed
 from waxstudy.study.check import Check
 from waxstudy.study.problems import StudyError
@@ -160,6 +160,6 @@ def _part(check: Check, name: str, model: type[P]) -> P:
 def _record(check: Check, folder: Path, name: str) -> RecordTable | None:
     spot = Spot.table("record", name)
     record = check.parameters(RecordTable, RawTable.of(check.table(spot) or {}, spot))
-    if record and not (folder / record.file).is_file():
-        check.problem(spot.at("file"), "no such file", value=record.file)
+    if record and (wrong := lacking(folder / record.file)):
+        check.problem(spot.at("file"), wrong, value=record.file)
     return record

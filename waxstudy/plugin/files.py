@@ -29,6 +29,17 @@ def check_file(path: Path | str, most_bytes: int = DATA_BYTES) -> None:
     os.close(_open(path, most_bytes))
 
 
+def lacking(path: Path) -> str:
+    """Return why a file cannot be had, "" if it can."""
+    try:
+        check_file(path)
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError, ValueError):  # no file has some names
+        return "no such file"
+    except OSError as error:
+        return "no such file" if error.errno == errno.ENAMETOOLONG else f"cannot be read: {error.strerror}"
+    return ""
+
+
 def _open(path: Path | str, most_bytes: int) -> int:
     # without waiting: the other end of a pipe may never come
     handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))

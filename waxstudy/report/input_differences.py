@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import PurePath
 from typing import Any
 
-from waxstudy.results.folder import RunError
-from waxstudy.results.run import AGAIN, Run
+from waxstudy.results.folder import RunError, again
+from waxstudy.results.run import Run
 
 
 def differing_inputs(run: Run, other: Run) -> list[str]:
@@ -32,7 +32,7 @@ def _named(run: Run) -> dict[str, dict[str, Any]]:
             **{f"case {case['id']}": case for case in cases},
         }
     except (OSError, ValueError, KeyError) as error:
-        raise RunError(f"{run.study_file}: cut off or damaged; {AGAIN}") from error
+        raise RunError(f"{run.study_file}: cut off or damaged; {again(run.folder)}") from error
 
 
 def differences(ours: Mapping[str, Any], theirs: Mapping[str, Any], prefix: str = "") -> Iterator[str]:

@@ -1,7 +1,8 @@
 """Write files and folders so that a reader sees all of them or nothing, and no two runs write at once.
 
 What is being written is locked by its writer. The system lets go of a lock however a process ends: so what a killed one
-left is known, and removed by the next that writes there.
+left is known, and removed by the next that writes there. A writer whose file was taken for such a leftover before it
+was locked makes another.
 """
 
 from __future__ import annotations
@@ -10,8 +11,7 @@ import os
 import shutil
 import sys
 import tempfile
-import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -19,7 +19,6 @@ if sys.platform != "win32":
     import fcntl
 
 PARTIAL = ".partial-"
-A_MOMENT_S = 60.0  # in which a file that was just made may not be locked yet
 # read once: to ask for it is to change it for a moment, for every thread
 UMASK = os.umask(0)
 os.umask(UMASK)
@@ -29,18 +28,10 @@ os.umask(UMASK)
 def whole_file(path: Path) -> Iterator[Path]:
     """Give a temporary path to write; it replaces `path` when the block ends well."""
     remove_left(path.parent, PARTIAL)
-    handle, name = tempfile.mkstemp(prefix=PARTIAL, suffix=path.suffix, dir=path.parent)
-    temporary = Path(name)
-    try:
-        with _held(handle):
-            yield temporary
-            temporary.chmod(0o666 & ~UMASK)
-            if sys.platform != "win32":
-                os.replace(temporary, path)
-        if sys.platform == "win32":  # where nothing open is moved
-            os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with _ours(lambda: _new_file(path)) as temporary:
+        yield temporary
+        temporary.chmod(0o666 & ~UMASK)
+        os.replace(temporary, path)
 
 
 @contextmanager
@@ -65,15 +56,8 @@ def scratch_folder(prefix: str) -> Iterator[Path]:
 @contextmanager
 def _folder_of_its_own(parent: Path, prefix: str) -> Iterator[Path]:
     remove_left(parent, prefix)
-    temporary = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
-    try:
-        if sys.platform == "win32":  # folders cannot be opened there
-            yield temporary
-        else:
-            with _held(os.open(temporary, os.O_RDONLY)):
-                yield temporary
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+    with _ours(lambda: Path(tempfile.mkdtemp(prefix=prefix, dir=parent))) as temporary:
+        yield temporary
 
 
 @contextmanager
@@ -100,31 +84,56 @@ def remove_left(parent: Path, prefix: str) -> None:
     _swept.add(place)
     for left in parent.glob(f"{prefix}*"):
         with suppress(OSError):
-            if _is_left(left):
-                left.unlink() if left.is_file() else shutil.rmtree(left, ignore_errors=True)
+            if left.lstat().st_uid == os.geteuid():
+                _remove_unless_held(left)
 
 
-def _is_left(path: Path) -> bool:
-    """Whether something of ours is no longer being written; a clock that was put forward makes it no older."""
-    stat = path.lstat()
-    if stat.st_uid != os.geteuid() or abs(time.time() - stat.st_ctime) < A_MOMENT_S:
-        return False
+def _remove_unless_held(path: Path) -> None:
+    """Remove what nobody is writing; locked to the end, so that its writer does not take it for its own."""
     handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
     try:
-        return _lock(handle) is True
+        if _lock(handle) is True:
+            _remove(path)
     finally:
         os.close(handle)
+
+
+def _new_file(path: Path) -> Path:
+    handle, name = tempfile.mkstemp(prefix=PARTIAL, suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    return Path(name)
 
 
 @contextmanager
-def _held(handle: int) -> Iterator[None]:
-    """Lock what was just opened, and close it in the end."""
+def _ours(make: Callable[[], Path]) -> Iterator[Path]:
+    """Make something and keep it locked while the block runs; what is left of it then is removed."""
+    if sys.platform == "win32":  # folders cannot be opened there, and nothing open is moved
+        path, handle = make(), None
+    else:
+        path, handle = _locked(make)
     try:
-        if sys.platform != "win32":
-            _lock(handle)
-        yield
+        yield path
     finally:
-        os.close(handle)
+        _remove(path)
+        if handle is not None:
+            os.close(handle)
+
+
+def _locked(make: Callable[[], Path]) -> tuple[Path, int]:
+    while True:
+        path = make()
+        with suppress(FileNotFoundError):
+            handle = os.open(path, os.O_RDONLY)
+            if _lock(handle) is not False and path.exists():
+                return path, handle
+            os.close(handle)
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def _lock(handle: int) -> bool | None:

@@ -17,7 +17,7 @@ def write_sums(path: Path, files: Mapping[str, Path]) -> None:
 def changed(folder: Path, names: Iterable[str]) -> str | None:
     """Return the first of these files that is not as the folder's checksums have it; the checksums if they lack it."""
     try:
-        lines = (folder / SUMS).read_text(encoding="utf-8").splitlines()
+        lines = (folder / SUMS).read_text(encoding="utf-8").split("\n")
     except (OSError, ValueError):
         return SUMS
     known = {name: digest for digest, _, name in (line.partition("  ") for line in lines)}

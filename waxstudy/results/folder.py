@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -40,12 +41,7 @@ def run_folder(
     """
     if folder.is_dir() and any(folder.iterdir()) and not holds_run(folder):
         raise RunError(f"{folder}: this folder is in use and holds no run; choose another with --out")
-    if (folder / CASES).is_symlink():
-        target = os.readlink(folder / CASES)
-        raise RunError(
-            f"{folder / CASES}: a link to {target}; a run writes and deletes in its own folder only: "
-            "remove the link, or choose another folder with --out"
-        )
+    refuse_link(folder / CASES)
     (folder / CASES).mkdir(parents=True, exist_ok=True)
     with sole_use(folder) as is_ours:
         if not is_ours:
@@ -57,6 +53,24 @@ def run_folder(
         yield
 
 
+def refuse_link(path: Path) -> None:
+    """Raise `RunError` where a folder of a run is a link: what a run writes and deletes is its own."""
+    if path.is_symlink():
+        raise RunError(
+            f"{path}: a link to {os.readlink(path)}; a run writes and deletes in its own folder only: remove the link"
+        )
+
+
+def again(folder: Path) -> str:
+    """Say what to type for the study of a folder to be run again, as far as its file is known."""
+    file = _study_file(folder, _known(folder))
+    if file is None or not file.is_file():
+        return "`waxstudy run` the study again"
+    here = Path.cwd()
+    shown = file.relative_to(here) if file.is_relative_to(here) else file
+    return f"`{shlex.join(['waxstudy', 'run', str(shown), '--out', str(folder)])}` computes it again"
+
+
 def holds_run(folder: Path) -> bool:
     """Say whether a folder holds what a run leaves, finished or not; False for what cannot be a path."""
     return any(os.path.exists(folder / name) for name in (MANIFEST, CASES))
@@ -65,8 +79,7 @@ def holds_run(folder: Path) -> bool:
 def _claim(folder: Path, study: Mapping[str, Any], file: Path | None, replaces: bool) -> None:
     """Write down whose folder it is; raise `OtherStudy` where it is that of another file which says other things."""
     known = _known(folder)
-    # as seen from the folder, so that both can be moved or copied together
-    earlier = (folder / known["study_file"]).resolve() if known and known["study_file"] else None
+    earlier = _study_file(folder, known)
     if known and not replaces and known["study"] != study and (earlier or file) and earlier != file:
         raise OtherStudy(_refusal(folder, earlier, file))
     if file is None:
@@ -76,6 +89,11 @@ def _claim(folder: Path, study: Mapping[str, Any], file: Path | None, replaces: 
     owner = earlier if earlier and is_kept and known and known["study"] == study else file
     with whole_file(folder / ORIGIN) as path:
         path.write_text(json.dumps({"study_file": _seen_from(folder, owner), "study": study}, indent=1) + "\n")
+
+
+def _study_file(folder: Path, known: Mapping[str, Any] | None) -> Path | None:
+    """Return the file that a folder belongs to; it is kept as seen from there, so that both can be moved together."""
+    return (folder / known["study_file"]).resolve() if known and known["study_file"] else None
 
 
 def _seen_from(folder: Path, file: Path) -> str:

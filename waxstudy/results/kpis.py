@@ -17,6 +17,7 @@ FULLY_OPEN = 0.999
 ACTIVATION_LIMIT_S = 300.0  # the reserve market's limit (research question 2)
 FLOWING = 0.01  # flow fraction below which a return temperature says nothing
 DURATION_PERCENT = np.arange(101.0)
+SAMPLE_S = 60.0  # between what durations are taken of
 DURATION_CHANNELS = ("operative_C", "air_C", "flow_L_h", "return_C", "floor_heat_W_m2")
 # name -> unit
 TRACE_CHANNELS = {
@@ -37,7 +38,7 @@ MEANS = ("flow_L_h", "opening", "signal", "output", "water_heat_W_m2", "floor_he
 
 @dataclass(frozen=True)
 class MemberWeek:
-    """Channels (`TRACE_CHANNELS`) of one member at every step, with what is needed to judge them."""
+    """Channels (`TRACE_CHANNELS`) of one member at every step, of a whole record or a part of it."""
 
     channels: dict[str, FloatArray]
     step_s: float
@@ -46,91 +47,164 @@ class MemberWeek:
     unshifted_setpoint_C: float
     operative_limit_C: float
 
-    @property
-    def weeks(self) -> float:
-        return len(self.channels["air_C"]) * self.step_s / (7 * 86400.0)
+
+class Figures:
+    """Key figures and durations of one member, from the parts of its record as they follow each other.
+
+    A year at 5 s does not lie in memory at once: of each part sums, samples and what starts are told by are kept.
+    """
+
+    def __init__(self) -> None:
+        self.steps = 0
+        self.sums: dict[str, float] = {}
+        self.highest_C = -np.inf
+        self.levels = [np.zeros(0, dtype=np.int8)]  # of the flow, where it is low or high
+        self.valve = Valve()
+        self.samples: dict[str, list[FloatArray]] = {name: [] for name in DURATION_CHANNELS}
+
+    def add(self, part: MemberWeek) -> None:
+        """Take in the next part."""
+        self.part, c = part, part.channels
+        fraction = c["flow_L_h"] / part.full_flow_L_h
+        for name, values in {
+            "below": c["operative_C"] < part.operative_limit_C,
+            "error_K": np.abs(c["air_C"] - part.setpoint_C),
+            "heat": c["water_heat_W_m2"],
+            "air_C": c["air_C"],
+            "operative_C": c["operative_C"],
+            "warm": c["operative_C"] > part.unshifted_setpoint_C + 1.0,
+            "flowing": fraction > FLOWING,
+            "flow_L_h": c["flow_L_h"],
+            "return": c["return_C"] * c["flow_L_h"],
+        }.items():
+            self.sums[name] = self.sums.get(name, 0.0) + float(np.sum(values))
+        self.highest_C = max(self.highest_C, float(np.max(c["operative_C"])))
+        level = flow_level(fraction)
+        # runs of one level count as one, across parts too
+        self.levels.append(level[np.diff(level, prepend=np.int8(0)) != 0])
+        self.valve.add(c["signal"], c["opening"])
+        self._sample(part)
+        self.steps += len(fraction)
+
+    def _sample(self, part: MemberWeek) -> None:
+        stride = max(1, round(SAMPLE_S / part.step_s))
+        at = slice(-self.steps % stride, None, stride)
+        flowing = part.channels["flow_L_h"][at] > FLOWING * part.full_flow_L_h
+        for name, samples in self.samples.items():
+            values = part.channels[name][at]
+            samples.append(values[flowing] if name == "return_C" else values.copy())
+
+    def key_figures(self) -> dict[str, float]:
+        """Return the KPIs of one member; per week where the name says so, whatever the record's length."""
+        part, hours, sums = self.part, self.part.step_s / 3600.0, self.sums
+        weeks = self.steps * part.step_s / (7 * 86400.0)
+        starts = self.valve.opening_times_s(part.step_s)
+        return {
+            "hours_below_per_week": sums["below"] * hours / weeks,
+            "mae_K": sums["error_K"] / self.steps,
+            "heat_kWh_m2_week": sums["heat"] * hours / 1000.0 / weeks,
+            "cycles_per_week": rises(np.concatenate(self.levels)) / weeks,
+            "air_mean_C": sums["air_C"] / self.steps,
+            "operative_mean_C": sums["operative_C"] / self.steps,
+            "operative_max_C": self.highest_C,
+            "over_setpoint_1K_share": sums["warm"] / self.steps,
+            "valve_open_h": sums["flowing"] * hours / weeks,
+            "flow_mean_L_h": sums["flow_L_h"] / self.steps,
+            "full_flow_L_h": part.full_flow_L_h,
+            "return_mean_C": sums["return"] / sums["flow_L_h"] if sums["flow_L_h"] > 0 else np.nan,
+            "starts": float(len(starts)),
+            "starts_over_300_s": float(np.sum(starts > ACTIVATION_LIMIT_S)),
+        }
+
+    def durations(self) -> pd.DataFrame:
+        """Return each channel's value that is not exceeded for a share of the time: percentiles 0 to 100.
+
+        They are taken of samples every minute. The return temperature counts only while water flows.
+        """
+        frame: dict[str, Any] = {"percent": DURATION_PERCENT}
+        for name, samples in self.samples.items():
+            values = np.concatenate(samples)
+            frame[name] = np.percentile(values, DURATION_PERCENT) if len(values) else np.full(101, np.nan)
+        return pd.DataFrame(frame)
 
 
 def key_figures(week: MemberWeek) -> dict[str, float]:
-    """Return the KPIs of one member; per week where the name says so, whatever the record's length."""
-    c, hours = week.channels, week.step_s / 3600.0
-    fraction = c["flow_L_h"] / week.full_flow_L_h
-    flowing = fraction > FLOWING
-    flow_sum = float(np.sum(c["flow_L_h"]))
-    starts = opening_times_s(c["signal"], c["opening"], week.step_s)
-    return {
-        "hours_below_per_week": float(np.sum(c["operative_C"] < week.operative_limit_C)) * hours / week.weeks,
-        "mae_K": float(np.mean(np.abs(c["air_C"] - week.setpoint_C))),
-        "heat_kWh_m2_week": float(np.sum(c["water_heat_W_m2"])) * hours / 1000.0 / week.weeks,
-        "cycles_per_week": count_cycles(fraction) / week.weeks,
-        "air_mean_C": float(np.mean(c["air_C"])),
-        "operative_mean_C": float(np.mean(c["operative_C"])),
-        "operative_max_C": float(np.max(c["operative_C"])),
-        "over_setpoint_1K_share": float(np.mean(c["operative_C"] > week.unshifted_setpoint_C + 1.0)),
-        "valve_open_h": float(np.sum(flowing)) * hours / week.weeks,
-        "flow_mean_L_h": float(np.mean(c["flow_L_h"])),
-        "full_flow_L_h": week.full_flow_L_h,
-        "return_mean_C": float(np.sum(c["return_C"] * c["flow_L_h"])) / flow_sum if flow_sum > 0 else np.nan,
-        "starts": float(len(starts)),
-        "starts_over_300_s": float(np.sum(starts > ACTIVATION_LIMIT_S)),
-    }
+    """Return the KPIs of a record that lies in memory as a whole."""
+    figures = Figures()
+    figures.add(week)
+    return figures.key_figures()
+
+
+def flow_level(fraction: FloatArray) -> np.ndarray:
+    """Return 1 where a flow fraction is over the half, -1 where it is below a tenth, without what is between (m,)."""
+    level = np.where(fraction > CYCLE_HIGH, 1, np.where(fraction < CYCLE_LOW, -1, 0)).astype(np.int8)
+    return np.asarray(level[level != 0])
+
+
+def rises(level: np.ndarray) -> int:
+    """Count the rises from a low level to a high one."""
+    return int(np.sum((level[1:] == 1) & (level[:-1] == -1)))
 
 
 def count_cycles(fraction: FloatArray) -> int:
     """Count the rises of the flow fraction from below a tenth to over the half."""
-    level = np.where(fraction > CYCLE_HIGH, 1, np.where(fraction < CYCLE_LOW, -1, 0))
-    level = level[level != 0]
-    return int(np.sum((level[1:] == 1) & (level[:-1] == -1)))
+    return rises(flow_level(fraction))
 
 
-def opening_times_s(signal: FloatArray, opening: FloatArray, step_s: float) -> FloatArray:
-    """Return the time from each start of the signal (from a closed valve) to full opening [s].
+class Valve:
+    """What the starts of a valve are told by: the steps at which its signal comes and goes, and it is fully open."""
 
-    Starts whose signal ends before the valve is fully open are left out. Only binary signals have starts.
-    """
-    on = signal > 0.5
-    begins = np.flatnonzero(on[1:] & ~on[:-1]) + 1
-    ends = np.append(np.flatnonzero(on[:-1] & ~on[1:]) + 1, len(on))
-    begins = begins[opening[begins - 1] <= 0.0]
-    if not np.all((signal == 0.0) | (signal == 1.0)):
-        return np.zeros(0)
-    open_at = np.append(np.flatnonzero(opening >= FULLY_OPEN), len(on) + 1)
-    reached = open_at[np.searchsorted(open_at, begins)]
-    done = reached < ends[np.searchsorted(ends, begins, side="right")]
-    return np.asarray((reached[done] - begins[done] + 1) * step_s, dtype=np.float64)
+    def __init__(self) -> None:
+        self.steps = 0
+        self.is_binary = True
+        self.begins: list[np.ndarray] = []  # from a closed valve
+        self.ends: list[np.ndarray] = []
+        self.opened: list[np.ndarray] = []
+        self.last = np.zeros((3, 1), dtype=bool)  # on, closed and fully open, at the last step
+
+    def add(self, signal: FloatArray, opening: FloatArray) -> None:
+        """Take in the next part."""
+        now = np.array([signal > 0.5, opening <= 0.0, opening >= FULLY_OPEN])
+        on, closed, full = np.concatenate([self.last if self.steps else now[:, :1], now], axis=1)
+        begins = np.flatnonzero(on[1:] & ~on[:-1])
+        self.begins.append(begins[closed[begins]] + self.steps)
+        self.ends.append(np.flatnonzero(on[:-1] & ~on[1:]) + self.steps)
+        self.opened.append(np.flatnonzero(full[1:] & ~full[:-1]) + self.steps)
+        self.is_binary &= bool(np.all((signal == 0.0) | (signal == 1.0)))
+        self.last, self.steps = now[:, -1:], self.steps + len(signal)
+
+    def opening_times_s(self, step_s: float) -> FloatArray:
+        """Return the time from each start of the signal (from a closed valve) to full opening [s].
+
+        Starts whose signal ends before the valve is fully open are left out. Only binary signals have starts.
+        """
+        if not self.is_binary:
+            return np.zeros(0)
+        begins = np.concatenate(self.begins)
+        ends = np.append(np.concatenate(self.ends), self.steps)
+        opened = np.append(np.concatenate(self.opened), self.steps + 1)
+        reached = opened[np.searchsorted(opened, begins)]
+        done = reached < ends[np.searchsorted(ends, begins, side="right")]
+        return np.asarray((reached[done] - begins[done] + 1) * step_s, dtype=np.float64)
 
 
-def durations(week: MemberWeek, sample_s: float = 60.0) -> pd.DataFrame:
-    """Return each channel's value that is not exceeded for a share of the time: percentiles 0 to 100.
-
-    The return temperature counts only while water flows.
-    """
-    stride = max(1, round(sample_s / week.step_s))
-    frame: dict[str, Any] = {"percent": DURATION_PERCENT}
-    flowing = week.channels["flow_L_h"][::stride] > FLOWING * week.full_flow_L_h
-    for name in DURATION_CHANNELS:
-        values = week.channels[name][::stride]
-        values = values[flowing] if name == "return_C" else values
-        frame[name] = np.percentile(values, DURATION_PERCENT) if len(values) else np.full(101, np.nan)
-    return pd.DataFrame(frame)
-
-
-def thinned(week: MemberWeek, interval_s: float, first_day: str) -> pd.DataFrame:
+def thinned(week: MemberWeek, interval_s: float, first_day: str, before: int = 0) -> pd.DataFrame:
     """Return the trace at a longer interval, stamped at its end; flow, levels and heat are its means.
 
     `time` is local standard time, exact to the microsecond; `time_s` counts from 00:00 of `first_day` (ISO date).
+    `before` is the number of rows of the parts before this one.
     """
     n = round(interval_s / week.step_s)
     rows = len(week.channels["air_C"]) // n
-    frame: dict[str, Any] = stamps(first_day, interval_s, rows)
+    frame: dict[str, Any] = stamps(first_day, interval_s, rows, before)
     for name in TRACE_CHANNELS:
         blocks = week.channels[name][: rows * n].reshape(rows, n)
         frame[name] = blocks.mean(axis=1) if name in MEANS else blocks[:, -1]
     return pd.DataFrame(frame)
 
 
-def stamps(first_day: str, interval_s: float, rows: int) -> dict[str, np.ndarray]:
+def stamps(first_day: str, interval_s: float, rows: int, before: int = 0) -> dict[str, np.ndarray]:
     """Return `time` (datetime64[us]) and `time_s` (float64 [s]) at the ends of intervals (rows,)."""
-    time_s = np.arange(1, rows + 1) * interval_s
+    time_s = np.arange(before + 1, before + rows + 1) * interval_s
     since = np.rint(time_s * 1e6).astype("timedelta64[us]")
     return {"time": np.datetime64(date.fromisoformat(first_day), "us") + since, "time_s": time_s}

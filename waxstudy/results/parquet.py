@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import pandas as pd
@@ -17,6 +18,25 @@ def write_parquet(table: pd.DataFrame, path: Path, units: Mapping[str, str]) -> 
 
     Raises `KeyError` for a column without a unit, and `OSError`.
     """
-    plain = pa.Table.from_pandas(table)
-    fields = [field.with_metadata({"unit": units[field.name]}) for field in plain.schema]
-    pq.write_table(plain.cast(pa.schema(fields, plain.schema.metadata)), path, compression="zstd")
+    with parquet_parts(path, units) as add:
+        add(table)
+
+
+@contextmanager
+def parquet_parts(path: Path, units: Mapping[str, str]) -> Iterator[Callable[[pd.DataFrame], None]]:
+    """Give a function that writes tables of the same columns below each other, as `write_parquet` does."""
+    writer: list[pq.ParquetWriter] = []
+
+    def add(table: pd.DataFrame) -> None:
+        plain = pa.Table.from_pandas(table, preserve_index=table.index.name is not None)
+        fields = [field.with_metadata({"unit": units[field.name]}) for field in plain.schema]
+        told = plain.cast(pa.schema(fields, plain.schema.metadata))
+        if not writer:
+            writer.append(pq.ParquetWriter(path, told.schema, compression="zstd"))
+        writer[0].write_table(told)
+
+    try:
+        yield add
+    finally:
+        for each in writer:
+            each.close()

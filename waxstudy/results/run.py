@@ -16,9 +16,11 @@ A case that is missing, cut off by a power failure, or changed since it was comp
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -29,14 +31,13 @@ import tomli_w
 
 from waxstudy.results.atomic import PARTIAL, whole_file, whole_folder
 from waxstudy.results.checksums import SUMS, changed, write_sums
-from waxstudy.results.folder import CASES, MANIFEST, STUDY, RunError
+from waxstudy.results.folder import CASES, MANIFEST, STUDY, RunError, again
 from waxstudy.results.kpis import TRACE_CHANNELS
-from waxstudy.results.parquet import TIME, write_parquet
+from waxstudy.results.parquet import TIME, parquet_parts, write_parquet
 from waxstudy.study.model import Ladder
 
 FORMAT = 1
 OF_CASE = ("kpis.csv", "durations.parquet", "traces.parquet")
-AGAIN = "`waxstudy run` the study again"
 UNITS = {"time": TIME, "time_s": "s", "percent": "%", "member": "1", **TRACE_CHANNELS}
 
 
@@ -54,12 +55,20 @@ class CaseFolder:
 
 
 @dataclass(frozen=True)
-class CaseResult:
-    """What the simulation gives for one case in one week, members below each other."""
+class CaseWriter:
+    """What one case is written to while it runs: traces member after member, each part after part."""
 
-    kpis: pd.DataFrame
-    durations: pd.DataFrame
-    traces: pd.DataFrame
+    place: Path
+    add_trace: Callable[[pd.DataFrame], None]
+
+    def trace(self, part: pd.DataFrame) -> None:
+        # of the channels, seven digits are more than enough; of a stamp they are not
+        self.add_trace(part.astype(dict.fromkeys(TRACE_CHANNELS, "float32")))
+
+    def figures(self, kpis: pd.DataFrame, durations: pd.DataFrame) -> None:
+        """Write what is told of all members."""
+        kpis.to_csv(self.place / "kpis.csv", index=False)
+        write_parquet(durations, self.place / "durations.parquet", UNITS)
 
 
 def is_finished(folder: Path, case: CaseFolder) -> bool:
@@ -81,14 +90,12 @@ def _of_case(case: CaseFolder) -> dict[str, str]:
     return {f"../{case.name}/{name}": name for name in OF_CASE}
 
 
-def write_case(folder: Path, case: CaseFolder, result: CaseResult) -> None:
-    """Write one case; raise `OSError` if the disk refuses."""
+@contextmanager
+def writing_case(folder: Path, case: CaseFolder) -> Iterator[CaseWriter]:
+    """Give what a case is written to; it takes its place when all is written. Raises `OSError` if the disk refuses."""
     with whole_folder(folder / CASES / case.name) as place:
-        result.kpis.to_csv(place / "kpis.csv", index=False)
-        write_parquet(result.durations, place / "durations.parquet", UNITS)
-        # of the channels, seven digits are more than enough; of a stamp they are not
-        traces = result.traces.astype(dict.fromkeys(TRACE_CHANNELS, "float32"))
-        write_parquet(traces, place / "traces.parquet", UNITS)
+        with parquet_parts(place / "traces.parquet", UNITS) as add:
+            yield CaseWriter(place, add)
         write_sums(place / SUMS, {told: place / name for told, name in _of_case(case).items()})
 
 
@@ -158,9 +165,9 @@ class Run:
             self.cases = [CaseFolder(**case) for case in manifest["cases"]]
             self.provenance: dict[str, Any] = manifest["provenance"]
         except KeyError as error:
-            raise RunError(f"{folder / MANIFEST}: damaged: {error} is missing; {AGAIN}") from None
+            raise RunError(f"{folder / MANIFEST}: damaged: {error} is missing; {again(folder)}") from None
         except (TypeError, ValueError):
-            raise RunError(f"{folder / MANIFEST}: damaged: not as a run writes it; {AGAIN}") from None
+            raise RunError(f"{folder / MANIFEST}: damaged: not as a run writes it; {again(folder)}") from None
         self._check()
 
     @cached_property
@@ -185,10 +192,10 @@ class Run:
         """Raise `RunError` naming a file that is not as the run wrote it."""
         wrong = (path for case in self.cases if (path := damaged(self.folder, case)))
         if path := next(wrong, None):
-            raise RunError(f"{path}: {_what_is_wrong(path)}; {AGAIN}")
+            raise RunError(f"{path}: {what_is_wrong(path)}; {again(self.folder)}")
         of_cases = [f"{CASES}/{case.name}/{SUMS}" for case in self.cases]
         if name := changed(self.folder, [MANIFEST, STUDY, "kpis.csv", *of_cases]):
-            raise RunError(f"{self.folder / name}: {_what_is_wrong(self.folder / name)}; {AGAIN}")
+            raise RunError(f"{self.folder / name}: {what_is_wrong(self.folder / name)}; {again(self.folder)}")
 
     def _case(self, case: str, week: str) -> Path:
         return next(self.folder / CASES / c.name for c in self.cases if (c.case, c.week) == (case, week))
@@ -199,11 +206,14 @@ class Run:
                 return _read_kpis(path)
             return pd.read_parquet(path)
         except (OSError, ValueError) as error:
-            raise RunError(f"{path}: cut off or damaged; {AGAIN}") from error
+            raise RunError(f"{path}: cut off or damaged; {again(self.folder)}") from error
 
 
-def _what_is_wrong(path: Path) -> str:
-    return "cut off or changed since the run" if path.exists() else "missing"
+def what_is_wrong(path: Path) -> str:
+    """Say what keeps a file or folder of a run from being as it was written."""
+    if path.is_symlink():
+        return f"a link to {os.readlink(path)}, which a run does not follow"
+    return "cut off or changed since it was computed" if path.exists() else "missing"
 
 
 def _manifest(folder: Path) -> dict[str, Any]:
@@ -223,8 +233,8 @@ def _manifest(folder: Path) -> dict[str, Any]:
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        raise RunError(f"{path}: cut off or damaged; {AGAIN}") from None
+        raise RunError(f"{path}: cut off or damaged; {again(folder)}") from None
     if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
         found = manifest.get("format") if isinstance(manifest, dict) else None
-        raise RunError(f"{path}: run folder of format {found}, this version reads {FORMAT}; {AGAIN}")
+        raise RunError(f"{path}: run folder of format {found}, this version reads {FORMAT}; {again(folder)}")
     return manifest

@@ -73,6 +73,20 @@ class Loop:
                 raise self._explained(error, setpoint_C, start, stop) from None
             yield week
 
+    def parts(self, setpoint_C: float, start: Start, intervals: int, stop: np.ndarray) -> Iterator[FloatArray]:
+        """Warm up and simulate from one start; yield the trace of so many weather intervals after another.
+
+        Raises `SimulationError` or `Stopped`.
+        """
+        try:
+            state = self._warm(setpoint_C, start, stop)
+            for first in range(0, len(self.driven.supply_C), intervals):
+                part = np.arange(first, min(first + intervals, len(self.driven.supply_C)))
+                begin_s = first * self.driven.weather.interval_s
+                yield self.advance(state, part, begin_s, setpoint_C, trace=True, stop=stop)[1]
+        except _OutOfRange as error:
+            raise self._explained(error, setpoint_C, start, stop) from None
+
     def _explained(self, error: _OutOfRange, setpoint_C: float, start: Start, stop: np.ndarray) -> Exception:
         """Return what Python says of a failure: the exception and its line, which compiled code cannot tell."""
         if error.place == kernel.ROOM:
@@ -140,13 +154,17 @@ class Loop:
         return int(counters[0]), record
 
     def _week(self, setpoint_C: float, start: Start, trace: bool, stop: np.ndarray) -> Week:
-        """Warm up from one start with the first day's weather, then simulate the week."""
-        driven, state = self.driven, self.start(setpoint_C, start)
-        first_day = np.arange(round(DAY_S / driven.weather.interval_s))
-        self.advance(state, np.tile(first_day, WARM_UP_DAYS), -WARM_UP_DAYS * DAY_S, setpoint_C, stop=stop)
-        week = np.arange(len(driven.supply_C))
+        """Warm up from one start, then simulate the week."""
+        state, week = self._warm(setpoint_C, start, stop), np.arange(len(self.driven.supply_C))
         cold, record = self.advance(state, week, 0.0, setpoint_C, trace=trace, stop=stop)
-        return Week(hours_below=cold * driven.step_s / 3600.0, trace=record)
+        return Week(hours_below=cold * self.driven.step_s / 3600.0, trace=record)
+
+    def _warm(self, setpoint_C: float, start: Start, stop: np.ndarray) -> State:
+        """Return the state after a warm-up with the first day's weather."""
+        state = self.start(setpoint_C, start)
+        first_day = np.arange(round(DAY_S / self.driven.weather.interval_s))
+        self.advance(state, np.tile(first_day, WARM_UP_DAYS), -WARM_UP_DAYS * DAY_S, setpoint_C, stop=stop)
+        return state
 
     def _compiled(self, state: State, room: tuple[Any, ...], rest: tuple[Any, ...], *out: np.ndarray) -> int:
         from waxstudy.simulation.compiled import loop

@@ -60,6 +60,15 @@ class OutsideLoop:
             cold = np.count_nonzero(record[:, OPERATIVE] < self.stand_in.limit_C)
             yield Week(hours_below=cold * self.driven.step_s / 3600.0, trace=record if trace else record[:0])
 
+    def parts(self, setpoint_C: float, start: Start, intervals: int, stop: np.ndarray) -> Iterator[FloatArray]:
+        """Simulate from one start; yield the record of so many weather intervals after another, as `Loop.parts`.
+
+        An engine gives its record as a whole.
+        """
+        record, steps = self._record(setpoint_C, start, stop), intervals * self.driven.steps_per_interval
+        for first in range(0, len(record), steps):
+            yield record[first : first + steps]
+
     def _record(self, setpoint_C: float, start: Start, stop: np.ndarray) -> FloatArray:
         """Return what the room gives; what it breaks off or leaves unfinished must not be kept as a result."""
         component, driven = self.room.component, self.driven

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import math
 import platform
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -31,11 +31,12 @@ from waxstudy.plugin import (
 from waxstudy.plugin.registry import PluginError, described, installed, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.folder import run_folder
-from waxstudy.results.kpis import MemberWeek, durations, key_figures, thinned
-from waxstudy.results.run import CaseFolder, CaseResult, damaged, finish, write_case
+from waxstudy.results.kpis import Figures, MemberWeek, thinned
+from waxstudy.results.run import CaseFolder, damaged, finish, what_is_wrong, writing_case
 from waxstudy.simulation import ensemble, kernel, shift
+from waxstudy.simulation.budget import Needs, free_disk, free_memory
 from waxstudy.simulation.chain import Chain
-from waxstudy.simulation.engine import DAY_S, Loop, Start, Week
+from waxstudy.simulation.engine import DAY_S, Loop, Start
 from waxstudy.simulation.modes import DrivenRoom, drive
 from waxstudy.simulation.outside import OutsideLoop, engine_of, given_to
 from waxstudy.simulation.sources import component_digest, digest, source_digest
@@ -43,7 +44,7 @@ from waxstudy.study.model import Case, Study, is_multiple
 
 WEEK_H = 168.0
 CLOSE_K = 0.02  # how near the few members' shift is to that of all
-MOST_WORKERS = 4  # each holds a member's full trace; more would not fit into half a gigabyte
+PART_STEPS = 7 * 17_280  # a week at 5 s; longer runs are reduced part by part
 
 
 @dataclass
@@ -153,8 +154,8 @@ def run(
     """Compute what is missing in the folder, or not as it was written, and finish it.
 
     Raises what `prepare` raises, `SimulationError` (naming case and week), `RunError` if the folder is in use,
-    `OtherStudy` if it holds the results of another study's file and does not replace them, `OSError`, or
-    `KeyboardInterrupt`; what was finished before that is kept.
+    `OtherStudy` if it holds the results of another study's file and does not replace them, `TooLarge` for what fits
+    into neither memory nor disk, `OSError`, or `KeyboardInterrupt`; what was finished before that is kept.
     """
     progress = progress or Progress()
     plan = prepare(study, jit)
@@ -162,7 +163,8 @@ def run(
     with run_folder(folder, study.described(), study.file, replaces=replaces):
         progress.total(len(jobs))
         missing = [job for job in jobs if _is_missing(folder, job, progress)]
-        _compute(plan, missing, folder, progress)
+        needs = Needs.of(study, plan.driven, missing)
+        _compute(plan, missing, folder, progress, needs.workers(free_memory(), free_disk(folder), progress.warn))
         finish(folder, study.described(), list(study.ladders.values()), list(plan.driven), jobs, provenance(plan, jobs))
     return plan
 
@@ -172,14 +174,14 @@ def _is_missing(folder: Path, job: CaseFolder, progress: Progress) -> bool:
     path = damaged(folder, job)
     if path is None:
         progress.done(job, False)
-    elif path.name != job.name:
-        progress.warn(f"{path}: cut off or changed since it was computed; {job.case}, {job.week} is computed again")
+    elif path.name != job.name or path.is_symlink():
+        progress.warn(f"{path}: {what_is_wrong(path)}; {job.case}, {job.week} is computed again")
     return path is not None
 
 
-def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Progress) -> None:
+def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Progress, workers: int) -> None:
     """Compute the jobs in threads; on any error or Ctrl-C stop the others at their next weather interval."""
-    with ThreadPoolExecutor(max_workers=min(MOST_WORKERS, os.cpu_count() or 1)) as pool:
+    with ThreadPoolExecutor(max_workers=workers) as pool:
         try:
             names: dict[Future[None], CaseFolder] = {}
             warned: set[str] = set()
@@ -213,19 +215,41 @@ def loop_of(study: Study, case: Case, driven: DrivenRoom, jit: bool = True) -> L
 
 
 def _job(plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop, folder: Path) -> None:
-    try:
-        result = simulate_case(plan, job, loop)
-    except (Stopped, BackendMissing, PluginError):
-        raise
-    except Exception as error:
-        reason = str(error) if isinstance(error, SimulationError) else described(error)
-        raise SimulationError(f"case {job.case}, {job.week}: {reason}") from error
-    write_case(folder, job, result)
+    with writing_case(folder, job) as case:
+
+        def keep(trace: pd.DataFrame) -> None:
+            try:
+                case.trace(trace)
+            except OSError as error:
+                raise _NotWritten(error) from error
+
+        try:
+            told = simulate_case(plan, job, loop, keep)
+        except _NotWritten as error:
+            raise error.reason from None
+        except (Stopped, BackendMissing, PluginError):
+            raise
+        except Exception as error:
+            reason = str(error) if isinstance(error, SimulationError) else described(error)
+            raise SimulationError(f"case {job.case}, {job.week}: {reason}") from error
+        case.figures(*told)
 
 
-def simulate_case(plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop) -> CaseResult:
-    """Solve the setpoint shift on the ensemble, then simulate every member at it."""
-    study, comfort = plan.study, plan.study.comfort
+class _NotWritten(Exception):
+    """The disk refused, which is no fault of the simulation that was going on."""
+
+    def __init__(self, reason: OSError) -> None:
+        self.reason = reason
+
+
+def simulate_case(
+    plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop, keep: Callable[[pd.DataFrame], None]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Solve the setpoint shift on the ensemble, then simulate every member at it.
+
+    Returns key figures and durations; traces go to `keep`, part by part.
+    """
+    comfort = plan.study.comfort
     per_week = WEEK_H * 3600.0 / loop.driven.weather.duration_s
 
     def hours_at(of: Loop | OutsideLoop, starts: Sequence[Start], shift_K: float) -> FloatArray:
@@ -239,27 +263,50 @@ def simulate_case(plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop) -> Case
     if quick is not loop or len(few) < len(plan.starts):
         found = shift.solve(partial(hours_at, loop, plan.starts), target_h, near.shift_K, CLOSE_K)
     single_K = found.single_run_shifts_K(target_h)
-    kpis, spans, traces = [], [], []
-    setpoint_C = comfort.setpoint_C + found.shift_K
-    for member, simulated in enumerate(loop.weeks(setpoint_C, plan.starts, trace=True, stop=plan.stop)):
-        week = member_week(loop, simulated, setpoint_C, study)
+    kpis, spans = [], []
+    for member in range(len(plan.starts)):
+        figures = _simulate_member(plan, loop, member, comfort.setpoint_C + found.shift_K, keep)
         row = {"case": job.case, "week": job.week, "member": member, "setpoint_shift_K": found.shift_K}
-        kpis.append({**row, "single_run_shift_K": float(single_K[member]), **key_figures(week)})
-        spans.append(durations(week).assign(member=member))
-        trace = thinned(week, study.output.trace_interval_s, loop.driven.weather.first_day).assign(member=member)
-        traces.append(trace if member < study.output.trace_members else trace[:0])
-    return CaseResult(pd.DataFrame(kpis), *(pd.concat(each, ignore_index=True) for each in (spans, traces)))
+        kpis.append({**row, "single_run_shift_K": float(single_K[member]), **figures.key_figures()})
+        spans.append(figures.durations().assign(member=member))
+    return pd.DataFrame(kpis), pd.concat(spans, ignore_index=True)
+
+
+def _simulate_member(
+    plan: Plan, loop: Loop | OutsideLoop, member: int, setpoint_C: float, keep: Callable[[pd.DataFrame], None]
+) -> Figures:
+    """Simulate a member part by part; a member without a trace gives one of no rows, for its columns."""
+    output, driven, figures, rows = plan.study.output, loop.driven, Figures(), 0
+    intervals = part_intervals(driven, output.trace_interval_s)
+    for number, trace in enumerate(loop.parts(setpoint_C, plan.starts[member], intervals, plan.stop)):
+        part = member_week(loop, trace, setpoint_C, plan.study, number * intervals)
+        figures.add(part)
+        if member < output.trace_members or member == number == 0:
+            kept = thinned(part, output.trace_interval_s, driven.weather.first_day, rows).assign(member=member)
+            rows += len(kept)
+            keep(kept if member < output.trace_members else kept[:0])
+    return figures
+
+
+def part_intervals(driven: DrivenRoom, trace_interval_s: float) -> int:
+    """Return of how many weather intervals a part of a run is: `PART_STEPS` at most, in whole rows of its trace."""
+    steps, row = driven.steps_per_interval, round(trace_interval_s / driven.step_s)
+    whole = math.lcm(steps, row) // steps
+    return max(1, PART_STEPS // steps // whole) * whole
 
 
 def _quick(loop: Loop | OutsideLoop, starts: Sequence[Start]) -> tuple[Loop, Sequence[Start]]:
     return (loop.stand_in, starts) if isinstance(loop, OutsideLoop) else (loop, starts[: -(-len(starts) // 4)])
 
 
-def member_week(loop: Loop | OutsideLoop, week: Week, setpoint_C: float, study: Study) -> MemberWeek:
-    """Name the columns of a trace and add supply, return and flow in their units."""
+def member_week(
+    loop: Loop | OutsideLoop, trace: FloatArray, setpoint_C: float, study: Study, first: int = 0
+) -> MemberWeek:
+    """Name the columns of a trace that begins with a weather interval; add supply, return and flow in their units."""
     driven, room = loop.driven, loop.driven.room
-    columns = {name: week.trace[:, i] for i, name in enumerate(kernel.TRACE)}
-    supply_C = np.repeat(driven.supply_C, driven.steps_per_interval)
+    columns = {name: trace[:, i] for i, name in enumerate(kernel.TRACE)}
+    last = first + len(trace) // driven.steps_per_interval
+    supply_C = np.repeat(driven.supply_C[first:last], driven.steps_per_interval)
     flow_L_h = columns.pop("flow_fraction") * room.full_flow_L_h
     heat_W = columns.pop("water_heat_W")
     capacity_W_K = flow_L_h / 3600.0 * room.water_J_L_K

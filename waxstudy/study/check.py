@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from waxstudy.plugin import Component, Parameters
+from waxstudy.plugin.files import lacking
 from waxstudy.plugin.registry import PluginError, Registry, nearest
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import Problem, listed, shown
@@ -122,14 +122,6 @@ class Check:
     def resolved(self, path: Written) -> str:
         """Return a path relative to the study file's folder as an absolute one; note it if there is no file."""
         full = self.source.folder / path.value
-        if self.needs_files and not is_file(full):
-            self.problem(path.spot, "no such file", value=path.value, allowed=f"looked for {full}")
+        if self.needs_files and (wrong := lacking(full)):
+            self.problem(path.spot, wrong, value=path.value, allowed=f"looked for {full}")
         return str(full)
-
-
-def is_file(path: Path) -> bool:
-    """Whether something is there that is no folder; if it is no regular file, reading it says so."""
-    try:
-        return path.exists() and not path.is_dir()
-    except (OSError, ValueError):  # too long, or with characters that no file name has
-        return False

@@ -156,7 +156,7 @@ class Study:
     ladders: Mapping[str, Ladder]
     cases: Mapping[str, Case]
     fragments: Mapping[str, str] = field(default_factory=dict)
-    file: Path | None = None
+    file: Path | None = field(default=None, compare=False)
 
     def described(self) -> dict[str, Any]:
         """The resolved study in the study file's words; reading it again gives the same study."""

@@ -76,7 +76,7 @@ def happened(
     loop: Loop | OutsideLoop, simulated: Week, study: Study, setpoint_C: float, believed: Loop | OutsideLoop
 ) -> Reality:
     """Return what a simulated week shows, without its first day."""
-    week = member_week(loop, simulated, setpoint_C, study)
+    week = member_week(loop, simulated.trace, setpoint_C, study)
     channels = week.channels | surroundings(believed) | _readings(loop, week.channels)
     channels["setpoint_C"] = np.full(len(simulated.trace), setpoint_C)
     day = round(DAY_S / loop.driven.step_s)

@@ -23,6 +23,10 @@ from waxstudy.synthetic.simulate import Reality
 ORIGIN = f"a room simulated by waxstudy {__version__} with its own control chain, as instruments would show it"
 
 
+class OtherTruth(Exception):
+    """There is a truth of this name, and it says other things; the message is its path."""
+
+
 @dataclass(frozen=True)
 class Telling:
     """What is told of a reality: the case that it is, the one that the modeller believes, and in which weeks.
@@ -67,7 +71,7 @@ def truth_beside(folder: Path) -> Path:
 def write(folder: Path, telling: Telling, reality: Reality, instruments: Instruments) -> None:
     """Write the dataset's folder and the truth, both whole or not at all.
 
-    Raises `RealityError`, `OSError`, or `FileExistsError` where there is another truth.
+    Raises `RealityError`, `OSError`, or `OtherTruth` where there is one.
     """
     data = measure(reality, instruments)
     about = described(folder.name, telling, list(data.columns[1:]), instruments)
@@ -81,10 +85,10 @@ def write(folder: Path, telling: Telling, reality: Reality, instruments: Instrum
 
 
 def write_truth(path: Path, text: str) -> None:
-    """Write a truth; the same may be there, left by a command that was killed. Raises `FileExistsError` for another."""
+    """Write a truth; the same may be there, left by a command that was killed. Raises `OtherTruth` for another."""
     if os.path.lexists(path):
         if not path.is_file() or path.read_text(encoding="utf-8", errors="replace") != text:
-            raise FileExistsError(path)
+            raise OtherTruth(path)
         return
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

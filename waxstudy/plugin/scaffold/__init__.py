@@ -96,7 +96,7 @@ def write(files: Mapping[str, str], folder: Path) -> None:
     Raises `OSError` if the disk refuses, and for a folder that holds something.
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".partial-", dir=folder.parent) as temporary:
+    with tempfile.TemporaryDirectory(prefix=".new-", dir=folder.parent) as temporary:
         made = Path(temporary) / folder.name
         for path, text in files.items():
             file = made / path

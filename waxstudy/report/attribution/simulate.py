@@ -8,7 +8,7 @@ from dataclasses import replace
 import pandas as pd
 
 from waxstudy.report.attribution.subsets import Subsets
-from waxstudy.results.folder import RunError
+from waxstudy.results.folder import RunError, refuse_link
 from waxstudy.results.run import Run
 from waxstudy.simulation.run import Progress, prepare, run
 from waxstudy.study.model import Case, Ladder, Study
@@ -35,6 +35,7 @@ def simulate(of: Run, study: Study, ladders: Sequence[Subsets], progress: Progre
             f"{of.folder}: computed by other versions, or with another weather file; bring it up to date with "
             f"`waxstudy run {of.study_file} --out {of.folder}`"
         )
+    refuse_link(of.folder / FOLDER)
     run(between(study, ladders, new), of.folder / FOLDER, progress=progress)
     return pd.concat([of.kpis, Run(of.folder / FOLDER).kpis], ignore_index=True)
 

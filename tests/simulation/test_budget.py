@@ -1,0 +1,51 @@
+"""Claims about what a run is told to take before it begins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from waxstudy.plugin.registry import installed
+from waxstudy.simulation.budget import Needs, TooLarge
+from waxstudy.simulation.run import prepare
+from waxstudy.study.read import read_study
+
+GB = 1e9
+
+
+@given(worker=st.floats(1e6, 20 * GB), memory=st.floats(0.0, 64 * GB))
+def test_workers_fit_into_the_memory_and_are_told_if_fewer(worker: float, memory: float) -> None:
+    said: list[str] = []
+    try:
+        workers = Needs(worker, 0.0).workers(memory, GB, said.append)
+    except TooLarge:
+        assert worker > 0.9 * memory
+        return
+    assert 1 <= workers <= 4
+    assert workers * worker <= 0.9 * memory
+    usual = Needs(1.0, 0.0).workers(memory, GB, said.append)
+    assert bool(said) == (workers < usual)
+
+
+def test_what_cannot_fit_is_refused_with_the_figures_and_a_way_out() -> None:
+    with pytest.raises(
+        TooLarge, match="takes about 12 GB of memory, 4 GB are free: take a longer step_s or fewer days"
+    ):
+        Needs(12 * GB, 0.0).workers(4 * GB, GB, print)
+    with pytest.raises(
+        TooLarge, match=r"traces take about 3 GB, 1 GB are free on the disk: keep traces of fewer members"
+    ):
+        Needs(GB, 3 * GB).workers(4 * GB, GB, print)
+
+
+def test_the_disk_is_asked_for_what_is_still_to_be_computed_only(small_study: Path) -> None:
+    study = read_study(small_study, installed())
+    plan = prepare(study)
+    jobs = plan.jobs()
+    all_, one = Needs.of(study, plan.driven, jobs), Needs.of(study, plan.driven, jobs[:1])
+    assert all_.disk == pytest.approx(len(jobs) * one.disk)
+    assert Needs.of(study, plan.driven, []) == Needs(0.0, 0.0)
+    assert one.disk == pytest.approx(7 * 24 * 60 * 40.0)
