@@ -133,15 +133,20 @@ def test_an_effect_is_taken_out_of_the_library(small_study: Path, waxstudy: Waxs
     assert waxstudy("blind-test", "without", "let-bye", "valve").returncode == 4
 
 
+def _listening() -> None:
+    for each in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(each, signal.SIG_DFL)
+
+
 def started(folder: Path, *arguments: object, **streams: Any) -> subprocess.Popen[str]:
-    """Start a command in a session of its own, ready to be interrupted: a shell's background job ignores that."""
+    """Start a command in a session of its own, ready to be ended: a background job may be told to ignore that."""
     return subprocess.Popen(
         [str(WAXSTUDY), *map(str, arguments)],
         cwd=folder,
         encoding="utf-8",
         stdout=subprocess.DEVNULL,
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        preexec_fn=_listening,
         **streams,
     )
 

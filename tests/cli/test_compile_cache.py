@@ -66,8 +66,8 @@ def test_code_that_others_planted_in_a_shared_cache_is_not_run(
     done = waxstudy(*command, "second", env=environment)
     assert done.returncode == 0
     assert done.stderr == (
-        f"warning: others may write to {cache}: nothing is cached, as code that lies there is run; "
-        "WAXSTUDY_CACHE names a folder\n"
+        f"warning: nothing is cached, as others may write to {cache}: code that lay there would be run "
+        "(WAXSTUDY_CACHE names another)\n"
     )
     assert not marker.exists()
     cache.chmod(0o700)
