@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
+import re
+import shlex
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 
+from tests.blind_test.conftest import CASES
 from tests.blind_test.test_solve import answers, started
-from tests.conftest import Waxstudy
+from tests.conftest import ROOT, WAXSTUDY, Waxstudy, call
 from waxstudy.blind_test.make import Place
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes end otherwise there")
@@ -26,19 +32,33 @@ seen = {"environment": dict(os.environ), "arguments": sys.argv[1:], "folder": os
 print(json.dumps({"verdict": "none", "seen": seen}))
 """
 
-# looks for a word in every process that it can see, and in a folder that it was told of
+# tells what can be looked up of the process that started it
+LOOK_UP = """\
+import json, os, pathlib
+above, told = pathlib.Path("/proc", str(os.getppid())), {}
+for name in ("cmdline", "environ", "cwd", "fd/0"):
+    try:
+        each = above / name
+        told[name] = os.readlink(each) if each.is_symlink() else each.read_bytes().decode(errors="replace")
+    except OSError as error:
+        told[name] = error.strerror
+print(json.dumps({"verdict": "none", "told": told}))
+"""
+
+# looks for the blind test in every process that it can see, and in a folder, which it uncovers if it can
 SPY = """\
-import json, pathlib, sys
-word, folder = sys.argv[1], pathlib.Path(sys.argv[2])
-said = []
+import json, pathlib, subprocess, sys
+word, folder, said = "blind-test", pathlib.Path(sys.argv[1]), []
+subprocess.run(["umount", folder], capture_output=True)
 for each in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
     try:
         text = each.read_bytes().decode(errors="replace")
     except OSError:
         continue
-    said += [text] if word in text and "spy.py" not in text else []
+    said += [text] if word in text else []
 print(json.dumps({"verdict": "none", "said": said, "files": sorted(map(str, folder.glob("*")))}))
 """
+DOCS = ROOT / "docs" / "blind_test.md"
 
 
 def test_a_diagnoser_gets_no_path_of_the_set_and_no_variable_of_ours(
@@ -59,34 +79,78 @@ def test_a_diagnoser_gets_no_path_of_the_set_and_no_variable_of_ours(
     assert not Path(seen["folder"]).exists()
 
 
-def can_unshare() -> bool:
-    if not shutil.which("unshare"):
-        return False
-    tried = ["unshare", "--user", "--map-root-user", "--mount", "--pid", "--fork", "--mount-proc", "true"]
-    return subprocess.run(tried, capture_output=True, check=False).returncode == 0
-
-
-@pytest.mark.skipif(not can_unshare(), reason="namespaces cannot be made on this machine")
-def test_in_namespaces_of_its_own_it_sees_neither_our_command_line_nor_the_set(
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
+def test_neither_the_set_nor_the_key_can_be_looked_up_in_the_process_that_asks(
     place: Place, waxstudy: Waxstudy, tmp_path: Path
 ) -> None:
-    """The recipe of docs/blind_test.md; without it, the command line of whoever asks can be read."""
-    (tmp_path / "spy.py").write_text(SPY)
-    word, folder = "blind-test", str(place.folder)
-    spy = (sys.executable, str(tmp_path / "spy.py"), word, folder)
-    bare = ("blind-test", "solve", "test", "--share", "0.2", "--name", "bare", "--", *spy)
-    assert waxstudy(*bare).returncode == 0
-    (seen,) = answers(place, "bare").values()
-    assert seen["answer"]["said"]
-    assert seen["answer"]["files"]
-    apart = ("unshare", "--user", "--map-root-user", "--mount", "--pid", "--fork", "--mount-proc")
-    cover = ("sh", "-c", 'mount -t tmpfs none "$0" && exec "$@"', folder)
-    done = waxstudy("blind-test", "solve", "test", "--share", "0.2", "--name", "apart", "--", *apart, *cover, *spy)
+    apart = tmp_path / "apart"
+    apart.mkdir()
+    (apart / "look.py").write_text(LOOK_UP)
+    secret = {"PWD": str(tmp_path), "WAXSTUDY_SECRET": str(place.folder)}
+    command = ("blind-test", "solve", place.folder, "--share", "0.2", "--", sys.executable, apart / "look.py")
+    with (tmp_path / "key").open() as key:
+        done = waxstudy(*command, env=secret, stdin=key)
     assert done.returncode == 0, done.stderr
-    (seen,) = answers(place, "apart").values()
-    assert seen["exit_code"] == 0, seen
-    assert seen["answer"]["said"] == []
-    assert seen["answer"]["files"] == []
+    (answer,) = answers(place).values()
+    told = answer["answer"]["told"]
+    assert told["cmdline"].rstrip("\0") == "waxstudy blind-test solve"
+    assert str(tmp_path) not in told["environ"] + told["cwd"]
+
+
+def can_unshare(*options: str) -> bool:
+    """Whether namespaces can be made: `unshare` may lack, and a system or a container may forbid it."""
+    tried = ["unshare", "--user", *options, "true"]
+    return bool(shutil.which("unshare")) and subprocess.run(tried, capture_output=True, check=False).returncode == 0
+
+
+# the administrator's own processes may look everything up, until they have given that right away
+NO_RIGHTS = ("setpriv", "--bounding-set=-all") if hasattr(os, "geteuid") and os.geteuid() == 0 else ()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="it can be asked on Linux only")
+@pytest.mark.skipif(bool(NO_RIGHTS) and not shutil.which("setpriv"), reason="the administrator's rights stay")
+def test_who_is_no_administrator_reads_no_memory_folder_or_open_file_of_it(place: Place, tmp_path: Path) -> None:
+    (tmp_path / "look.py").write_text(LOOK_UP)
+    solve = ("blind-test", "solve", "test", "--share", "0.2", "--", sys.executable, "look.py")
+    done = subprocess.run([*NO_RIGHTS, WAXSTUDY, *solve], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    (answer,) = answers(place).values()
+    told = answer["answer"]["told"]
+    assert {told[name] for name in ("environ", "cwd", "fd/0")} == {os.strerror(errno.EACCES)}
+
+
+def recipe(place: Place, *diagnoser: str) -> list[str]:
+    """Return the command of the docs, with this set and another diagnoser in the places of theirs."""
+    (text,) = re.findall(r"^waxstudy (blind-test solve .*unshare.*(?:\n .*)*)", DOCS.read_text(), re.MULTILINE)
+    words = shlex.split(text.replace("\\\n", " "))
+    assert words[-2:] == ["python", "/opt/mine/my_diagnoser.py"]
+    return [str(place.folder) if word == "/data/blind" else word for word in words[:-2]] + list(diagnoser)
+
+
+NAMESPACES = ("--map-root-user", "--mount", "--pid", "--kill-child", "--mount-proc", "--net")
+needs_namespaces = pytest.mark.skipif(
+    not shutil.which("setpriv") or not can_unshare(*NAMESPACES),
+    reason="not all namespaces can be made on this machine",
+)
+
+
+@needs_namespaces
+def test_in_namespaces_of_its_own_it_sees_no_process_of_ours_and_not_the_set(
+    place: Place, waxstudy: Waxstudy, tmp_path: Path
+) -> None:
+    (tmp_path / "spy.py").write_text(SPY)
+    spy = (sys.executable, str(tmp_path / "spy.py"), str(place.folder))
+    assert waxstudy("blind-test", "solve", "test", "--name", "bare", "--", *spy).returncode == 0
+    for seen in answers(place, "bare").values():
+        assert seen["answer"]["said"]
+        assert seen["answer"]["files"]
+    done = waxstudy(*recipe(place, *spy))
+    assert done.returncode == 0, done.stderr
+    apart = answers(place, "mine")
+    assert len(apart) == CASES
+    for seen in apart.values():
+        assert seen["exit_code"] == 0, seen
+        assert (seen["answer"]["said"], seen["answer"]["files"]) == ([], [])
 
 
 def is_there(process: int) -> bool:
@@ -97,15 +161,35 @@ def is_there(process: int) -> bool:
     return state != "Z"
 
 
-def begun(folder: Path, script: Path) -> tuple[subprocess.Popen[str], int]:
-    """Start a solving whose diagnoser waits; return it and the diagnoser's number."""
-    told = folder / "told"
-    script.write_text(f"import os, time; open({str(told)!r}, 'w').write(str(os.getpid())); time.sleep(600)")
-    process = started(folder, "blind-test", "solve", "test", "--workers", 1, "--", sys.executable, script.name)
-    while not (told.exists() and told.read_text()):
+def below(process: int) -> list[int]:
+    """Return the processes that one started, and those that they started."""
+    found = [
+        int(each) for path in Path(f"/proc/{process}/task").glob("*/children") for each in path.read_text().split()
+    ]
+    return found + [each for child in found for each in below(child)]
+
+
+def begun(folder: Path, command: Callable[..., list[str]]) -> tuple[subprocess.Popen[str], list[int]]:
+    """Start a solving whose diagnoser waits; return it and the processes below it."""
+    told, script = folder / "told", folder / "wait.py"
+    script.write_text(f"import time; open({str(told)!r}, 'w').close(); time.sleep(600)")
+    process = started(folder, *command(sys.executable, str(script)), "--fast")
+    while not told.exists():
         assert process.poll() is None
         time.sleep(0.02)
-    return process, int(told.read_text())
+    return process, below(process.pid)
+
+
+def ended(processes: list[int]) -> bool:
+    for _ in range(200):
+        if not any(map(is_there, processes)):
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def bare(*diagnoser: str) -> list[str]:
+    return ["blind-test", "solve", "test", "--", *diagnoser]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
@@ -116,23 +200,29 @@ def test_a_diagnoser_ends_with_the_command_that_asked_it(
     temporary = tmp_path / "temporary"
     temporary.mkdir()
     monkeypatch.setenv("TMPDIR", str(temporary))
-    process, diagnoser = begun(tmp_path, tmp_path / "wait.py")
-    assert is_there(diagnoser)
+    process, diagnosers = begun(tmp_path, bare)
+    assert any(map(is_there, diagnosers))
     os.kill(process.pid, signal.Signals[by])  # it alone, not its group
     process.wait(timeout=30)
-    for _ in range(200):
-        if not is_there(diagnoser):
-            break
-        time.sleep(0.05)
-    assert not is_there(diagnoser)
+    assert ended(diagnosers)
     assert answers(place) == {}
     if by != "SIGKILL":
         assert process.returncode == 130
         assert list(temporary.iterdir()) == []
+    else:
+        assert list(temporary.iterdir())
+        solved = call(tmp_path, "blind-test", "solve", "test", "--name", "next", "--", "true")
+        assert solved.returncode == 0
+        assert list(temporary.iterdir()) == []
 
 
-def children(process: int) -> list[int]:
-    return [int(each) for path in Path(f"/proc/{process}/task").glob("*/children") for each in path.read_text().split()]
+@needs_namespaces
+def test_in_namespaces_all_that_a_diagnoser_started_ends_with_a_killed_command(place: Place, tmp_path: Path) -> None:
+    process, diagnosers = begun(tmp_path, partial(recipe, place))
+    assert len(diagnosers) >= 2  # unshare and what it holds
+    process.kill()
+    process.wait()
+    assert ended(diagnosers)
 
 
 @pytest.mark.slow
@@ -145,16 +235,12 @@ def test_workers_end_with_the_command_that_started_them_whatever_they_are_at(tmp
     while not list(tmp_path.glob("new/records/*/data.csv")):
         assert process.poll() is None
         time.sleep(0.05)
-    workers = children(process.pid)
+    workers = below(process.pid)
     assert len(workers) >= 2
     os.kill(process.pid, signal.Signals[by])  # it alone, not its group
     process.wait(timeout=60)
     assert process.returncode == (130 if by == "SIGTERM" else -signal.SIGKILL)
-    for _ in range(200):
-        if not any(map(is_there, workers)):
-            break
-        time.sleep(0.05)
-    assert not any(map(is_there, workers))
+    assert ended(workers)
     assert len(list(tmp_path.glob("new/boxes/*.box"))) < cases
 
 

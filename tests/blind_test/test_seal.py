@@ -177,6 +177,21 @@ def test_a_box_is_its_record_s_and_opens_for_no_other(key: Key) -> None:
         open_box(key, "y", close_box(key, "x", {"causes": []}))
 
 
+def test_a_box_that_was_moved_to_another_record_is_told(answered: Path) -> None:
+    place = Place(answered)
+    first, second = place.names()[:2]
+    shutil.copy(place.box(first), place.box(second))
+    code, said = scored(answered, "--key-file", "key")
+    assert (code, f"{second}: the sealed truth of {second} does not open" in said) == (1, True)
+
+
+def test_only_what_seals_or_opens_a_box_loads_the_cipher() -> None:
+    loaded = "import sys, waxstudy, waxstudy.cli.blind_test.solve, waxstudy.blind_test.make; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", loaded], capture_output=True, text=True, check=True)
+    assert "waxstudy.blind_test.box" in done.stdout.split()
+    assert not {"cryptography", "setproctitle"} & set(done.stdout.split())
+
+
 def test_two_truths_under_one_key_and_name_have_nothing_in_common(key: Key) -> None:
     """A keystream that is used twice gives away the XOR of what it hides."""
     first, second = (close_box(key, "x", {"causes": name}) for name in ("a", "b"))
@@ -247,10 +262,12 @@ def test_a_key_is_never_an_argument_and_never_below_the_set(answered: Path, key:
         assert "--key-file" in told
         assert "--key " not in told
     code, said = scored(answered, "--key", str(key))
-    assert (code, "No such option" in said) == (2, True)
+    assert (code, said.endswith("Did you mean '--key-file'?\n")) == (2, True)
     (answered / "records" / "key").write_text(str(key))
     code, said = scored(answered, "--key-file", "test/records/key")
     assert (code, said) == (2, "error: test/records/key: a key does not lie with what it seals: move it out of test\n")
+    (answered / "link").symlink_to(answered.with_name("key"))
+    assert scored(answered, "--key-file", "test/link")[0] == 2
     done = call(answered.parent, "blind-test", "make", "--cases", "1", "--out", "new", "--key-file", "new/key")
     assert (done.returncode, (answered.parent / "new").exists()) == (2, False)
     done = call(answered.parent, "blind-test", "score", "test", "--key-file", "-", "--quiet", input=f"{key}\n")

@@ -25,12 +25,12 @@ os.umask(UMASK)
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """Give a temporary path to write; it replaces `path` when the block ends well."""
+def whole_file(path: Path, mode: int = 0o666) -> Iterator[Path]:
+    """Give a temporary path to write; it replaces `path` when the block ends well, for those that `mode` allows."""
     remove_left(path.parent, PARTIAL)
     with _ours(lambda: _new_file(path)) as temporary:
         yield temporary
-        temporary.chmod(0o666 & ~UMASK)
+        temporary.chmod(mode & ~UMASK)
         os.replace(temporary, path)
 
 

@@ -98,9 +98,9 @@ def _text(path: Path) -> str:
 def _syntax_error(path: Path, text: str, message: str) -> StudyError:
     """Say it in our words; the parser's message only tells which mistake it is, and where."""
     place = re.search(r"\(at line (\d+), column (\d+)\)$", message)
-    line, column = (int(place[1]), int(place[2])) if place else (len(text.splitlines()) or 1, 0)
+    line, column = (int(place[1]), int(place[2])) if place else (text.rstrip("\n").count("\n") + 1, 0)
     known = [ours for start, ours in SYNTAX.items() if message.startswith(start)]
-    if re.search(r"=\s*-?\d+,\d+\s*($|[,}#])", next(iter(text.splitlines()[line - 1 : line]), "")):
+    if re.search(r"=\s*-?\d+,\d+\s*($|[,}#])", next(iter(text.split("\n")[line - 1 : line]), "")):
         known = ["a decimal number has a point, no comma"]
     end = f" (column {column})" if column else " (end of the file)"
     wrong = f"not valid TOML: {(known or ['this is not understood'])[0]}{end}"

@@ -60,7 +60,8 @@ def key_given(file: Path | None, folder: Path) -> Key | None:
         return None
     if str(file) == "-":
         return Key.read(sys.stdin.read())
-    if file.resolve().is_relative_to(folder.resolve()):
+    # a link to it lies there as well, wherever it leads
+    if any(place.is_relative_to(folder.resolve()) for place in (file.resolve(), file.parent.resolve() / file.name)):
         raise KeyProblem(f"{file}: a key does not lie with what it seals: move it out of {folder}")
     if not file.exists():
         return None

@@ -95,9 +95,8 @@ def _key(place: Place, seed: int | None, file: Path | None) -> tuple[Key, bool]:
     key = Key.new(secrets.randbelow(10**9) if seed is None else seed)
     if file:
         file.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(file) as path:
+        with whole_file(file, 0o600) as path:
             path.write_text(f"{key}\n", encoding="utf-8")
-        file.chmod(0o600)
     return key, True
 
 

@@ -60,9 +60,10 @@ def command(
         raise CommandError("--leave-one-out asks of records without a baseline: leave --without-baselines out", USAGE)
     with failures(folder), bar(quiet) as tick:
         from waxstudy.blind_test import solve
+        from waxstudy.blind_test.hidden import out_of_sight
         from waxstudy.blind_test.make import Place
 
-        place = Place(folder)
+        place = Place(folder.absolute())
         names = place.names()
         if leave_one_out:
             key = key_given(key_file, folder)
@@ -75,7 +76,8 @@ def command(
             if without_baselines:
                 diagnoser, names = solve.without_baselines(place, diagnoser)
         names = solve.chosen(names, share)
-        failed = solve.solve(place, diagnoser, names, workers, timeout_s, tick)
+        with out_of_sight():
+            failed = solve.solve(place, diagnoser, names, workers, timeout_s, tick)
     said = {"diagnoser": diagnoser.name, "records": len(names), "failed": failed}
     told = f"{diagnoser.name}: {len(names)} records answered, {failed} of them by a failure\n"
     print_out(json.dumps(said) + "\n" if as_json else told)
