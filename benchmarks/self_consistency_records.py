@@ -43,6 +43,7 @@ TABLE: Mapping[str, tuple[str, Sequence[Values]]] = {
     "sensor-lag": ("O_WM", [{"time_constant_s": v} for v in (120.0, 600.0, 1800.0)]),
     "sensor-bias": ("O_WM", [{"bias_K": v} for v in (0.06, 0.3, 1.0)]),
     "dead-band": ("O_WM", [{"dead_band_K": v} for v in (0.6, 0.8, 1.5)]),
+    "setpoint-offset": ("O_WM", [{"offset_K": v, "from_h": 22.0, "to_h": 6.0} for v in (-0.3, -1.0, -2.0)]),
     "pi-tuning": (
         "P_WM",
         [{"gain": gain, "integration_time_s": t_s} for gain, t_s in ((15.0, 2300.0), (9.0, 2300.0), (4.0, 900.0))],

@@ -117,7 +117,13 @@ def test_a_chain_is_found_as_it_was_built_and_nothing_besides() -> None:
     assert found["max-flow factor"].part == "room"  # its circuit has the full flow
     assert found["max-flow factor"].is_clear
     assert not found["sensor-bias bias_K"].is_clear
-    assert found.keys() == {"sensor-bias bias_K", "slow-actuator factor", "max-flow factor"}
+    assert not found["setpoint-offset offset_K"].is_clear
+    assert found.keys() == {
+        "sensor-bias bias_K",
+        "setpoint-offset offset_K",
+        "slow-actuator factor",
+        "max-flow factor",
+    }
     assert np.isnan(found["max-flow factor"].value.low)
 
 

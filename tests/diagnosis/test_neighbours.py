@@ -174,11 +174,12 @@ def test_a_room_of_its_own_is_held_against_those_named(tmp_path: Path) -> None:
     assert [each.name for each in neighbours.rooms] == ["made", "room0", "room1"]
 
 
-HOUSE = Path(os.environ.get("WAXSTUDY_DATA", "")) / "measured_house" / "o5_2019-02-01_to_10.csv"
+DATA = Path(os.environ.get("WAXSTUDY_DATA", Path(__file__).parents[3] / "shared" / "data"))
+HOUSE = DATA / "measured_house" / "o5_2019-02-01_to_10.csv"
 TOML = Path(__file__).parents[2] / "studies" / "measured_house" / "rooms" / "dataset.toml"
 
 
-@pytest.mark.skipif(not HOUSE.is_file(), reason="WAXSTUDY_DATA names no folder with the measured house")
+@pytest.mark.skipif(not HOUSE.is_file(), reason=f"{HOUSE} is not there; WAXSTUDY_DATA names the folder of the data")
 def test_in_the_measured_house_a_cold_evening_is_named(tmp_path: Path) -> None:
     """Seen in the file itself: the air of child1 falls from 18 to 14 °C on 10 February from 19 to 23:30."""
     (tmp_path / "dataset.toml").write_text(TOML.read_text().replace("../o5_2019-02-01_to_10.csv", str(HOUSE)))

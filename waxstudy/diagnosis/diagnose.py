@@ -165,7 +165,7 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
 
 def _selection(work: Work, segment: Segment, effects: Sequence[EffectType], tick: Tick) -> Selection:
     """Return what differs at a link from its healthy record, or where none is known from what is believed."""
-    record, belief, tolerance = work.record, work.belief, work.dataset.room_tolerance
+    record, belief = work.record, work.belief
     healthy = work.calibration.healthy.get(segment.name) if work.calibration else None
     if work.calibration and healthy:
         as_built, parts = work.calibration.as_built, np.full(len(record), FIT)

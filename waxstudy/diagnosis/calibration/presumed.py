@@ -56,14 +56,13 @@ class Presumed:
         return replace(self, fitted=best, floor=floor)
 
     def usual_loss(self, residual: Residual) -> float:
-        """Return what is missed of a channel where nothing is amiss."""
-        count = int(residual.judged.sum())
-        if not self.problem.segment.with_room:
-            return self.floor[residual.channel] ** 2 * count
-        # errors were weighed by what the record itself leaves: by the form's share of that
-        gap_K, typical_K = residual.gap(), error_of(self.problem.belief, residual.channel).typical_K
-        noise_K = self.problem.record.noise[residual.channel]
-        return residual.loss() * min(1.0, float(typical_K**2 + noise_K**2) / max(gap_K, 1e-9) ** 2)
+        """Return what is missed of a chain's channel where nothing is amiss."""
+        return self.floor[residual.channel] ** 2 * int(residual.judged.sum())
+
+    def usual_K(self, channel: str) -> float:
+        """Return what a room is missed by where nothing is amiss, by its form and noise."""
+        typical_K = error_of(self.problem.belief, channel).typical_K
+        return float(np.hypot(typical_K, self.problem.record.noise[channel]))
 
     def gain(self, effects: Edits) -> float:
         """Return that nothing speaks against effects that were there from the start."""

@@ -193,11 +193,23 @@ class Weighing:
         return max(healthy.whitened, least) if healthy else least
 
     def _left(self, fitted: Hypothesis) -> float:
-        """Return which share of what is missed beyond what nothing amiss leaves a hypothesis leaves."""
+        """Return which share of what is missed beyond what nothing amiss leaves a hypothesis leaves.
+
+        A room's innovations hardly tell what lasts: there it is that of its gaps, of which small ones tell nothing.
+        With a healthy record what a room leaves is judged by that alone.
+        """
+        if self.problem.segment.with_room and isinstance(self.healthy, Healthy):
+            return LEAST_SHARE
         before, after = self._beyond(self.none), self._beyond(fitted)
-        return max(LEAST_SHARE, min(1.0, (after / before) ** 0.5)) if before > 0.0 else 1.0
+        if before <= 0.0:
+            return LEAST_SHARE if self.problem.segment.with_room else 1.0
+        return float(max(LEAST_SHARE, min(1.0, (after / before) ** 0.5)))
 
     def _beyond(self, fitted: Hypothesis) -> float:
+        if self.problem.segment.with_room:
+            assert isinstance(self.healthy, Presumed)
+            over = [each.gap() / self.healthy.usual_K(each.channel) for each in fitted.residuals]
+            return sum(max(0.0, each**2 - 1.0) for each in over)
         return sum(max(0.0, each.loss() - self.healthy.usual_loss(each)) for each in fitted.residuals)
 
     def _loss(self, fitted: Hypothesis) -> float:
@@ -310,8 +322,8 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
 
 def _mimicked(each: Weighed, gain: float) -> float:
     """Return what speaks for something unknown that looks like an effect: the less likely the more alike."""
-    parameters = LIMITS.price * sum(len(effect.priors) for effect, _ in each.fitted.effects)
-    return gain - max(0.0, each.always) - parameters + LIMITS.alike * float(np.log(each.left)) - LIMITS.unknown_price
+    freedom = each.price + float(np.log(LIMITS.prior))  # of its parameters, and of when it acts
+    return gain - max(0.0, each.always) - freedom + LIMITS.alike * float(np.log(each.left)) - LIMITS.unknown_price
 
 
 def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
