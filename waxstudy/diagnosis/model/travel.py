@@ -19,6 +19,14 @@ def signal_of(record: Record) -> str:
     return next((name for name in SIGNALS if name in record.binary), otherwise)
 
 
+def is_within_stray(record: Record, believed: Belief, other: Belief) -> bool:
+    """Whether another motor moves the opening by no more per switch than real ones stray from the believed one."""
+    before, after = opening(record, believed), opening(record, other)
+    if before is None or after is None:
+        return False
+    return opening_difference_s(record, before - after) <= tolerated_s(record, believed)
+
+
 def tolerated_s(record: Record, belief: Belief) -> float:
     """Return what an opening may be off by per switch [s]: what real actuators stray, or when a sample was taken.
 

@@ -8,6 +8,7 @@ from waxstudy.diagnosis.calibration.calibrate import Healthy
 from waxstudy.diagnosis.calibration.presumed import Presumed
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.travel import is_within_stray
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.choice import Choice, without
 from waxstudy.diagnosis.select.departure import distinct
@@ -77,7 +78,8 @@ def _tried(weighed: Sequence[Weighed]) -> dict[str, Candidate]:
 def _blurred(selection: Selection) -> set[str]:
     """Return the groups of effects of a chain that, by their intervals, may as well be what is believed.
 
-    A controller of another form looks as if it were tuned otherwise each time; a room has no settings.
+    A controller of another form looks as if it were tuned otherwise each time; a room has no settings. Without a
+    healthy record a motor may differ as far as real ones stray.
     """
     last, problem = selection.after, selection.problem
     found: set[str] = set()
@@ -86,6 +88,8 @@ def _blurred(selection: Selection) -> set[str]:
     for each in () if selection.segment.with_room else always:
         rest = [(effect, values) for effect, values in last.effects if effect is not each.effect]
         believed = problem.edited(rest, last.departures)
-        if distinct(each.effect, selection.intervals[each.effect], believed) <= NOTABLE:
+        is_blurred = distinct(each.effect, selection.intervals[each.effect], believed) <= NOTABLE
+        strays = each.effect.stage == "actuator" and not selection.is_compared
+        if is_blurred or (strays and is_within_stray(problem.record, believed, problem.belief_of(last))):
             found |= set(each.group)
     return found

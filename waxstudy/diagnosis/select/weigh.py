@@ -53,6 +53,10 @@ class Weighed:
     stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
 
+    @property
+    def of_room(self) -> bool:
+        return len(self.fitted.departures) > 0
+
 
 class Weighing:
     """Weighs what may differ at one link from its healthy record, or from what is presumed of one."""
@@ -174,9 +178,12 @@ class Weighing:
         return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), cost, *rest)
 
     def _stands(self, fitted: Hypothesis, given: Hypothesis) -> float:
-        """Return how far what another hypothesis leaves of a chain stands out where this one changes it."""
+        """Return how far what another hypothesis leaves stands out; of a chain where this one changes it.
+
+        What the form of a room may leave is no finding. A healthy record tells that by what it leaves of a room.
+        """
         if self.problem.segment.with_room:
-            return np.inf
+            return np.inf if isinstance(self.healthy, Healthy) else self.misfit(given)
         power = missed = 0.0
         for old, new in zip(given.residuals, fitted.residuals, strict=True):
             change = (old.whitened - new.whitened) ** 2
@@ -349,7 +356,7 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
 
     A finer name must be earned: real motors have no form of the library exactly.
     """
-    singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and each.stands < np.inf]
+    singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and not each.of_room]
     most = max((gains[place] for place in singles), default=0.0)
     least = {place: most - LIMITS.unknown_price - LIMITS.sure * found[place].misfit ** 2 for place in singles}
     return [max(gain, least.get(place, gain)) for place, gain in enumerate(gains)]
