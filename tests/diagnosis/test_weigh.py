@@ -10,16 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, study
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.model.conventions import PLAIN
+from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.select.evidence import Evidence, posterior
 from waxstudy.diagnosis.select.patterns import concentrated, patterns
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
-from waxstudy.diagnosis.select.weigh import Weighed, posterior
 from waxstudy.plugin import Belief, Inputs, open_share
 
-NOTHING = Weighed(
-    fitted=Hypothesis((), PLAIN, np.zeros(0), ()),
+NOTHING = Evidence(
+    effects=(),
     names=(),
     gain=0.0,
     ease=0.0,
@@ -31,7 +30,7 @@ NOTHING = Weighed(
 )
 LEAK = replace(
     NOTHING,
-    fitted=Hypothesis(((EFFECTS["infiltration"], {"factor": 2.0}),), PLAIN, np.zeros(0), ()),
+    effects=("infiltration",),
     names=("infiltration",),
     gain=30.0,
     price=6.0,
@@ -56,7 +55,7 @@ LEAK = replace(
         max_size=6,
     )
 )
-def test_probabilities_sum_to_one_whatever_is_weighed(others: list[Weighed]) -> None:
+def test_probabilities_sum_to_one_whatever_is_weighed(others: list[Evidence]) -> None:
     found = posterior([NOTHING, *others])
     assert sum(found.values()) == pytest.approx(1.0)
     assert all(0.0 <= each <= 1.0 for each in found.values())

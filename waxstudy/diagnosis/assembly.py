@@ -37,6 +37,7 @@ from waxstudy.diagnosis.result import (
     Untestable,
     Verdict,
     When,
+    as_data,
 )
 from waxstudy.diagnosis.select.choice import joint
 from waxstudy.diagnosis.select.intervals import shrink
@@ -110,6 +111,7 @@ def assembled(
         baseline=list(fits(work.calibration)) if work.calibration else [],
         missing_heat=_missing_heat(work, selections),
         posterior=joint([selection.posterior for selection in selections]),
+        weighed={each.segment.name: [as_data(row) for row in each.evidence] for each in selections},
         traces=_traces(work, selections),
     )
 

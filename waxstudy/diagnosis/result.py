@@ -332,6 +332,8 @@ class Diagnosis:
     is_quick: bool
     # probability of each hypothesis: names joined by "+", "none", "unknown"
     posterior: Mapping[str, float] = field(default_factory=dict)
+    # what speaks for each hypothesis of each link, from which its posterior follows: rows of `select.evidence.Evidence`
+    weighed: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     compared_with: str = ""  # the healthy record, with its days; empty without one
     as_built: Sequence[Calibrated] = ()
     baseline: Sequence[BaselineFit] = ()

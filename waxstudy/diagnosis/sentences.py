@@ -10,8 +10,8 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, SUPPLY_AIR
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Unexplained, Untestable, Verdict
+from waxstudy.diagnosis.select.evidence import LIKELIER
 from waxstudy.diagnosis.select.selection import Selection
-from waxstudy.diagnosis.select.weigh import LIKELIER
 from waxstudy.plugin import LinearRoom, Role
 
 HELD = ("outdoor_temperature_C", "supply_temperature_C", SUN, GAINS)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from waxstudy.diagnosis.criteria import LIMITS
-from waxstudy.diagnosis.select.weigh import LIKELIER, NONE, UNKNOWN
+from waxstudy.diagnosis.select.evidence import LIKELIER, NONE, UNKNOWN
 
 LEAST_TOLD = 1e-4  # of a joint hypothesis
 

@@ -12,8 +12,9 @@ from waxstudy.diagnosis.model.travel import is_within_stray
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.choice import Choice, without
 from waxstudy.diagnosis.select.departure import distinct
+from waxstudy.diagnosis.select.evidence import posterior
 from waxstudy.diagnosis.select.selection import Candidate, Found, Selection, strongest
-from waxstudy.diagnosis.select.weigh import NOTABLE, Tick, Weighed, Weighing, posterior, score
+from waxstudy.diagnosis.select.weigh import NOTABLE, Tick, Weighed, Weighing
 
 
 def differing(
@@ -29,7 +30,7 @@ def differing(
     weighed = weighing.weighed()
     is_followed = isinstance(healthy, Healthy) and weighing.estimator.has_nuisances
     estimator = Estimator(problem, thorough, before=weighing.estimator.followed if is_followed else None)
-    beliefs, tried = posterior(weighed), _tried(weighed)
+    beliefs, tried = posterior([each.evidence for each in weighed]), _tried(weighed)
     while True:
         selection = _selection(estimator, weighed, tried, beliefs)
         if not (blurred := _blurred(selection)):
@@ -43,9 +44,9 @@ def _selection(
     tried: Mapping[str, Candidate],
     beliefs: Mapping[str, float],
 ) -> Selection:
-    groups = Choice.of(beliefs).groups
+    groups, evidence = Choice.of(beliefs).groups, [each.evidence for each in weighed]
     if not groups:
-        return Selection.of(estimator, (), estimator.base.convention, tuple(tried.values()), beliefs)
+        return Selection.of(estimator, (), estimator.base.convention, tuple(tried.values()), beliefs, evidence)
     best = best_of(weighed, [group[0] for group in groups])
     values = {effect.name: (effect, each) for effect, each in best.fitted.effects}
     found = [
@@ -58,20 +59,26 @@ def _selection(
         )
         for group in groups
     ]
-    return Selection.of(estimator, found, best.fitted.convention, tuple(tried.values()), beliefs)
+    return Selection.of(estimator, found, best.fitted.convention, tuple(tried.values()), beliefs, evidence)
 
 
 def best_of(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
     """Return the best hypothesis with at least these effects, and as few others as there are."""
-    return max((e for e in weighed if set(names) <= set(e.names)), key=lambda e: (-len(e.names), score(e)))
+    return max((e for e in weighed if set(names) <= set(e.evidence.names)), key=_fewest_and_best)
+
+
+def _fewest_and_best(weighed: Weighed) -> tuple[int, float]:
+    return -len(weighed.evidence.names), weighed.evidence.score
 
 
 def _tried(weighed: Sequence[Weighed]) -> dict[str, Candidate]:
     """Return each effect as it fits best by itself, by name."""
     none, found = weighed[0].fitted, {}
-    for each in sorted((each for each in weighed if len(each.fitted.effects) == 1), key=score):
+    singles = (each for each in weighed if len(each.fitted.effects) == 1)
+    for each in sorted(singles, key=lambda each: each.evidence.score):
         ((effect, values),) = each.fitted.effects
-        found[effect.name] = Candidate(effect, values, each.gain + each.ease, *strongest(none, each.fitted))
+        gain = each.evidence.gain + each.evidence.ease
+        found[effect.name] = Candidate(effect, values, gain, *strongest(none, each.fitted))
     return found
 
 

@@ -13,9 +13,9 @@ from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval
+from waxstudy.diagnosis.select.evidence import UNKNOWN, Evidence
 from waxstudy.diagnosis.select.intervals import parameter_intervals
 from waxstudy.diagnosis.select.patterns import Pattern
-from waxstudy.diagnosis.select.weigh import UNKNOWN
 
 Models = Sequence[Hypothesis]
 
@@ -65,6 +65,7 @@ class Selection:
     floor: NoiseFloor
     intervals: Mapping[EffectType, Mapping[str, Interval]]  # of what was found
     posterior: Mapping[str, float]  # of hypotheses
+    evidence: Sequence[Evidence]  # that it follows from
 
     @classmethod
     def of(
@@ -74,6 +75,7 @@ class Selection:
         convention: Convention,
         tried: Sequence[Candidate],
         posterior: Mapping[str, float],
+        evidence: Sequence[Evidence],
     ) -> Selection:
         """Return a selection of what is named, all of it fitted under one convention of the record."""
         models, found = [estimator.base_as(convention)], []
@@ -89,7 +91,7 @@ class Selection:
             for each, before in zip(found, without, strict=True)
         ]
         floor, intervals = NoiseFloor.of(estimator.problem, models[-1]), parameter_intervals(estimator, models[-1])
-        return cls(estimator, models, without, tuple(shown), tuple(tried), floor, intervals, posterior)
+        return cls(estimator, models, without, tuple(shown), tuple(tried), floor, intervals, posterior, evidence)
 
     @property
     def problem(self) -> SegmentProblem:

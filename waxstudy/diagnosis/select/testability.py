@@ -12,8 +12,9 @@ from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Value
 from waxstudy.diagnosis.model.segments import ROOM_STAGES, SHOWN, Segment
 from waxstudy.diagnosis.observations.record import AIR, Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
+from waxstudy.diagnosis.select.evidence import LIKELIER
 from waxstudy.diagnosis.select.selection import Selection
-from waxstudy.diagnosis.select.weigh import LIKELIER, price
+from waxstudy.diagnosis.select.weigh import price
 from waxstudy.plugin import CHAIN, Belief, SimulationError
 
 FEW = 0.1  # of a first look's points

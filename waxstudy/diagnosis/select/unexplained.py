@@ -10,9 +10,9 @@ from waxstudy.diagnosis.calibration.calibrate import together
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.result import Unexplained, When, in_floors
+from waxstudy.diagnosis.select.evidence import LIKELIER
 from waxstudy.diagnosis.select.patterns import concentrated
 from waxstudy.diagnosis.select.selection import Selection
-from waxstudy.diagnosis.select.weigh import LIKELIER
 
 SURELY = 4.0  # standard deviations of a channel's noise, beyond which a sample is off
 

@@ -17,6 +17,7 @@ from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.departure import departure
+from waxstudy.diagnosis.select.evidence import Evidence
 from waxstudy.diagnosis.select.patterns import Pattern, patterns
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
@@ -28,34 +29,18 @@ LEAST_SHARE = 0.03  # of what an effect leaves
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
 SCREENED = 1.0  # of log likelihood that an effect of a chain must promise for a closer look
 DEEPER = 3  # hypotheses that others are tried beside
-LIKELIER = 0.5
 NOTABLE = 1.0  # noticeable steps of a chain's effect
 STRONGEST = 4.0  # times what an effect does always, that it may do at times
-UNKNOWN = "unknown"
-NONE = "none"
 Tick = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class Weighed:
-    """A hypothesis of one link: its effects as fitted, and what speaks for it, as logarithms."""
+    """A hypothesis of one link: its effects as fitted, and what speaks for it."""
 
     fitted: Hypothesis
-    names: tuple[str, ...]  # of its effects that are large enough to be worth a name, in alphabetical order
-    gain: float  # of likelihood over that of nothing, by what is missed
-    ease: float  # the same by how far the room need not depart
-    always: float  # how much likelier the healthy record would be, had it been so from the start
-    misfit: float  # what it leaves beyond what healthy records do, in standard deviations
-    price: float  # of its parameters, and that anything of the kind happens
-    spread: float  # variance of the gain from day to day or cycle to cycle, over that which independent errors have
-    most: float  # gain that so many days or cycles can tell at all
-    left: float = 1.0  # share of what is missed beyond what nothing amiss leaves
-    stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
+    evidence: Evidence
     pattern: Pattern | None = None  # where it does not act always
-
-    @property
-    def of_room(self) -> bool:
-        return len(self.fitted.departures) > 0
 
 
 class Weighing:
@@ -85,10 +70,11 @@ class Weighing:
             self.healthy = self.healthy.knowing(min((self.none, *singles), key=self._loss))
             self.share = self._shares()
         found = [self.of(each) for each in (self.none, *singles)]
-        best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
-        if best and score(best[0]) > score(found[0]):
+        best = sorted(found[1:], key=lambda each: -each.evidence.score)[:DEEPER]
+        tells = bool(best) and best[0].evidence.score > found[0].evidence.score
+        if tells:
             found += list(self._patterned(best))
-        if best and score(best[0]) > score(found[0]) and not self.estimator.is_quick:
+        if tells and not self.estimator.is_quick:
             for each in best:
                 others = [effect for effect in self.effects if effect.name not in each.fitted.names]
                 found += [self._beside(each, pair) for pair in self._one_more(others, each.fitted, self.tick)]
@@ -128,13 +114,14 @@ class Weighing:
             return
         tried = list(patterns(self.problem.record))
         for each in best:
-            if each.misfit <= 1.0:
+            if each.evidence.misfit <= 1.0:
                 continue  # nothing is left for a pattern to tell
             made = [(self._with_pattern(each.fitted, pattern), pattern) for pattern in tried]
             fitted, pattern = min(made, key=lambda pair: self._loss(pair[0]))
             weighed = self.of(fitted)
             more = LIMITS.price + float(np.log(len(tried)))
-            yield replace(weighed, price=weighed.price + more, pattern=pattern)
+            evidence = replace(weighed.evidence, price=weighed.evidence.price + more)
+            yield replace(weighed, evidence=evidence, pattern=pattern)
 
     def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> Hypothesis:
         """Return a hypothesis whose effect has a course, at the strength that suits the record best."""
@@ -160,22 +147,33 @@ class Weighing:
 
     def _beside(self, given: Weighed, fitted: Hypothesis) -> Weighed:
         """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
-        weighed = self.of(fitted, given.fitted)
+        weighed, first = self.of(fitted, given.fitted), given.evidence
         # what the form of the first effect may leave is no second one
-        more = weighed.gain - given.gain - LIMITS.form**2 * max(0.0, given.gain)
+        more = weighed.evidence.gain - first.gain - LIMITS.form**2 * max(0.0, first.gain)
         spread, most = self._spread(fitted, given.fitted)
-        return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
+        gain = first.gain + min(more / spread, most)
+        return replace(weighed, evidence=replace(weighed.evidence, gain=gain, spread=first.spread, most=first.most))
 
     def of(self, fitted: Hypothesis, given: Hypothesis | None = None) -> Weighed:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
         gain = 0.5 * (self._loss(self.none) - self._loss(fitted)) - ease
-        always = self.healthy.gain(fitted.effects) if fitted.effects else 0.0
         spread, most = self._spread(fitted)
-        cost = price([effect for effect, _ in fitted.effects])
-        names = tuple(sorted(self._notable(fitted)))
-        rest = spread, most, self._left(fitted), self._stands(fitted, given or self.none)
-        return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), cost, *rest)
+        evidence = Evidence(
+            effects=fitted.names,
+            names=tuple(sorted(self._notable(fitted))),
+            gain=gain,
+            ease=ease,
+            always=self.healthy.gain(fitted.effects) if fitted.effects else 0.0,
+            misfit=self.misfit(fitted),
+            price=price([effect for effect, _ in fitted.effects]),
+            spread=spread,
+            most=most,
+            left=self._left(fitted),
+            stands=self._stands(fitted, given or self.none),
+            of_room=self.problem.segment.with_room,
+        )
+        return Weighed(fitted, evidence)
 
     def _stands(self, fitted: Hypothesis, given: Hypothesis) -> float:
         """Return how far what another hypothesis leaves stands out; of a chain where this one changes it.
@@ -294,86 +292,3 @@ class Weighing:
 def price(effects: Sequence[EffectType]) -> float:
     """Return the log likelihood that effects cost: their parameters, and that each of them came."""
     return LIMITS.price * sum(len(each.priors) for each in effects) - float(np.log(LIMITS.prior)) * len(effects)
-
-
-def score(weighed: Weighed) -> float:
-    """Return the logarithm of what speaks for a hypothesis by itself, with nothing unknown beside it."""
-    return (
-        weighed.gain / weighed.spread
-        + weighed.ease
-        - max(0.0, weighed.always)
-        - 0.5 * weighed.misfit**2
-        - weighed.price
-    )
-
-
-def posterior(found: Sequence[Weighed]) -> dict[str, float]:
-    """Return the probability of each hypothesis of a link, with something unknown beside it or not; they sum to 1.
-
-    The first is that nothing differs. What was so from the start is no change.
-    """
-    best = max(found, key=score)
-    gains = _gains(found, best)
-    logs: dict[str, float] = {}
-    for each, gain in zip(found, gains, strict=True):
-        _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
-        if len(each.fitted.effects) == 1:
-            _raise(logs, (UNKNOWN,), _mimicked(each, gain))
-        if each.always > 0.0:
-            _add(logs, (), gain - each.price, each.misfit)
-    most = max(logs.values())
-    weights = {name: float(np.exp(value - most)) for name, value in logs.items()}
-    whole = sum(weights.values())
-    return {name: weight / whole for name, weight in weights.items()}
-
-
-def _mimicked(each: Weighed, gain: float) -> float:
-    """Return what speaks for something unknown that looks like an effect: the less likely the more alike."""
-    freedom = each.price + float(np.log(LIMITS.prior))  # of its parameters, and of when it acts
-    return gain - max(0.0, each.always) - freedom + LIMITS.alike * float(np.log(each.left)) - LIMITS.unknown_price
-
-
-def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
-    """Return what speaks for each hypothesis; more cannot outdo less by more than what stands out without it."""
-    gains = [each.gain / (best.spread if best.names else each.spread) + each.ease for each in found]
-    order = sorted(range(len(found)), key=lambda place: -len(found[place].fitted.effects))
-    for place in order:
-        each = found[place]
-        if best.names and not each.names:
-            # days and cycles can speak against it only so much
-            gains[place] = max(gains[place], best.gain / best.spread - best.most)
-        more = [
-            gains[n] - LIMITS.sure * other.stands**2
-            for n, other in enumerate(found)
-            if _is_within(each.fitted, other.fitted)
-        ]
-        gains[place] = max([gains[place], *more])
-    return _with_peers(found, gains)
-
-
-def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]:
-    """Return what speaks for each: of single effects of a chain one that leaves nothing amiss is outdone by little.
-
-    A finer name must be earned: real motors have no form of the library exactly.
-    """
-    singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and not each.of_room]
-    most = max((gains[place] for place in singles), default=0.0)
-    least = {place: most - LIMITS.unknown_price - LIMITS.sure * found[place].misfit ** 2 for place in singles}
-    return [max(gain, least.get(place, gain)) for place, gain in enumerate(gains)]
-
-
-def _is_within(one: Hypothesis, other: Hypothesis) -> bool:
-    """Whether another hypothesis is one effect on top of this."""
-    return bool(other.names) and other.names[:-1] == one.names
-
-
-def _add(logs: dict[str, float], names: Sequence[str], value: float, misfit: float) -> None:
-    """Take a hypothesis in, with something unknown beside it and without; of several the best counts."""
-    pairs = (("+".join(names) or NONE, 0.5 * misfit**2), ("+".join((*names, UNKNOWN)), LIMITS.unknown_price))
-    for key, price in pairs:
-        _raise(logs, key.split("+"), value - price)
-
-
-def _raise(logs: dict[str, float], names: Sequence[str], value: float) -> None:
-    key = "+".join(names)
-    logs[key] = max(logs.get(key, -np.inf), value)
