@@ -9,32 +9,11 @@ from random import Random
 from tests.attack.campaign import Ground
 from tests.attack.mutations import mutated, spoilt
 from tests.attack.verdict import DONE, not_finite, wrong_with
+from tests.conftest import SMALL
 
 LIMIT_S = 120.0  # for what takes a second or two on an idle machine
 
-STUDY = """\
-[study]
-name = "small"
-step_s = 30.0
-
-[room]
-use = "nzeb"
-
-[weather.january]
-use = "tallinn-week"
-month = "january"
-
-[ensemble]
-members = 1
-
-[ladder.on-off]
-reference = "O_WM"
-start = { id = "O_0", controller = { use = "on-off" }, valve = { use = "linear" } }
-steps = [
-  { id = "O_CP", controller = { dead_band_K = 0.5 } },
-  { id = "O_WM", valve = { use = "quick-opening" }, actuator = { use = "variable-times" } },
-]
-"""
+STUDY = SMALL.replace('name = "small"\n', 'name = "small"\nstep_s = 30.0\n').replace("members = 2", "members = 1")
 
 
 def study(ground: Ground, folder: Path, number: int, random: Random) -> str:

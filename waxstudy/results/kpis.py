@@ -66,7 +66,7 @@ class Figures:
         """Take in the next part."""
         self.part, c = part, part.channels
         fraction = c["flow_L_h"] / part.full_flow_L_h
-        for name, values in {
+        summed = {
             "below": c["operative_C"] < part.operative_limit_C,
             "error_K": np.abs(c["air_C"] - part.setpoint_C),
             "heat": c["water_heat_W_m2"],
@@ -76,8 +76,9 @@ class Figures:
             "flowing": fraction > FLOWING,
             "flow_L_h": c["flow_L_h"],
             "return": c["return_C"] * c["flow_L_h"],
-        }.items():
-            self.sums[name] = self.sums.get(name, 0.0) + float(np.sum(values))
+        }
+        now = {name: float(np.sum(values)) for name, values in summed.items()}
+        self.sums = {name: self.sums[name] + value for name, value in now.items()} if self.steps else now
         self.highest_C = max(self.highest_C, float(np.max(c["operative_C"])))
         level = flow_level(fraction)
         # runs of one level count as one, across parts too

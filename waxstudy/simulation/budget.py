@@ -19,8 +19,8 @@ from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.study.model import Study
 
 MOST_WORKERS = 4
-# measured with `python -m benchmarks` over a year at 5 s
-WORKER_BYTES = 60e6  # what a worker takes whatever the record's length: a part of a trace and what is made of it
+# a year at 5 s took 71 MB for each of two workers beyond what a week takes; its traces 37 bytes a row
+WORKER_BYTES = 80e6  # what a worker takes whatever the record's length: a part of a trace and what is made of it
 ROW_BYTES = 40.0  # of a row of a trace on the disk
 KEPT_FREE = 0.1  # share of the memory that is left to others
 
