@@ -107,6 +107,8 @@ def _called(command: Sequence[str], folder: Path, timeout_s: float) -> dict[str,
     except OSError as error:
         raise NoProcess(f"{command[0]}: cannot be run: {error.strerror or error}") from error
     _running.add(process)
+    if _stopped.is_set():  # all were ended while this one was being started
+        _end(process)
     try:
         out, err = process.communicate(timeout=timeout_s)
     except subprocess.TimeoutExpired:
