@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.cli.folders import contents
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.budget import Needs, TooLarge
-from waxstudy.simulation.run import prepare
+from waxstudy.simulation.run import prepare, run
 from waxstudy.study.read import read_study
 
 GB = 1e9
@@ -49,3 +50,17 @@ def test_the_disk_is_asked_for_what_is_still_to_be_computed_only(small_study: Pa
     assert all_.disk == pytest.approx(len(jobs) * one.disk)
     assert Needs.of(study, plan.driven, []) == Needs(0.0, 0.0)
     assert one.disk == pytest.approx(7 * 24 * 60 * 40.0)
+
+
+def test_a_study_that_cannot_fit_takes_no_folder_from_another(
+    small_study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    registry, folder = installed(), tmp_path / "run"
+    run(read_study(small_study, registry), folder)
+    before = contents(folder)
+    other = tmp_path / "other.toml"
+    other.write_text(small_study.read_text().replace("dead_band_K = 0.5", "dead_band_K = 0.7"))
+    monkeypatch.setattr("waxstudy.simulation.run.free_disk", lambda folder: 1000.0)
+    with pytest.raises(TooLarge, match="are free on the disk"):
+        run(read_study(other, registry), folder, replaces=True)
+    assert contents(folder) == before

@@ -9,7 +9,7 @@ import json
 import os
 import shlex
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -33,8 +33,8 @@ class OtherStudy(RunError):
 @contextmanager
 def run_folder(
     folder: Path, study: Mapping[str, Any] | None = None, file: Path | None = None, *, replaces: bool = False
-) -> Iterator[None]:
-    """Make a folder for the run of a study, as it was read from a file, and hold it.
+) -> Iterator[Callable[[], None]]:
+    """Make a folder for the run of a study, as it was read from a file, and hold it; give what makes it the study's.
 
     Raises `RunError` where it holds something else, links elsewhere, or another run is at work; `OtherStudy` where it
     holds the results of another study and that is not to be replaced; `OSError` if it cannot be made.
@@ -48,9 +48,8 @@ def run_folder(
             raise RunError(
                 f"{folder}: another run is at work in this folder; wait for it, or choose another with --out"
             )
-        if study is not None:
-            _claim(folder, _plain(study), file.resolve() if file else None, replaces)
-        yield
+        origin = _origin(folder, _plain(study), file.resolve() if file else None, replaces) if study else None
+        yield lambda: _write_origin(folder, origin)
 
 
 def refuse_link(path: Path) -> None:
@@ -76,19 +75,24 @@ def holds_run(folder: Path) -> bool:
     return any(os.path.exists(folder / name) for name in (MANIFEST, CASES))
 
 
-def _claim(folder: Path, study: Mapping[str, Any], file: Path | None, replaces: bool) -> None:
-    """Write down whose folder it is; raise `OtherStudy` where it is that of another file which says other things."""
+def _origin(folder: Path, study: Mapping[str, Any], file: Path | None, replaces: bool) -> dict[str, Any] | None:
+    """Return whose folder it will be, None if no file is known; raise `OtherStudy` where another's results are held."""
     known = _known(folder)
     earlier = _study_file(folder, known)
     if known and not replaces and known["study"] != study and (earlier or file) and earlier != file:
         raise OtherStudy(_refusal(folder, earlier, file))
     if file is None:
-        return
+        return None
     # a copy that says the same goes on, but the folder stays the first one's as long as that is there
     is_kept = earlier is not None and earlier.exists() and not replaces
     owner = earlier if earlier and is_kept and known and known["study"] == study else file
-    with whole_file(folder / ORIGIN) as path:
-        path.write_text(json.dumps({"study_file": _seen_from(folder, owner), "study": study}, indent=1) + "\n")
+    return {"study_file": _seen_from(folder, owner), "study": study}
+
+
+def _write_origin(folder: Path, origin: Mapping[str, Any] | None) -> None:
+    if origin is not None:
+        with whole_file(folder / ORIGIN) as path:
+            path.write_text(json.dumps(origin, indent=1) + "\n")
 
 
 def _study_file(folder: Path, known: Mapping[str, Any] | None) -> Path | None:

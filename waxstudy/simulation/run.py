@@ -160,11 +160,13 @@ def run(
     progress = progress or Progress()
     plan = prepare(study, jit)
     jobs = plan.jobs()
-    with run_folder(folder, study.described(), study.file, replaces=replaces):
+    with run_folder(folder, study.described(), study.file, replaces=replaces) as claim:
         progress.total(len(jobs))
         missing = [job for job in jobs if _is_missing(folder, job, progress)]
         needs = Needs.of(study, plan.driven, missing)
-        _compute(plan, missing, folder, progress, needs.workers(free_memory(), free_disk(folder), progress.warn))
+        workers = needs.workers(free_memory(), free_disk(folder), progress.warn)
+        claim()  # not before it is known to fit: a run that is refused leaves the folder to its study
+        _compute(plan, missing, folder, progress, workers)
         finish(folder, study.described(), list(study.ladders.values()), list(plan.driven), jobs, provenance(plan, jobs))
     return plan
 
