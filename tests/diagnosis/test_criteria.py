@@ -27,6 +27,8 @@ from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, PLAIN, RAW
 from waxstudy.diagnosis.select.candidate import Candidate, alike, best_of
 from waxstudy.diagnosis.select.evidence import AirLeft, Evidence, Left
 
+pytestmark = pytest.mark.quick
+
 FOLDER = Path(waxstudy.diagnosis.__path__[0])
 SOURCES = {path: path.read_text(encoding="utf-8") for path in sorted(FOLDER.rglob("*.py"))}
 ASKING = "\n".join(text for path, text in SOURCES.items() if path.name != "criteria.py")

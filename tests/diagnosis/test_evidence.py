@@ -27,6 +27,8 @@ from waxstudy.diagnosis.select.evidence import (
 )
 from waxstudy.plugin import Belief, Prior
 
+pytestmark = pytest.mark.quick
+
 PARTS = np.repeat([FIT, SELECT, SHRINK], 10)
 CHANNEL = "flow_L_h"
 BELIEVED = Belief(study().cases["REAL"].blocks, study().room)

@@ -18,6 +18,8 @@ from waxstudy.diagnosis.result import Interval
 from waxstudy.diagnosis.select.intervals import CLOCK_S, _Local, _reaching, parameter_intervals, shrink
 from waxstudy.plugin import FloatArray, Prior
 
+pytestmark = pytest.mark.quick
+
 SAMPLES = 2000
 
 

@@ -26,6 +26,8 @@ from waxstudy.diagnosis.select.null import by_block
 from waxstudy.diagnosis.select.search import runs_on_at
 from waxstudy.plugin import Belief
 
+pytestmark = pytest.mark.quick
+
 DAY = 1440
 
 

@@ -1,6 +1,7 @@
 """Change the code in one place after another, and see whether a test notices: `make mutate`.
 
-Works on a copy of the last commit. Prints of each module how many mutations its tests killed, and each that survived.
+Works on a copy of the last commit. Of each module as many mutations as `--most` says are drawn by a seed. Prints how
+many of them the module's tests killed, and each that survived.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import random
 import subprocess
 import sys
 import tempfile
@@ -27,10 +29,11 @@ MODULES: dict[str, tuple[str, ...]] = {
     "waxstudy/results/checksums.py": ("tests/results/test_run_folder.py",),
     "waxstudy/simulation/kernel.py": ("tests/simulation/test_engine.py", "-k", "False"),  # interpreted
     "waxstudy/simulation/shift.py": ("tests/simulation/test_shift.py",),
-    "waxstudy/diagnosis/select/evidence.py": ("tests/diagnosis/test_evidence.py", "tests/diagnosis/test_criteria.py"),
+    "waxstudy/diagnosis/criteria.py": ("tests/diagnosis", "-m", "quick and not slow"),
+    "waxstudy/diagnosis/select/evidence.py": ("tests/diagnosis", "-m", "quick and not slow"),
     "waxstudy/diagnosis/select/weigh.py": ("tests/diagnosis/test_weigh.py",),
-    "waxstudy/diagnosis/residuals/switching.py": ("tests/diagnosis/test_residuals.py",),
-    "waxstudy/diagnosis/residuals/continuous.py": ("tests/diagnosis/test_residuals.py",),
+    "waxstudy/diagnosis/residuals/switching.py": ("tests/diagnosis", "-m", "quick and not slow"),
+    "waxstudy/diagnosis/residuals/continuous.py": ("tests/diagnosis", "-m", "quick and not slow"),
     "waxstudy/identification/times.py": ("tests/fit/test_times.py",),
     "waxstudy/identification/valve.py": ("tests/fit/test_valve.py",),
     "plugins/waxstudy_paper/actuators.py": ("tests/paper/test_actuators.py",),
@@ -50,8 +53,8 @@ class Outcome:
         return self.killed + len(self.survived)
 
 
-def mutated(module: str, timeout_s: float) -> Outcome:
-    """Try every mutation of a module in a copy of the repository."""
+def mutated(module: str, timeout_s: float, most: int, seed: int) -> Outcome:
+    """Try mutations of a module, at most so many, in a copy of the repository."""
     with tempfile.TemporaryDirectory() as place:
         copy = Path(place, "copy")
         subprocess.run(["git", "clone", "--quiet", "--shared", str(ROOT), str(copy)], check=True)
@@ -67,11 +70,24 @@ def mutated(module: str, timeout_s: float) -> Outcome:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(copy), str(copy / "plugins")))}
         for command in (["baseline", "mutation.toml"], ["init", "mutation.toml", "m.sqlite"]):
             _called(command, copy, environment)
+        _drawn(copy / "m.sqlite", most, random.Random(f"{seed} {module}"))
         _called(["exec", "mutation.toml", "m.sqlite"], copy, environment)
         told = _called(["dump", "m.sqlite"], copy, environment)
-    results = [json.loads(line) for line in told.splitlines()]
-    survived = [_told(item, result) for item, result in results if result and result["test_outcome"] == "survived"]
-    return Outcome(module, len(results) - len(survived), survived)
+    results = [(item, result) for item, result in map(json.loads, told.splitlines()) if result]
+    tried = [(item, result) for item, result in results if result["worker_outcome"] != "skipped"]
+    survived = [_told(item, result) for item, result in tried if result["test_outcome"] == "survived"]
+    return Outcome(module, len(tried) - len(survived), survived)
+
+
+def _drawn(session: Path, most: int, drawing: random.Random) -> None:
+    """Leave as many mutations of a session as are asked for; the others are marked as skipped."""
+    from cosmic_ray.work_db import use_db
+    from cosmic_ray.work_item import WorkerOutcome, WorkResult
+
+    with use_db(str(session)) as known:
+        jobs = [item.job_id for item in known.work_items]
+        for job in set(jobs) - set(drawing.sample(jobs, min(most, len(jobs)))):
+            known.set_result(job, WorkResult(worker_outcome=WorkerOutcome.SKIPPED))
 
 
 def _called(command: list[str], folder: Path, environment: dict[str, str]) -> str:
@@ -101,12 +117,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.mutation", description=__doc__)
     parser.add_argument("modules", nargs="*", metavar="MODULE", help=f"one of {', '.join(MODULES)}  [default: all]")
     parser.add_argument("--workers", type=int, default=2, help="modules at a time")
+    parser.add_argument("--most", type=int, default=30, help="mutations of each module  [default: 30]")
+    parser.add_argument("--seed", type=int, default=1, help="of which they are drawn  [default: 1]")
     parser.add_argument("--timeout-s", type=float, default=120.0, help="after which a mutation counts as killed")
     said = parser.parse_args()
     if unknown := set(said.modules) - set(MODULES):
         parser.error(f"no tests are known for {', '.join(sorted(unknown))}")
     with ThreadPoolExecutor(said.workers) as pool:
-        outcomes = list(pool.map(lambda module: mutated(module, said.timeout_s), said.modules or MODULES))
+        outcomes = list(
+            pool.map(lambda module: mutated(module, said.timeout_s, said.most, said.seed), said.modules or MODULES)
+        )
     print("\n".join(told(outcomes)))
 
 
