@@ -3,7 +3,7 @@ BIN := .venv/bin
 # the matrices are small: threads of the linear algebra library would only wait for each other
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test golden characterise attack mutate bench clean
+.PHONY: run test golden characterise attack mutate bench dist clean
 
 run: .venv/installed  ## set up, run the paper's study, print its Table 5
 	$(BIN)/waxstudy run studies/table5.toml
@@ -33,6 +33,9 @@ mutate: .venv/installed-mutate  ## change the code in one place after another, a
 
 bench: .venv/installed-dev  ## measure speed and memory
 	$(BIN)/python -m benchmarks
+
+dist: .venv/installed-dev  ## build the wheel and the source archive
+	$(BIN)/python -m build --no-isolation --outdir dist
 
 .venv/installed: pyproject.toml
 	$(PYTHON) -m venv .venv
