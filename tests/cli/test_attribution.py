@@ -18,7 +18,13 @@ from tests.cli.test_bad_input import INVALID, assert_clear
 from tests.cli.test_interruption import INTERRUPTED, start
 from tests.conftest import SMALL, Waxstudy
 
-FIGURES = ("heat_kWh_m2_week", "heat_vs_most_detailed_percent", "setpoint_shift_K", "mae_K")
+FIGURES = (
+    "heat_kWh_m2_week",
+    "heat_vs_most_detailed_percent",
+    "heat_corrected_vs_most_detailed_percent",
+    "setpoint_shift_K",
+    "mae_K",
+)
 STARTS_WITH = {
     "table": "ladder on-off, january: what each step adds, O_0 to O_WM",
     "csv": "ladder,week,figure,step,in_ladder,",

@@ -18,6 +18,7 @@ from tests.cli.test_bad_input import INVALID, assert_clear
 from tests.conftest import WAXSTUDY
 
 FIGURES = ("setpoint_shift_K", "mae_K", "heat_kWh_m2_week", "heat_vs_most_detailed_percent")
+CORRECTED = ("heat_corrected_kWh_m2_week", "heat_corrected_vs_most_detailed_percent")
 STARTS_WITH = {
     "table": "january: 2 members",
     "csv": "case,week,",
@@ -69,9 +70,11 @@ def test_a_pipe_or_device_is_written_to_and_not_replaced(entry: Entry, small_run
 def test_the_csv_has_the_columns_of_table_5_each_with_its_spread(entry: Entry, small_run: Path) -> None:
     rows = list(csv.DictReader(entry("report", "run", "--format", "csv").stdout.splitlines()))
     pairs = [name for figure in FIGURES for name in (figure, f"{figure}_sd")]
-    assert list(rows[0]) == ["case", "week", *pairs, "cycles_per_week", "resolved"]
+    corrected = [name for figure in CORRECTED for name in (figure, f"{figure}_sd")]
+    columns = ["case", "week", *pairs, "cycles_per_week", "resolved", "single_run_share"]
+    assert list(rows[0]) == [*columns, *corrected, "corrected_resolved", "corrected_single_run_share"]
     assert [(row["case"], row["week"]) for row in rows] == [(case, "january") for case in ("O_0", "O_CP", "O_WM")]
-    assert all(float(row[name]) == float(row[name]) for row in rows for name in (*pairs, "cycles_per_week"))
+    assert all(float(row[name]) == float(row[name]) for row in rows for name in (*pairs, *corrected, "cycles_per_week"))
     assert [row["resolved"] in ("yes", "no") for row in rows] == [True, True, False]
     assert rows[2]["resolved"] == ""
 
@@ -150,11 +153,11 @@ def test_a_run_folder_of_another_version_is_refused_by_name(entry: Entry, small_
     ended = entry("report", "run")
     assert_clear(ended, INVALID)
     assert ended.stderr == (
-        "error: run/run.json: run folder of format 99, this version reads 1; `waxstudy run` the study again\n"
+        "error: run/run.json: run folder of format 99, this version reads 2; `waxstudy run` the study again\n"
     )
 
 
-@pytest.mark.parametrize("manifest", ['{"format": 1}', "[]", "null", '{"format": 1, "study": "x", "cases": 3}'])
+@pytest.mark.parametrize("manifest", ['{"format": 2}', "[]", "null", '{"format": 2, "study": "x", "cases": 3}'])
 def test_a_manifest_that_is_none_is_refused_by_name(entry: Entry, small_run: Path, manifest: str) -> None:
     (small_run / "run.json").write_text(manifest)
     ended = entry("report", "run")
@@ -210,7 +213,7 @@ def test_a_folder_with_a_run_goes_before_a_reference_of_its_name(entry: Entry, s
     shutil.copytree(small_run, small_run.parent / "paper")
     header = entry("report", "run", "--against", "paper", "--format", "csv").stdout.splitlines()[0]
     assert "published" not in header
-    assert header.endswith("heat_vs_most_detailed_percent_other,heat_vs_most_detailed_percent_other_sd")
+    assert header.endswith("heat_corrected_vs_most_detailed_percent_other_sd")
 
 
 def test_a_study_s_published_figures_are_never_taken_from_a_folder(

@@ -172,7 +172,7 @@ def test_published_figures_stand_dim_beside_ours(against_text: str) -> None:
 
 
 def test_foreign_words_are_shown_and_never_become_markup(against_text: str) -> None:
-    assert ["X1", "dQ < 1 % & more", "not held", "<b>2 %</b>"] in Page(against_text).texts
+    assert ["X1", "dQ < 1 % & more", "not held", "", "<b>2 %</b>"] in Page(against_text).texts
     assert "<b>" not in against_text
 
 

@@ -5,6 +5,7 @@ A component is a class. It is never instantiated: it names its `Parameters`, and
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
@@ -314,12 +315,17 @@ class PublishedRow:
 
 @dataclass(frozen=True)
 class Finding:
-    """A published statement and what this run says of it."""
+    """A published statement and what this run says of it: its mean, and how many of its single runs would say so."""
 
     id: str
     statement: str
-    verdict: str  # "held", "not held" or "not resolved"
+    verdict: str  # "held", "not held" or "not resolved", by the mean of the ensemble
     figure: str  # the run's own figure, readable
+    single_run_share: float = math.nan  # of single runs in which all of it holds
+    corrected_verdict: str = ""  # the same with corrected heat, where the statement is on heat
+    corrected_figure: str = ""
+    corrected_single_run_share: float = math.nan
+    circular: str = ""  # what was chosen by this statement, if anything was: then to hold it proves nothing
 
 
 class FinishedRun(Protocol):

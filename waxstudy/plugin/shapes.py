@@ -198,11 +198,18 @@ def rows_problems(rows: Sequence[Any]) -> Problems:
             yield f"case {row.case}, week {row.week}: figures that are no numbers"
 
 
+def _is_told(field: tuple[str, Any]) -> bool:
+    name, value = field
+    if not name.endswith("_share"):
+        return isinstance(value, str)
+    return isinstance(value, float) and not (value < 0.0 or value > 1.0)
+
+
 def findings_problems(findings: Sequence[Any]) -> Problems:
     """Yield what keeps findings from being statements with a verdict."""
     for finding in findings:
-        if not isinstance(finding, Finding) or not all(isinstance(value, str) for value in vars(finding).values()):
-            yield "findings must give Finding objects of four texts, and nothing else"
+        if not isinstance(finding, Finding) or not all(map(_is_told, vars(finding).items())):
+            yield "findings must give Finding objects of texts and shares of single runs, and nothing else"
             return
-        if finding.verdict not in VERDICTS:
+        if finding.verdict not in VERDICTS or finding.corrected_verdict not in ("", *VERDICTS):
             yield f"finding {finding.id}: its verdict is '{finding.verdict}', not one of {', '.join(VERDICTS)}"

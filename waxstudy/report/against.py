@@ -12,10 +12,10 @@ from typing import Any, ClassVar
 from waxstudy.plugin import Finding, PublishedRow, Reference
 from waxstudy.plugin.registry import PluginError, one_line, told
 from waxstudy.plugin.shapes import findings_problems, rows_problems
-from waxstudy.report.comparison import COLUMNS, FIGURES, Row
+from waxstudy.report.comparison import COLUMNS, CORRECTED_FIGURES, FIGURES, Row
 from waxstudy.report.score import Cell, ColumnScore, cells, scores
 from waxstudy.report.table import Column, Table, text
-from waxstudy.report.words import counted
+from waxstudy.report.words import MEAN_DECIDES, SINGLE_RUN, counted, percent
 from waxstudy.results.run import Run
 
 
@@ -95,7 +95,7 @@ class Against(ABC):
         return cell and attrgetter(part)(cell)
 
     def _score_table(self) -> Table[ColumnScore]:
-        names = {figure.key: figure.name for figure in FIGURES}
+        names = {figure.key: figure.name for figure in (*FIGURES, *CORRECTED_FIGURES)}
         return Table(
             f"against {self.name}: agreement by column; `RMSE of median` is a model that predicts each "
             f"column's median, `in range` the {self.cells_word} cells within the 95 % range of our single runs",
@@ -122,8 +122,9 @@ class Published(Against):
     csv_figures = {"published": "theirs.mean", "published_difference": "difference"}
     csv_form = ".5g"
     reading = (
-        "Dim columns are published figures. A finding is not resolved where single runs spread more than the "
-        "distance to the nearest limit of the finding."
+        "Dim columns are published figures. The mean decides a finding unless the 95 % interval of the "
+        "ensemble's mean reaches over one of its limits; beside it stands the share of single runs that could have "
+        "shown it."
     )
     cells_word = "published"
 
@@ -144,20 +145,51 @@ class Published(Against):
         return [*super().tables(), self._finding_table()]
 
     def _finding_table(self) -> Table[Finding]:
+        corrected: list[Column[Finding]] = [
+            text("corrected_verdict", kind="verdict", heading="with corrected heat"),
+            Column("corrected_share", _corrected_share, heading=SINGLE_RUN),
+        ]
         return Table(
-            f"findings: {self._verdicts()}; `not resolved`: single runs spread beyond a limit of the finding",
+            f"findings: {self._verdicts()}; `{MEAN_DECIDES}`, or not where its 95 % interval reaches over a limit; "
+            f"`{SINGLE_RUN}`: share of single runs in which all of it holds",
             [
                 text("id"),
-                text("statement", kind="prose", heading="finding"),
-                text("verdict", kind="verdict"),
-                text("figure", kind="list", heading="our figure"),
+                text("statement", _statement, "prose", "finding"),
+                text("verdict", kind="verdict", heading=MEAN_DECIDES),
+                Column("single_run_share", lambda f: percent(f.single_run_share), heading=SINGLE_RUN),
+                *(corrected if self._is_on_heat else ()),
+                text("figure", _figures, kind="list", heading="our figure"),
             ],
             self.findings,
         )
 
     def _verdicts(self) -> str:
         verdicts = [finding.verdict for finding in self.findings]
-        return ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in ("held", "not held", "not resolved"))
+        if not self._is_on_heat:
+            return _counts(verdicts)
+        corrected = [finding.corrected_verdict or finding.verdict for finding in self.findings]
+        return f"{_counts(verdicts)} (with corrected heat {_counts(corrected)})"
+
+    @property
+    def _is_on_heat(self) -> bool:
+        return any(finding.corrected_verdict for finding in self.findings)
+
+
+def _counts(verdicts: Sequence[str]) -> str:
+    return ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in ("held", "not held", "not resolved"))
+
+
+def _statement(finding: Finding) -> str:
+    return finding.statement + (f" (circular: {finding.circular})" if finding.circular else "")
+
+
+def _corrected_share(finding: Finding) -> str:
+    return percent(finding.corrected_single_run_share)
+
+
+def _figures(finding: Finding) -> str:
+    more = f"; with corrected heat: {finding.corrected_figure}" if finding.corrected_figure else ""
+    return finding.figure + more
 
 
 def published(reference: type[Reference], run: Run, rows: Sequence[Row], members: int) -> Published:

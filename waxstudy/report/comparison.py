@@ -46,13 +46,16 @@ class Estimate:
         return with_spread(self.mean, self.sd, form)
 
 
-def estimate(values: FloatArray) -> Estimate:
-    """Return the estimate from one value per member (Student's t); all NaN where one of the values is."""
+def estimate(values: FloatArray, error: float = 0.0) -> Estimate:
+    """Return the estimate from one value per member (Student's t); all NaN where one of the values is.
+
+    The interval is wider by an error that all members have in common.
+    """
     n, mean = len(values), float(np.mean(values))
     if n < 2:
         return Estimate(mean, np.nan, np.nan, np.nan)
     sd = float(np.std(values, ddof=1))
-    half = float(stdtrit(n - 1, 0.5 + CONFIDENCE / 2.0)) * sd / np.sqrt(n)
+    half = float(stdtrit(n - 1, 0.5 + CONFIDENCE / 2.0)) * sd / np.sqrt(n) + error
     return Estimate(mean, sd, float(mean - half), float(mean + half))
 
 
@@ -79,7 +82,9 @@ class Row:
 
     `setpoint_shift_K` is the shift that all members share, with the spread of single runs' own shifts around it.
     `heat_vs_most_detailed_percent` is against the ladder's reference, paired by member; `resolved` says whether its
-    interval excludes zero, None for the reference and where a member's reference has no heat.
+    interval excludes zero, None for the reference and where a member's reference has no heat. `single_run_share` is
+    the share of single runs that differ the way the mean does. Corrected heat is less what the room holds more of it
+    at the end of the week; NaN where that is not known.
     """
 
     ladder: str
@@ -92,16 +97,28 @@ class Row:
     cycles_per_week: Estimate
     hours_below_per_week: Estimate
     resolved: bool | None
+    single_run_share: float
+    heat_corrected_kWh_m2_week: Estimate
+    heat_corrected_vs_most_detailed_percent: Estimate
+    corrected_resolved: bool | None
+    corrected_single_run_share: float
 
 
-DIFFERENCE = "heat_vs_most_detailed_percent"
+HEAT, CORRECTED = "heat_kWh_m2_week", "heat_corrected_kWh_m2_week"
+DIFFERENCE, CORRECTED_DIFFERENCE = "heat_vs_most_detailed_percent", "heat_corrected_vs_most_detailed_percent"
 FIGURES: Sequence[Column[Row]] = (  # of Table 5
     Column("setpoint_shift_K", heading="shift", unit="K", form=".2f"),
     Column("mae_K", heading="MAE", unit="K", form=".3f"),
-    Column("heat_kWh_m2_week", heading="heat", unit="kWh/m²", form=".2f"),
+    Column(HEAT, heading="heat", unit="kWh/m²", form=".2f"),
     Column(DIFFERENCE, lambda row: "0" if row.resolved is None else getattr(row, DIFFERENCE), ".2f", "difference", "%"),
 )
-COLUMNS = tuple(figure.key for figure in FIGURES)
+CORRECTED_FIGURES: Sequence[Column[Row]] = (
+    Column(CORRECTED, lambda row: _known(row, CORRECTED), ".2f", "corrected heat", "kWh/m²"),
+    Column(CORRECTED_DIFFERENCE, lambda row: _known(row, CORRECTED_DIFFERENCE), ".2f", "corrected difference", "%"),
+)
+COLUMNS = tuple(figure.key for figure in (*FIGURES, *CORRECTED_FIGURES))
+# what of a published row, whose heat is never corrected, stands beside
+BESIDE = {CORRECTED: HEAT, CORRECTED_DIFFERENCE: DIFFERENCE}
 
 
 def comparison(run: Run) -> list[Row]:
@@ -115,10 +132,40 @@ def member_values(kpis: pd.DataFrame, case: str, week: str, column: str) -> Floa
     return rows[column].to_numpy(dtype=float)
 
 
-def differences_percent(kpis: pd.DataFrame, case: str, reference: str, week: str) -> FloatArray:
+def differences_percent(kpis: pd.DataFrame, case: str, reference: str, week: str, column: str = HEAT) -> FloatArray:
     """Return each member's heat less the same member's of the reference case [% of that]; NaN where that is none."""
-    heat, other = (member_values(kpis, name, week, "heat_kWh_m2_week") for name in (case, reference))
+    heat, other = (member_values(kpis, name, week, column) for name in (case, reference))
     return 100.0 * (heat - other) / np.where(other > 0.0, other, np.nan)
+
+
+def solver_error_percent(kpis: pd.DataFrame, case: str, reference: str, week: str) -> float:
+    """Return what the search for the setpoint shifts of two cases left of their difference in heat, at most [%].
+
+    What is left of a shift, to first order, times the heat that a kelvin takes in the long run.
+    """
+    left_K = sum(
+        abs(float(np.mean(values["single_run_shift_K"] - values["setpoint_shift_K"])))
+        for values in ({c: member_values(kpis, name, week, c) for c in SHIFTS} for name in {case, reference})
+    )
+    per_K, heat = (float(np.mean(member_values(kpis, reference, week, c))) for c in ("heat_per_K_kWh_m2_week", HEAT))
+    return 100.0 * left_K * per_K / heat if heat > 0.0 else np.nan
+
+
+def single_run_share(differences: FloatArray) -> float:
+    """Return the share of single runs that differ the way the mean does; NaN where the mean is none."""
+    mean = float(np.mean(differences))
+    return float(np.mean(differences * mean > 0.0)) if np.isfinite(mean) else np.nan
+
+
+SHIFTS = ("setpoint_shift_K", "single_run_shift_K")
+
+
+def _known(row: Row, column: str) -> Estimate | str:
+    """What a table says of corrected heat."""
+    value: Estimate = getattr(row, column)
+    if np.isnan(row.heat_corrected_kWh_m2_week.mean):
+        return "not known"
+    return "0" if column == CORRECTED_DIFFERENCE and row.resolved is None else value
 
 
 def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
@@ -127,8 +174,16 @@ def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
 
     shift = float(member_values(kpis, case, week, "setpoint_shift_K")[0])
     singles = of("single_run_shift_K")
-    difference = estimate(differences_percent(kpis, case, ladder.reference, week))
     is_reference = case == ladder.reference
+    error = solver_error_percent(kpis, case, ladder.reference, week)
+    single, of_corrected = (
+        differences_percent(kpis, case, ladder.reference, week, column) for column in (HEAT, CORRECTED)
+    )
+    difference, corrected = (estimate(values, 0.0 if is_reference else error) for values in (single, of_corrected))
+
+    def resolved(of: Estimate) -> bool | None:
+        return None if is_reference or np.isnan(of.mean) else of.excludes_zero
+
     return Row(
         ladder=ladder.name,
         case=case,
@@ -137,9 +192,14 @@ def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
             shift, singles.sd, shift + singles.low - singles.mean, shift + singles.high - singles.mean
         ),
         mae_K=of("mae_K"),
-        heat_kWh_m2_week=of("heat_kWh_m2_week"),
+        heat_kWh_m2_week=of(HEAT),
         heat_vs_most_detailed_percent=difference,
         cycles_per_week=of("cycles_per_week"),
         hours_below_per_week=of("hours_below_per_week"),
-        resolved=None if is_reference or np.isnan(difference.mean) else difference.excludes_zero,
+        resolved=resolved(difference),
+        single_run_share=np.nan if is_reference else single_run_share(single),
+        heat_corrected_kWh_m2_week=of(CORRECTED),
+        heat_corrected_vs_most_detailed_percent=corrected,
+        corrected_resolved=resolved(corrected),
+        corrected_single_run_share=np.nan if is_reference else single_run_share(of_corrected),
     )

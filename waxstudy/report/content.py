@@ -93,6 +93,8 @@ def _notes(study: Study, rows: Sequence[Row], members: int) -> list[str]:
     """What the reader must know: unsolved shifts, unresolved differences, a single member."""
     target = study.comfort.hours_below_per_week
     notes = [_residual(row, target) for row in rows if abs(row.hours_below_per_week.mean - target) > OFF_COMFORT_H]
+    if any(np.isnan(row.heat_corrected_kWh_m2_week.mean) for row in rows):
+        notes.append("the engine of this room does not say what heat it stores: corrected heat is not known")
     if members == 1:
         return [*notes, "one member per case: no spread, so no difference can be called resolved"]
     alike = [

@@ -10,12 +10,24 @@ from itertools import pairwise
 from typing import Any
 
 from waxstudy.report.against import Against
-from waxstudy.report.comparison import DIFFERENCE, FIGURES, Estimate, Row, comparison, differences_percent, estimate
+from waxstudy.report.comparison import (
+    CORRECTED_DIFFERENCE,
+    CORRECTED_FIGURES,
+    DIFFERENCE,
+    FIGURES,
+    Estimate,
+    Row,
+    comparison,
+    differences_percent,
+    estimate,
+)
 from waxstudy.report.input_differences import differing_inputs
 from waxstudy.report.score import Cell, cells, scores
 from waxstudy.report.table import Column, Table, text
 from waxstudy.report.words import counted
 from waxstudy.results.run import Run
+
+COMPARED = (*FIGURES, *CORRECTED_FIGURES)
 
 
 @dataclass(frozen=True)
@@ -91,13 +103,13 @@ class OtherRun(Against):
         columns: list[Column[Cell]] = [
             text("case"),
             text("week"),
-            *(Column(each.key, partial(self.cell, each.key), each.form, each.heading, each.unit) for each in FIGURES),
+            *(Column(each.key, partial(self.cell, each.key), each.form, each.heading, each.unit) for each in COMPARED),
             text("resolved", self._resolved, "verdict"),
         ]
         return Table(title, columns, list({(cell.case, cell.week): cell for cell in self.cells}.values()))
 
     def _resolved(self, row: Cell) -> str:
-        cells = {figure.heading: self.cell(figure.key, row) for figure in FIGURES}
+        cells = {figure.heading: self.cell(figure.key, row) for figure in COMPARED}
         resolved = [name for name, cell in cells.items() if cell and cell.resolved]
         none = "no" if any(cell and cell.resolved is False for cell in cells.values()) else ""
         return ", ".join(resolved) or none
@@ -164,7 +176,8 @@ def _comparable(paired: Sequence[Cell], ours: Mapping[str, str], theirs: Mapping
     return [
         cell
         for cell in paired
-        if cell.column != DIFFERENCE or (ours[cell.case] == theirs[cell.case] and math.isfinite(cell.theirs.mean))
+        if math.isfinite(cell.theirs.mean)
+        and (cell.column not in (DIFFERENCE, CORRECTED_DIFFERENCE) or ours[cell.case] == theirs[cell.case])
     ]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
 from operator import attrgetter
@@ -10,11 +11,11 @@ from typing import Any
 
 from waxstudy.report.activation import Activation
 from waxstudy.report.against import Against
-from waxstudy.report.comparison import COLUMNS, FIGURES, Row
+from waxstudy.report.comparison import CORRECTED_FIGURES, FIGURES, Row
 from waxstudy.report.content import Content, Starts
 from waxstudy.report.formats import csv_text, json_text, markdown, terminal
 from waxstudy.report.table import Column, Table, text
-from waxstudy.report.words import counted, yes_or_no
+from waxstudy.report.words import MEAN_DECIDES, SINGLE_RUN, counted, percent, yes_or_no
 
 PICKED_MIN = (1.0, 5.0, 15.0, 30.0, 45.0, 120.0)  # of the times off
 
@@ -26,24 +27,42 @@ def tables(content: Content) -> list[Table[Any]]:
 
 
 def comparison_tables(content: Content) -> list[Table[Row]]:
-    """A table for each week."""
-    return [_comparison_table(content, week) for week in content.run.weeks]
+    """Two tables for each week: the figures of Table 5, and heat without what the room stores."""
+    return [table for week in content.run.weeks for table in (_table_5(content, week), _corrected_table(content, week))]
 
 
-def _comparison_table(content: Content, week: str) -> Table[Row]:
-    against = _beside(content, week)
-    columns: list[Column[Row]] = [text("case")]
-    for figure in FIGURES:
-        columns += [figure, against.beside(figure)] if against else [figure]
-    columns += [text("resolved", _resolved, "verdict"), Column("cycles", attrgetter("cycles_per_week.mean"), ".1f")]
+def _table_5(content: Content, week: str) -> Table[Row]:
     spread = "mean ± standard deviation of single runs" if content.members > 1 else "one run"
     title = f"{week}: {counted(content.members, 'member')}, {spread}; heat and cycles per week"
-    return Table(title, columns, [row for row in content.rows if row.week == week])
+    cycles: Column[Row] = Column("cycles", attrgetter("cycles_per_week.mean"), ".1f")
+    return _comparison_table(content, week, title, FIGURES, [*VERDICTS, cycles])
 
 
-def _resolved(row: Row) -> str:
-    """Empty for the reference itself."""
-    return yes_or_no(row.resolved)
+def _corrected_table(content: Content, week: str) -> Table[Row]:
+    title = f"{week}: heat per week, corrected by what the room holds more or less at its end"
+    return _comparison_table(content, week, title, CORRECTED_FIGURES, CORRECTED_VERDICTS)
+
+
+def _comparison_table(
+    content: Content, week: str, title: str, figures: Sequence[Column[Row]], verdicts: Sequence[Column[Row]]
+) -> Table[Row]:
+    against = _beside(content, week)
+    columns: list[Column[Row]] = [text("case")]
+    for figure in figures:
+        columns += [figure, against.beside(figure)] if against else [figure]
+    return Table(title, [*columns, *verdicts], [row for row in content.rows if row.week == week])
+
+
+def _verdicts(of: str) -> list[Column[Row]]:
+    """Whether the mean decides a difference, and the share of single runs that could have shown it."""
+    resolved, share = attrgetter(f"{of}resolved"), attrgetter(f"{of}single_run_share")
+    return [
+        text(f"{of}resolved", lambda row: yes_or_no(resolved(row)), "verdict", MEAN_DECIDES),
+        Column(f"{of}single_run_share", lambda row: percent(share(row)), heading=SINGLE_RUN),
+    ]
+
+
+VERDICTS, CORRECTED_VERDICTS = _verdicts(""), _verdicts("corrected_")
 
 
 def _beside(content: Content, week: str) -> Against | None:
@@ -93,13 +112,22 @@ def _starts_table(content: Content) -> Table[Starts]:
 
 
 def as_csv(content: Content) -> str:
-    """Columns of Table 5, each with its spread, then cycles and whether the difference is resolved."""
-    columns: list[Column[Row]] = [Column("case"), Column("week")]
-    for key in COLUMNS:
-        columns += [Column(key, attrgetter(f"{key}.mean"), ".5f"), Column(f"{key}_sd", attrgetter(f"{key}.sd"), ".5f")]
-    columns += [Column("cycles_per_week", attrgetter("cycles_per_week.mean"), ".4g"), Column("resolved", _resolved)]
+    """Columns of Table 5, each with its spread, then cycles, how sure the difference is, and the same corrected."""
+    columns: list[Column[Row]] = [Column("case"), Column("week"), *_with_spreads(FIGURES)]
+    columns += [Column("cycles_per_week", attrgetter("cycles_per_week.mean"), ".4g"), *_csv_verdicts("")]
+    columns += [*_with_spreads(CORRECTED_FIGURES), *_csv_verdicts("corrected_")]
     columns += content.against.csv_columns() if content.against else []
     return csv_text(Table("", columns, content.rows))
+
+
+def _with_spreads(figures: Sequence[Column[Row]]) -> list[Column[Row]]:
+    parts = ("", "mean"), ("_sd", "sd")
+    return [Column(f"{f.key}{end}", attrgetter(f"{f.key}.{part}"), ".5f") for f in figures for end, part in parts]
+
+
+def _csv_verdicts(of: str) -> list[Column[Row]]:
+    resolved = attrgetter(f"{of}resolved")
+    return [Column(f"{of}resolved", lambda row: yes_or_no(resolved(row))), Column(f"{of}single_run_share", form=".4g")]
 
 
 def as_json(content: Content) -> str:

@@ -9,7 +9,16 @@ import numpy as np
 from scipy.special import stdtrit
 
 from waxstudy.plugin import FloatArray, PublishedRow
-from waxstudy.report.comparison import COLUMNS, CONFIDENCE, DIFFERENCE, Estimate, Row, unpaired_interval
+from waxstudy.report.comparison import (
+    BESIDE,
+    COLUMNS,
+    CONFIDENCE,
+    CORRECTED_DIFFERENCE,
+    DIFFERENCE,
+    Estimate,
+    Row,
+    unpaired_interval,
+)
 from waxstudy.report.words import with_spread
 
 
@@ -78,19 +87,23 @@ class ColumnScore:
 def cells(
     rows: Sequence[Row], theirs: Sequence[PublishedRow | Row], members: int, their_members: int = 1
 ) -> list[Cell]:
-    """Pair every figure of theirs with ours; the difference of a reference case, zero by definition, is left out."""
+    """Pair every figure of theirs with ours, published heat with corrected heat, too.
+
+    The difference of a reference case, zero by definition, is left out, and what is not known of ours.
+    """
     known = {(row.case, row.week): row for row in theirs}
     return [
         Cell(row.case, row.week, column, getattr(row, column), members, _estimate(other, column), their_members)
         for row in rows
         if (other := known.get((row.case, row.week)))
         for column in COLUMNS
-        if not (column == DIFFERENCE and row.resolved is None)
+        if not (column in (DIFFERENCE, CORRECTED_DIFFERENCE) and row.resolved is None)
+        and not np.isnan(getattr(row, column).mean)
     ]
 
 
 def _estimate(row: PublishedRow | Row, column: str) -> Estimate:
-    value = getattr(row, column)
+    value = getattr(row, column if isinstance(row, Row) else BESIDE.get(column, column))
     return value if isinstance(value, Estimate) else Estimate(value, np.nan, np.nan, np.nan)
 
 

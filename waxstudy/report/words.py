@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+# the two levels at which a run can tell something
+MEAN_DECIDES, SINGLE_RUN = "the mean decides", "single run"
+
 
 def counted(n: int, noun: str) -> str:
     """
@@ -27,6 +30,14 @@ def yes_or_no(holds: bool | None) -> str:
     ('yes', 'no', '')
     """
     return {None: "", True: "yes", False: "no"}[holds]
+
+
+def percent(share: float) -> str:
+    """
+    >>> percent(0.875), percent(math.nan)
+    ('88 %', '')
+    """
+    return "" if math.isnan(share) else f"{100.0 * share:.0f} %"
 
 
 def with_spread(value: float, spread: float, form: str) -> str:

@@ -46,6 +46,7 @@ class MemberWeek:
     full_flow_L_h: float
     unshifted_setpoint_C: float
     operative_limit_C: float
+    stored_kWh_m2: float = np.nan  # how much more heat the room holds at its end; NaN where that is not known
 
 
 class Figures:
@@ -78,6 +79,7 @@ class Figures:
             "return": c["return_C"] * c["flow_L_h"],
         }
         now = {name: float(np.sum(values)) for name, values in summed.items()}
+        now["stored"] = part.stored_kWh_m2
         self.sums = {name: self.sums[name] + value for name, value in now.items()} if self.steps else now
         self.highest_C = max(self.highest_C, float(np.max(c["operative_C"])))
         level = flow_level(fraction)
@@ -104,6 +106,7 @@ class Figures:
             "hours_below_per_week": sums["below"] * hours / weeks,
             "mae_K": sums["error_K"] / self.steps,
             "heat_kWh_m2_week": sums["heat"] * hours / 1000.0 / weeks,
+            "heat_corrected_kWh_m2_week": (sums["heat"] * hours / 1000.0 - sums["stored"]) / weeks,
             "cycles_per_week": rises(np.concatenate(self.levels)) / weeks,
             "air_mean_C": sums["air_C"] / self.steps,
             "operative_mean_C": sums["operative_C"] / self.steps,

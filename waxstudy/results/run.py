@@ -1,4 +1,4 @@
-"""The run folder, format 1.
+"""The run folder, format 2 (format 1 had no corrected heat).
 
     origin.json         which study file the folder belongs to; written when a run begins
     run.json            what was run, provenance, and where each case lies; written last
@@ -36,7 +36,7 @@ from waxstudy.results.kpis import TRACE_CHANNELS
 from waxstudy.results.parquet import TIME, parquet_parts, write_parquet
 from waxstudy.study.model import Ladder
 
-FORMAT = 1
+FORMAT = 2
 OF_CASE = ("kpis.csv", "durations.parquet", "traces.parquet")
 UNITS = {"time": TIME, "time_s": "s", "percent": "%", "member": "1", **TRACE_CHANNELS}
 

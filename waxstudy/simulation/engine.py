@@ -39,6 +39,14 @@ class Week:
     trace: FloatArray
 
 
+@dataclass(frozen=True)
+class Part:
+    """A part of a run: its trace, and how much more heat the room holds at its end (NaN where that is not known)."""
+
+    trace: FloatArray
+    stored_J: float
+
+
 @dataclass
 class State:
     """State of a loop between two parts of its run."""
@@ -73,8 +81,8 @@ class Loop:
                 raise self._explained(error, setpoint_C, start, stop) from None
             yield week
 
-    def parts(self, setpoint_C: float, start: Start, intervals: int, stop: np.ndarray) -> Iterator[FloatArray]:
-        """Warm up and simulate from one start; yield the trace of so many weather intervals after another.
+    def parts(self, setpoint_C: float, start: Start, intervals: int, stop: np.ndarray) -> Iterator[Part]:
+        """Warm up and simulate from one start; yield one part of so many weather intervals after another.
 
         Raises `SimulationError` or `Stopped`.
         """
@@ -83,7 +91,9 @@ class Loop:
             for first in range(0, len(self.driven.supply_C), intervals):
                 part = np.arange(first, min(first + intervals, len(self.driven.supply_C)))
                 begin_s = first * self.driven.weather.interval_s
-                yield self.advance(state, part, begin_s, setpoint_C, trace=True, stop=stop)[1]
+                before = state.modes.copy()
+                trace = self.advance(state, part, begin_s, setpoint_C, trace=True, stop=stop)[1]
+                yield Part(trace, float(self.driven.stored_J @ (state.modes - before)))
         except _OutOfRange as error:
             raise self._explained(error, setpoint_C, start, stop) from None
 

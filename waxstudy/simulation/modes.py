@@ -41,6 +41,18 @@ class DrivenRoom:
     def steps_per_interval(self) -> int:
         return round(self.weather.interval_s / self.step_s)
 
+    @property
+    def stored_J(self) -> FloatArray:
+        """(modes,) heat that the room holds with one of each mode: its nodes' capacities times their temperatures."""
+        return np.asarray(self.to_modes.sum(axis=1))
+
+    @property
+    def heat_W_K(self) -> float:
+        """Heat from the water that a kelvin more of air temperature takes in the long run, all else being equal."""
+        # modes that only fill a lane neither decay nor take heat
+        lasting = np.divide(self.heat_gain, 1.0 - self.decay, out=np.zeros_like(self.decay), where=self.heat_gain != 0)
+        return float(1.0 / (self.outputs[0] @ lasting + self.heat_offset[0]))
+
 
 def few_modes(
     rates: FloatArray, outputs: FloatArray, driving: FloatArray, starts: FloatArray, tolerance: float

@@ -11,7 +11,7 @@ from waxstudy.plugin import TRACE, BackendMissing, FloatArray, OutsideRoom, Simu
 from waxstudy.plugin.registry import PluginError, told
 from waxstudy.plugin.shapes import array_problems
 from waxstudy.simulation.advance import ChainAdvance
-from waxstudy.simulation.engine import Loop, Start, Week
+from waxstudy.simulation.engine import Loop, Part, Start, Week
 from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.study.model import Case, Choice
 
@@ -60,14 +60,14 @@ class OutsideLoop:
             cold = np.count_nonzero(record[:, OPERATIVE] < self.stand_in.limit_C)
             yield Week(hours_below=cold * self.driven.step_s / 3600.0, trace=record if trace else record[:0])
 
-    def parts(self, setpoint_C: float, start: Start, intervals: int, stop: np.ndarray) -> Iterator[FloatArray]:
+    def parts(self, setpoint_C: float, start: Start, intervals: int, stop: np.ndarray) -> Iterator[Part]:
         """Simulate from one start; yield the record of so many weather intervals after another, as `Loop.parts`.
 
-        An engine gives its record as a whole.
+        An engine gives its record as a whole, and does not say what heat its room holds.
         """
         record, steps = self._record(setpoint_C, start, stop), intervals * self.driven.steps_per_interval
         for first in range(0, len(record), steps):
-            yield record[first : first + steps]
+            yield Part(record[first : first + steps], np.nan)
 
     def _record(self, setpoint_C: float, start: Start, stop: np.ndarray) -> FloatArray:
         """Return what the room gives; what it breaks off or leaves unfinished must not be kept as a result."""

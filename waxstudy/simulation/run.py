@@ -36,7 +36,7 @@ from waxstudy.results.run import CaseFolder, damaged, finish, what_is_wrong, wri
 from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.budget import Needs, free_disk, free_memory
 from waxstudy.simulation.chain import Chain
-from waxstudy.simulation.engine import DAY_S, Loop, Start
+from waxstudy.simulation.engine import DAY_S, Loop, Part, Start
 from waxstudy.simulation.modes import DrivenRoom, drive
 from waxstudy.simulation.outside import OutsideLoop, engine_of, given_to
 from waxstudy.simulation.sources import component_digest, digest, source_digest
@@ -269,6 +269,7 @@ def simulate_case(
     for member in range(len(plan.starts)):
         figures = _simulate_member(plan, loop, member, comfort.setpoint_C + found.shift_K, keep)
         row = {"case": job.case, "week": job.week, "member": member, "setpoint_shift_K": found.shift_K}
+        row["heat_per_K_kWh_m2_week"] = loop.driven.heat_W_K * WEEK_H / 1000.0 / loop.driven.room.floor_area_m2
         kpis.append({**row, "single_run_shift_K": float(single_K[member]), **figures.key_figures()})
         spans.append(figures.durations().assign(member=member))
     return pd.DataFrame(kpis), pd.concat(spans, ignore_index=True)
@@ -280,8 +281,8 @@ def _simulate_member(
     """Simulate a member part by part; a member without a trace gives one of no rows, for its columns."""
     output, driven, figures, rows = plan.study.output, loop.driven, Figures(), 0
     intervals = part_intervals(driven, output.trace_interval_s)
-    for number, trace in enumerate(loop.parts(setpoint_C, plan.starts[member], intervals, plan.stop)):
-        part = member_week(loop, trace, setpoint_C, plan.study, number * intervals)
+    for number, simulated in enumerate(loop.parts(setpoint_C, plan.starts[member], intervals, plan.stop)):
+        part = member_week(loop, simulated, setpoint_C, plan.study, number * intervals)
         figures.add(part)
         if member < output.trace_members or member == number == 0:
             kept = thinned(part, output.trace_interval_s, driven.weather.first_day, rows).assign(member=member)
@@ -302,10 +303,10 @@ def _quick(loop: Loop | OutsideLoop, starts: Sequence[Start]) -> tuple[Loop, Seq
 
 
 def member_week(
-    loop: Loop | OutsideLoop, trace: FloatArray, setpoint_C: float, study: Study, first: int = 0
+    loop: Loop | OutsideLoop, simulated: Part, setpoint_C: float, study: Study, first: int = 0
 ) -> MemberWeek:
     """Name the columns of a trace that begins with a weather interval; add supply, return and flow in their units."""
-    driven, room = loop.driven, loop.driven.room
+    driven, room, trace = loop.driven, loop.driven.room, simulated.trace
     columns = {name: trace[:, i] for i, name in enumerate(kernel.TRACE)}
     last = first + len(trace) // driven.steps_per_interval
     supply_C = np.repeat(driven.supply_C[first:last], driven.steps_per_interval)
@@ -319,7 +320,13 @@ def member_week(
     columns |= more | {"water_heat_W_m2": heat_W / room.floor_area_m2}
     comfort = study.comfort
     return MemberWeek(
-        columns, driven.step_s, setpoint_C, room.full_flow_L_h, comfort.setpoint_C, comfort.operative_limit_C
+        columns,
+        driven.step_s,
+        setpoint_C,
+        room.full_flow_L_h,
+        comfort.setpoint_C,
+        comfort.operative_limit_C,
+        simulated.stored_J / 3.6e6 / room.floor_area_m2,
     )
 
 

@@ -12,7 +12,7 @@ from waxstudy.plugin import ROOM_OUTPUTS, FloatArray, LinearRoom, Role, WeatherR
 from waxstudy.plugin.registry import told
 from waxstudy.results.kpis import MemberWeek, key_figures
 from waxstudy.simulation import ensemble
-from waxstudy.simulation.engine import DAY_S, Loop, Week
+from waxstudy.simulation.engine import DAY_S, Loop, Part, Week
 from waxstudy.simulation.interpreted import checked
 from waxstudy.simulation.modes import drive
 from waxstudy.simulation.outside import OutsideLoop
@@ -76,7 +76,7 @@ def happened(
     loop: Loop | OutsideLoop, simulated: Week, study: Study, setpoint_C: float, believed: Loop | OutsideLoop
 ) -> Reality:
     """Return what a simulated week shows, without its first day."""
-    week = member_week(loop, simulated.trace, setpoint_C, study)
+    week = member_week(loop, Part(simulated.trace, math.nan), setpoint_C, study)
     channels = week.channels | surroundings(believed) | _readings(loop, week.channels)
     channels["setpoint_C"] = np.full(len(simulated.trace), setpoint_C)
     day = round(DAY_S / loop.driven.step_s)

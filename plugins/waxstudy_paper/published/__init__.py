@@ -10,7 +10,7 @@ from waxstudy.plugin import Finding, FinishedRun, PublishedRow, Reference
 
 
 class Paper(Reference):
-    """Table 5 (one run per case) and sixteen findings of Parts et al., each as a check on a run."""
+    """Table 5 (one run per case) and twenty findings of Parts et al., each as a check on a run."""
 
     name = "paper"
     api_version = "1.0"

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from waxstudy.report.attribution.notes import notes
 from waxstudy.report.attribution.shares import HEAT, MAE, PERCENT, SHIFT, Attribution, Difference, OrderFree, Share
-from waxstudy.report.comparison import Estimate
+from waxstudy.report.comparison import CORRECTED_DIFFERENCE, Estimate
 from waxstudy.report.formats import csv_text, json_text, markdown, terminal
 from waxstudy.report.table import Column, Table, text
 from waxstudy.report.words import counted, with_spread, yes_or_no
@@ -18,6 +18,7 @@ from waxstudy.report.words import counted, with_spread, yes_or_no
 WORDS = {
     HEAT: ("heat", "kWh/m²", ".3f"),
     PERCENT: ("heat", "%", ".2f"),
+    CORRECTED_DIFFERENCE: ("corrected heat", "%", ".2f"),
     SHIFT: ("shift", "K", ".3f"),
     MAE: ("MAE", "K", ".3f"),
 }

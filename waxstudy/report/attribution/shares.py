@@ -13,13 +13,21 @@ from waxstudy.plugin import FloatArray
 from waxstudy.report.attribution.shapley import Placement, Subset, order_count, placements, shapley
 from waxstudy.report.attribution.simulate import simulate
 from waxstudy.report.attribution.subsets import CannotAttribute, Subsets, subsets
-from waxstudy.report.comparison import DIFFERENCE, Estimate, differences_percent, estimate, member_values
+from waxstudy.report.comparison import (
+    CORRECTED,
+    CORRECTED_DIFFERENCE,
+    DIFFERENCE,
+    Estimate,
+    differences_percent,
+    estimate,
+    member_values,
+)
 from waxstudy.results.run import Run
 from waxstudy.simulation.run import Progress
 from waxstudy.study.model import Study
 
 HEAT, PERCENT, SHIFT, MAE = "heat_kWh_m2_week", DIFFERENCE, "setpoint_shift_K", "mae_K"
-FIGURES = (HEAT, PERCENT, SHIFT, MAE)
+FIGURES = (HEAT, PERCENT, CORRECTED_DIFFERENCE, SHIFT, MAE)
 
 
 @dataclass(frozen=True)
@@ -122,6 +130,8 @@ def values_of(kpis: pd.DataFrame, case: str, reference: str, week: str, figure: 
     """
     if figure == PERCENT:
         return differences_percent(kpis, case, reference, week)
+    if figure == CORRECTED_DIFFERENCE:
+        return differences_percent(kpis, case, reference, week, CORRECTED)
     values = member_values(kpis, case, week, figure)
     if figure == SHIFT:
         alone = member_values(kpis, case, week, "single_run_shift_K")
