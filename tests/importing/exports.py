@@ -151,7 +151,7 @@ def workbook(record: pd.DataFrame, folder: Path) -> Export:
     units = ["", "°C", "°C", "0/1", "L/min", "°C", "°C", "°C"]
     names = ["Time", "Room temperature", "Setpoint", "Heating valve", "Flow", "Supply", "Return", "Outdoors"]
     wide = record.assign(flow_L_h=(record["flow_L_h"] / 60.0).round(6))
-    rows = [["House of the example"], names, units]
+    rows = [["House of the example", *[""] * len(CHANNELS)], names, units]
     rows += [[time.to_pydatetime(), *values] for time, values in zip(wide.index, wide.to_numpy().tolist(), strict=True)]
     path = folder / "house.xlsx"
     pd.DataFrame(rows).to_excel(path, index=False, header=False, sheet_name="log")

@@ -21,7 +21,7 @@ COMMANDS = {
     "fit": "Fit an actuator or a valve curve to measurements, for use in a study.",
     "rig": "Make displacement and flow records on a virtual test bench, and keep the truth apart.",
     "plugins": "List, show, begin and check plugins.",
-    "schema": "Print the JSON Schema of the study file, for editors.",
+    "schema": "Print the JSON Schema of the study file, or of dataset.toml, for editors.",
 }
 
 

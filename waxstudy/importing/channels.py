@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -27,6 +28,8 @@ FINEST_S, USUAL_S = 5.0, 60.0  # interval at least, and where nothing is logged 
 SLOW = ("outdoor_temperature_C", "setpoint_C", "solar_gain_W", "neighbour_temperature_C")  # tell no interval
 FOREVER_S = 100 * 366 * 86_400.0  # that a setpoint is held: nobody turns the dial, and nothing is logged
 COUNTED = 6.0**-0.5  # standard deviation of a difference of two values that are rounded to 1
+MINUTE_NS = 60 * NS  # to which signs of life are told apart
+RESTING = ("flow", "gain")  # of which 0 is a state
 DIGITS = 4  # of values, beyond what any instrument shows
 LOW_FLOW = 5.0  # a flow that never exceeds it is in no L/h
 FLOWS = ("m3/h", "L/min", "L/s", "L/h")
@@ -54,6 +57,7 @@ def channels_of(
             stated[match.seen.entity] = unit
     request = replace(request, units=stated)
     made = {channel: _made(match, stated) for channel, match in matches.items()}
+    made = {channel: _while_alive(each, entities) for channel, each in made.items()}
     grid = _grid(request, made)
     columns, noise = {}, {}
     for channel, each in made.items():
@@ -113,9 +117,8 @@ def _made(match: Match, stated: Mapping[str, str]) -> _Made:
     if how is None:
         wrong = f"{each.entity} is in '{taken}', which is no unit of {match.channel} [{UNITS[quantity]}]"
         raise refusal(each.logged.where, wrong, mend)
-    match = replace(
-        match, seen=replace(each, unit=taken or "1", why_unit=each.why_unit or ("" if unit else "by its values"))
-    )
+    shown = unit or (taken if quantity == "level" else UNITS[quantity]) or "1"
+    match = replace(match, seen=replace(each, unit=shown))
     logged = each.logged
     return _Made(match, logged, rhythm(logged.ns, logged.values), how)
 
@@ -131,6 +134,40 @@ def _refuse_misfits(values: pd.DataFrame, made: Mapping[str, _Made], grid: Grid)
         found += [replace(one, key=f"{entity} in '{unit}' as {channel}", allowed=mend) for one in notes.problems]
     if found:
         raise StudyError(found)
+
+
+# --- states -------------------------------------------------------------------------------------------
+
+
+def _while_alive(each: _Made, entities: Sequence[Seen]) -> _Made:
+    """Return what is logged when it changes as if it rested whenever its source logged anything else.
+
+    A valve is shut and a meter shows 0 for days: a logger that lives and says nothing of them says that they rest.
+    """
+    is_state = each.logged.is_words or each.match.seen.is_binary
+    if each.kind.is_regular or not (is_state or CHANNELS[each.match.channel].quantity in RESTING):
+        return each
+    logged = each.logged
+    beside = [one.logged.ns for one in entities if _folder(one.logged) == _folder(logged)]
+    minutes = np.unique(np.concatenate([ns // MINUTE_NS for ns in beside])) * MINUTE_NS
+    signs = minutes[(minutes > logged.ns[0]) & ~np.isin(minutes, logged.ns)]
+    last = np.searchsorted(logged.ns, signs, side="right") - 1
+    rests = is_state | (logged.values[last] == 0.0)
+    signs, last = signs[rests], last[rests]
+    order = np.argsort(np.concatenate([logged.ns, signs]), kind="stable")
+    ns, values, rows = (
+        np.concatenate([whole, more])[order]
+        for whole, more in (
+            (logged.ns, signs),
+            (logged.values, logged.values[last]),
+            (logged.rows, logged.rows[last]),
+        )
+    )
+    return replace(each, logged=logged._replace(ns=ns, values=values, rows=rows))
+
+
+def _folder(logged: Logged) -> Path:
+    return Path(logged.where.partition(", ")[0]).parent
 
 
 # --- grid ---------------------------------------------------------------------------------------------

@@ -33,9 +33,7 @@ CHANNEL_NAMES = {
         "temp|temperature|temperatur|t|room|raum|zimmer|indoor|inside|innen",
         f"{OTHER_AIR}|{SET}|operative|globe|water|wasser",
     ),
-    "air_temperature_C": Names(
-        "air|luft|lufttemp\\w*|indoor air", "temp|temperature|temperatur|t", f"{OTHER_AIR}|{SET}|operative|globe|water"
-    ),
+    "air_temperature_C": Names("air|luft|lufttemp\\w*|indoor air", never=f"{OTHER_AIR}|{SET}|operative|globe|water"),
     "operative_temperature_C": Names("operative|globe|empfunden\\w*"),
     "setpoint_C": Names(SET, never="flow|supply|vorlauf|outdoor"),
     "control_output": Names("output|demand|pwm|duty|stellgroesse|controller out\\w*|anforderung", "control|percentage"),
