@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError
+from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError, say
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import warn
@@ -26,7 +26,7 @@ HOLD = "How long a value is held that is logged when it changes."
 INTERVAL = "Interval of the dataset.  [default: the finest of the readings, else 1 min]"
 YES = "Take what is proposed, and ask nothing."
 REPLACE = "Take the place of another import in DIR."
-LONGEST_TABLE = 60  # characters of a reason in the table
+MOST_SHOWN = 12  # choices that are listed; all can be answered
 
 
 class Duration(click.ParamType[float]):
@@ -135,8 +135,10 @@ class Asking:
         return str(question.proposal)
 
     def _asked(self, question: Question) -> str:
-        shown = [f"  {place}  {choice}" for place, choice in enumerate(question.choices, 1)]
-        click.echo("\n".join([f"{question.text}?", *shown]), err=True)
+        shown = [f"  {place}  {choice}" for place, choice in enumerate(question.choices[:MOST_SHOWN], 1)]
+        more = len(question.choices) - len(shown)
+        shown += [f"  and {more} more, by name"] * (more > 0)
+        say("\n".join([f"{question.text}?", *shown]))
 
         def read(answer: str) -> str:
             by_number = answer.isdigit() and 1 <= int(answer) <= len(question.choices)
@@ -148,7 +150,11 @@ class Asking:
                 raise click.UsageError(wrong)
             return answer
 
-        answer: str = click.prompt("", default=question.proposal, value_proc=read, prompt_suffix="> ", err=True)
+        usual = "Enter for the first" if question.choices else question.proposal
+        ending = f" [{usual}]> " if question.proposal else "> "
+        answer: str = click.prompt(
+            "", default=question.proposal, show_default=False, value_proc=read, prompt_suffix=ending, err=True
+        )
         return answer
 
     def refuse_unsettled(self) -> None:

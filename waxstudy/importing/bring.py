@@ -36,6 +36,7 @@ def bring(request: Request, ask: Ask) -> Imported:
     readings = _read(request)
     zone = _zone(request, readings, ask)
     readings, said = in_standard_time(readings, zone)
+    readings = joined(readings)
     notes.assumptions += said + [sentence for each in readings for sentence in each.notes]
     request = replace(request, timezone=zone)
     logged = [found for each in readings if (found := _logged(each, notes)) is not None]
@@ -58,7 +59,7 @@ def _read(request: Request) -> list[Readings]:
     for file in files:
         for each in tables_of(file):
             found += readings_of(each, file, request.time_format) if isinstance(each, Table) else [each]
-    found = [each for each in joined(found) if len(each.times)]
+    found = [each for each in found if len(each.times)]
     if not found:
         raise refusal(str(request.sources[0]), "holds no readings")
     return found

@@ -12,6 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 from waxstudy.importing.reading import Readings, Table, refusal
+from waxstudy.plugin.files import check_file
 from waxstudy.results.atomic import scratch_folder
 
 LOCK_S = 2.0  # that is waited for another program's lock
@@ -41,6 +42,7 @@ def read_history(path: Path, where: str) -> Iterator[Table | Readings]:
         with scratch_folder("waxstudy-import-") as folder:
             for each in (path, path.with_name(f"{path.name}-wal")):
                 if each.is_file():
+                    check_file(each)
                     shutil.copyfile(each, folder / each.name)
             yield from _read(folder / path.name, where)
     except (sqlite3.Error, pd.errors.DatabaseError) as error:
@@ -52,6 +54,7 @@ def read_history(path: Path, where: str) -> Iterator[Table | Readings]:
 
 def _read(path: Path, where: str) -> Iterator[Table | Readings]:
     with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True, timeout=LOCK_S)) as base:
+        base.execute("pragma trusted_schema = off")  # the file may be anybody's
         names = {name for (name,) in base.execute("select name from sqlite_master where type = 'table'")}
         if "states_meta" in names or "statistics_meta" in names:
             yield from _home_assistant(base, names, where)

@@ -216,12 +216,18 @@ def joined(found: Sequence[Readings]) -> list[Readings]:
 
 def _in_turn(entity: str, parts: list[Readings]) -> list[Readings]:
     parts = sorted(parts, key=lambda each: each.times.min())
-    if any(later.times.min() <= former.times.max() for former, later in pairwise(parts)):
+    if any(later.times.min() < former.times.max() for former, later in pairwise(parts)):
         return [replace(each, entity=f"{_stem(each.where)}/{entity}") for each in parts]
-    times = parts[0].times.append([each.times for each in parts[1:]])
+    if len(names := {each.unit for each in parts}) > 1:
+        units = ", ".join(f"'{each.unit}' in {each.where}" for each in parts)
+        raise refusal(parts[0].where, f"{entity} has {len(names)} units: {units}", "import what has one unit")
+    times = pd.DatetimeIndex(parts[0].times.append([each.times for each in parts[1:]]))
     written = pd.concat([each.written.astype(object) for each in parts])
-    return [replace(parts[0], times=pd.DatetimeIndex(times), written=written)]
+    once = ~times.duplicated(keep="last")  # a file may begin with the last row of the one before
+    return [replace(parts[0], times=times[once], written=written[once])]
 
 
 def _stem(where: str) -> str:
-    return Path(where.partition(", ")[0]).name.partition(".")[0]
+    """Return a file's name without its ending, and its sheet or table."""
+    path, _, part = where.partition(", ")
+    return Path(path).name.partition(".")[0] + (f" ({part})" if part else "")

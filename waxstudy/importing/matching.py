@@ -68,8 +68,8 @@ def _match(each: Seen, channel: str, room: str) -> Match | None:
     if score == 0.0:
         return None
     if each.unit:
-        score += UNIT
-        why.append(f"unit '{each.unit}' {each.why_unit}".strip())
+        score += UNIT if each.is_unit_written else 0.0
+        why.append(f"unit '{each.unit}', {each.why_unit}")
     if channel == "heating_signal" and not each.is_binary:
         is_like = False  # a signal is on or off, an output or opening is anything between
     if channel == "displacement" and each.is_binary:

@@ -40,7 +40,7 @@ CHANNEL_NAMES = {
     "heating_signal": Names(
         "valve|relay|actuator|heating|heat|hvac action|ventil|stellantrieb|heating signal|call for heat|heizung|signal",
         "switch|state|on|status|pump",
-        "displacement|stroke|hub|meter|energy|power|demand",
+        "displacement|stroke|hub|position|opening|meter|energy|power|demand",
     ),
     "displacement": Names("displacement|stroke|position|opening|hub|lift|travel|oeffnung", "valve|ventil"),
     "flow_L_h": Names(

@@ -9,7 +9,7 @@ import numpy as np
 from waxstudy.plugin import FloatArray
 
 HOUR_NS = 3_600_000_000_000
-RISING = 0.995  # share of steps that do not fall, from which readings may be a counter's
+RISING = 0.97  # share of changes that are rises, from which readings may be a counter's
 FEWEST_RISES = 20
 BEGUN_ANEW = 0.1  # of what a counter showed: it shows less after a reset, and has counted that since
 JUMP, USUAL = 50.0, 0.99  # times the rate that all but a few rises stay below: no meter in a house does it
@@ -29,8 +29,8 @@ class Rises:
 def is_counter(values: FloatArray) -> bool:
     """Whether readings only rise, but for resets, and rise often."""
     steps = np.diff(values[np.isfinite(values)])
-    falls = steps[steps < 0.0]
-    return bool((steps > 0.0).sum() >= FEWEST_RISES and len(falls) <= (1.0 - RISING) * len(steps))
+    up, down = int((steps > 0.0).sum()), int((steps < 0.0).sum())
+    return up >= FEWEST_RISES and up >= RISING * (up + down)
 
 
 def rises(ns: np.ndarray, values: FloatArray) -> Rises:

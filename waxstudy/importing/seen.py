@@ -19,6 +19,7 @@ WARM_WATER_C, STEADY_K = 28.0, 3.0  # what water reaches and no room does; sprea
 DIALS = 20  # values that a setpoint takes at most
 NO_TEMPERATURES = ("flow_L_h", "heating_signal", "displacement")
 OTHERS = "humidity|co|power|energy|battery"
+WRITTEN = STATED, IN_FILE, IN_NAME = ("stated", "in the file", "in its name")
 ABOUT_ROOM = ("sensor_temperature_C", "air_temperature_C", "setpoint_C")
 
 
@@ -35,11 +36,14 @@ class Seen:
     is_counter: bool
     unit: str  # as stated, as written, or as taken from the values
     why_unit: str
-    is_unit_sure: bool = True
 
     @property
     def entity(self) -> str:
         return self.logged.entity
+
+    @property
+    def is_unit_written(self) -> bool:
+        return self.why_unit in WRITTEN
 
     @property
     def range_words(self) -> str:
@@ -57,7 +61,7 @@ def _looked_at(logged: Logged, stated: str) -> Seen:
     known = logged.values[np.isfinite(logged.values)]
     low, median, high = (float(each) for each in np.quantile(known, (0.01, 0.5, 0.99)))
     few = np.unique(known[:100_000])
-    why = "stated" if stated else "in the file" if logged.unit else ""
+    why = STATED if stated else IN_FILE if logged.unit else ""
     is_binary = len(few) <= 2 and set(few) <= {0.0, 1.0, 100.0}
     unit = stated or logged.unit
     return Seen(logged, low, median, high, len(few), is_binary, is_counter(known), unit, why)
@@ -77,9 +81,11 @@ def _with_unit(each: Seen, is_fahrenheit: bool) -> Seen:
         return each
     name = plain(each.entity)
     if found := _in_name(each.entity):
-        return replace(each, unit=found, why_unit="in its name")
+        return replace(each, unit=found, why_unit=IN_NAME)
     if is_fahrenheit and _is_temperature(name, each):
-        return replace(each, unit="degF", why_unit="rooms of this source are at 50 to 95, which is degrees Fahrenheit")
+        return replace(
+            each, unit="degF", why_unit="as rooms of this source are at 50 to 95, which is degrees Fahrenheit"
+        )
     return each
 
 

@@ -33,7 +33,7 @@ def is_stamps(written: pd.Series, name: str = "") -> bool:
     if pd.api.types.is_numeric_dtype(first):
         return bool((first >= EPOCHS[-1][0]).all()) and bool(first.is_unique or name)
     try:
-        return bool(_texts(first, None).notna().all())
+        return bool(_texts(_plain(first), None).notna().all())
     except ValueError:
         return False
 
@@ -47,7 +47,7 @@ def stamps_of(written: pd.Series, time_format: str | None, where: str) -> pd.Dat
         times = _epochs(written, where)
     else:
         try:
-            times = _texts(written.astype(object).where(written.isna(), written.astype(str)), time_format)
+            times = _texts(_plain(written), time_format)
         except ValueError as error:
             raise refusal(where, str(error), SAY_FORMAT, key=name) from error
     bad = times.isna().to_numpy()
@@ -81,13 +81,20 @@ def _epochs(written: pd.Series, where: str) -> pd.Series:
         )
     if unit == "s":  # with a fraction, of which floats hold microseconds
         written, unit = (written * 1e6).round(), "us"
-    times: pd.Series = pd.to_datetime(written, unit=unit, utc=True)
+    times: pd.Series = pd.to_datetime(written, unit=unit, utc=True, errors="coerce")
     return times
+
+
+def _plain(written: pd.Series) -> pd.Series:
+    """Return texts without blanks around them; what a workbook or database gives may be of several types."""
+    if isinstance(written.dtype, pd.StringDtype):
+        return written
+    return written.where(written.isna(), written.astype(str)).astype("str").str.strip()
 
 
 def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
     """Return texts as stamps; raise `ValueError` where they do not tell which instants they are."""
-    known = written.dropna().astype(str).str.strip()
+    known = written.dropna()
     if time_format:
         return _read(written, time_format, "%z" in time_format)
     zoned = known.str.contains(ZONED, na=False)
@@ -104,9 +111,9 @@ def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
 
 def _with_offset(times: pd.Series, written: pd.Series) -> pd.Series:
     """Return stamps in the smallest of their offsets from UTC, which is standard time and not summer time."""
-    found: Any = written.str.extract(OFFSET)
-    if found[0].isna().any():  # Z
+    if written.str.endswith("Z").any():
         return times
+    found: Any = written.str.extract(OFFSET)
     minutes = 60.0 * found[1].astype(float) + found[2].astype(float).fillna(0.0)
     least = float((minutes * np.where(found[0] == "-", -1.0, 1.0)).min())
     return pd.Series(times.dt.tz_convert(timezone(timedelta(minutes=least)))) if least else times

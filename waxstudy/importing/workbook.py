@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile, ZipFile, is_zipfile
 
 import pandas as pd
 
 from waxstudy.importing.reading import Table, refusal
+from waxstudy.plugin.files import DATA_BYTES
 
 ENCRYPTED = "EncryptedPackage".encode("utf-16-le")  # the stream that a workbook with a password has
 LEAST_ROWS, LEAST_COLUMNS = 3, 2  # of a sheet that is a table
@@ -18,14 +20,13 @@ def read_workbook(path: Path, where: str) -> Iterator[Table]:
     """Yield the tables of a workbook; raise `StudyError` for one that is locked, damaged or without any."""
     from python_calamine import CalamineError, CalamineWorkbook
 
-    if ENCRYPTED in path.read_bytes():
-        raise _locked(where)
     try:
+        _refuse(path, where)
         with CalamineWorkbook.from_path(path) as book:
             sheets = [
                 (name, book.get_sheet_by_name(name).to_python(skip_empty_area=False)) for name in book.sheet_names
             ]
-    except CalamineError as error:  # the base of all of its errors
+    except (CalamineError, BadZipFile) as error:
         if "assword" in f"{type(error).__name__} {error}":
             raise _locked(where) from error
         raise refusal(where, f"is no whole workbook: {error}", "save it again, or export the sheet as CSV") from error
@@ -33,6 +34,17 @@ def read_workbook(path: Path, where: str) -> Iterator[Table]:
     if not found:
         raise refusal(where, "no sheet holds a table: a row of names, and rows of readings below it")
     yield from found
+
+
+def _refuse(path: Path, where: str) -> None:
+    """Refuse a workbook that is locked, or larger than any file that is read when unpacked."""
+    if not is_zipfile(path):
+        if ENCRYPTED in path.read_bytes():
+            raise _locked(where)
+        return
+    with ZipFile(path) as packed:
+        if sum(part.file_size for part in packed.infolist()) > DATA_BYTES:
+            raise refusal(where, f"is larger than {DATA_BYTES / 1e6:g} MB when unpacked")
 
 
 def _locked(where: str) -> Exception:

@@ -143,13 +143,18 @@ def _sources(folder: Path, request: Request) -> list[str]:
 
 
 def _others(text: str) -> Iterator[str]:
-    """Yield the lines of the tables that are the user's."""
+    """Yield the lines of the tables that are the user's, each with the comments above it."""
     is_own = True  # what stands above the first table is the head
+    above: list[str] = []
     for line in text.splitlines(keepends=True):
+        if not line.strip() or line.lstrip().startswith("#"):
+            above.append(line)
+            continue
         if found := HEADING.match(line):
             is_own = found["name"] in OWN
-        if not is_own:
-            yield line
+        yield from [] if is_own else [*above, line]
+        above = []
+    yield from [] if is_own else above
 
 
 def _data(path: Path, imported: Imported) -> None:
