@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import os
 import pty
+import sqlite3
 import subprocess
 import tomllib
+from contextlib import closing
 from pathlib import Path
 
 import pandas as pd
@@ -126,6 +128,48 @@ def test_it_asks_on_a_terminal_and_takes_the_answers(made: dict[str, Export], tm
     assert said.index("In which time zone") < said.index("did you mean 'Europe/Tallinn'") < said.index("several rooms")
     about = tomllib.loads((tmp_path / "living/dataset.toml").read_text(encoding="utf-8"))
     assert (about["import"]["room"], about["import"]["timezone"]) == ("living", "Europe/Tallinn")
+
+
+def test_names_that_say_nothing_are_told_by_their_values(record: pd.DataFrame, entry: Entry) -> None:
+    names = dict(zip(CHANNELS, ("T1", "X", "S", "Q [L/h]", "T2", "T3", "T4"), strict=True))
+    record.rename(columns=names).to_csv("plain.csv")
+    asked = entry("import", "plain.csv", "--out", "plain")
+    assert (asked.code, asked.stderr.count("or --yes")) == (3, 7)
+    assert not Path("plain").exists()
+    assert entry("import", "plain.csv", "--yes", "--out", "plain").code == 0
+    told = tomllib.loads(Path("plain/dataset.toml").read_text())["import"]["channels"]
+    assert {channel: each["entity"] for channel, each in told.items()} == {
+        channel: name.removesuffix(" [L/h]") for channel, name in names.items()
+    }
+    assert max(each["confidence"] for each in told.values()) < 0.7
+    assert "follows the valve" in told["return_temperature_C"]["why"]
+
+
+def test_a_thermostat_of_home_assistant_tells_setpoint_and_action(record: pd.DataFrame, entry: Entry) -> None:
+    with closing(sqlite3.connect("house.db")) as base:
+        base.executescript(
+            "create table states_meta (metadata_id integer primary key, entity_id text);"
+            "create table state_attributes (attributes_id integer primary key, shared_attrs text);"
+            "create table states (state_id integer primary key, state text, last_updated_ts float, "
+            "metadata_id integer, attributes_id integer);"
+            "insert into states_meta values (1, 'climate.hall'), (2, 'weather.outdoor_temperature');"
+        )
+        seconds = (record.index - pd.Timestamp(0)) // pd.Timedelta(seconds=1)
+        for key, (at, row) in enumerate(zip(seconds, record.itertuples(index=False), strict=True), 1):
+            action = "heating" if row.heating_signal else "idle"
+            told = {"current_temperature": row.sensor_temperature_C, "temperature": 21.0, "hvac_action": action}
+            states = [
+                (2 * key, "heat", float(at), 1, key),
+                (2 * key + 1, str(row.outdoor_temperature_C), float(at), 2, 0),
+            ]
+            base.execute("insert into state_attributes values (?, ?)", (key, json.dumps(told)))
+            base.executemany("insert into states values (?, ?, ?, ?, ?)", states)
+        base.commit()
+    done = entry("import", "house.db", "--timezone", "UTC", "--map", "control_output=", "--out", "hall")
+    assert done.code == 0, done.stderr
+    found = read(Path("hall"))
+    for channel in ("sensor_temperature_C", "setpoint_C", "heating_signal", "outdoor_temperature_C"):
+        assert found[channel].to_list() == record[channel].to_list()
 
 
 @pytest.mark.slow

@@ -153,12 +153,15 @@ def _some(names: Sequence[str]) -> str:
 def _decided(request: Request, entities: Sequence[Seen], ask: Ask, notes: Notes) -> tuple[Request, dict[str, Match]]:
     """Return which entity is which channel; what is doubtful is asked one by one, as an answer may settle others."""
     stated = dict(request.entities)
+    taken: dict[str, Match] = {}
     while True:
         found = matched(entities, stated, request.room or "")
         doubtful = next((match for match in found.values() if not match.is_sure), None)
         if doubtful is None:
-            return replace(request, entities=stated), found
+            return replace(request, entities=stated), found | taken
         stated[doubtful.channel] = _answered(doubtful, entities, ask, notes)
+        if stated[doubtful.channel] == doubtful.seen.entity and not doubtful.rivals:
+            taken[doubtful.channel] = replace(doubtful, why=f"{doubtful.why}; taken as proposed")
 
 
 def _answered(match: Match, entities: Sequence[Seen], ask: Ask, notes: Notes) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.importing.following import FOLLOWING
 from waxstudy.importing.names import CHANNEL_NAMES, is_of_room, plain, says
 from waxstudy.importing.seen import Seen, by_values, hotter, is_plausible
 
@@ -65,6 +66,8 @@ def _match(each: Seen, channel: str, room: str) -> Match | None:
     score, why = _by_name(each, channel)
     if score == 0.0 and by_values(each, channel, quantity) and not _names_another(each, channel):
         score, why = BY_VALUES, ["values alone"]
+        if channel in TWICE and each.following > FOLLOWING:
+            why.append(f"follows the valve (correlation {each.following:.2f})")
     if score == 0.0:
         return None
     if each.unit:

@@ -30,7 +30,7 @@ SET = "set ?point|setting|target|soll|sollwert|solltemperatur|sollwerttemperatur
 CHANNEL_NAMES = {
     "sensor_temperature_C": Names(
         "thermostat|current temperature|reading|(?:sensor|controller|room) temp\\w*|raumtemp\\w*|istwert|ist",
-        "temp|temperature|temperatur|t|room|raum|zimmer|indoor|inside|innen",
+        "temp|temperature|temperatur|room|raum|zimmer|indoor|inside|innen",
         f"{OTHER_AIR}|{SET}|operative|globe|water|wasser",
     ),
     "air_temperature_C": Names("air|luft|lufttemp\\w*|indoor air", never=f"{OTHER_AIR}|{SET}|operative|globe|water"),

@@ -10,6 +10,7 @@ import numpy as np
 from waxstudy.dataset.channels import Quantity
 from waxstudy.dataset.checks.units import PER_CENT, TYPICAL, VOLTS
 from waxstudy.importing import units
+from waxstudy.importing.following import FOLLOWING, following
 from waxstudy.importing.names import CHANNEL_NAMES, plain, says
 from waxstudy.importing.rates import is_counter
 from waxstudy.importing.reading import Logged
@@ -36,6 +37,7 @@ class Seen:
     is_counter: bool
     unit: str  # as stated, as written, or as taken from the values
     why_unit: str
+    following: float = 0.0  # correlation with the valve's signal
 
     @property
     def entity(self) -> str:
@@ -52,9 +54,18 @@ class Seen:
 
 def seen(logged: Sequence[Logged], stated: dict[str, str]) -> list[Seen]:
     """Return entities with what they look like; a unit is stated, else written, else what names and values say."""
-    found = [_looked_at(each, stated.get(each.entity, "")) for each in logged]
+    found = _beside_the_valve([_looked_at(each, stated.get(each.entity, "")) for each in logged])
     is_fahrenheit = any(_is_room_in_fahrenheit(each) for each in found)
     return [_with_unit(each, is_fahrenheit) for each in found]
+
+
+def _beside_the_valve(found: list[Seen]) -> list[Seen]:
+    """Return entities with how they follow the signal of the valve, where there is one and no more."""
+    signals = [each for each in found if each.is_binary and each.distinct == 2]
+    named = [each for each in signals if says(plain(each.entity), CHANNEL_NAMES["heating_signal"].clear)] or signals
+    if len(named) != 1:
+        return found
+    return [replace(each, following=following(each.logged, named[0].logged)) for each in found]
 
 
 def _looked_at(logged: Logged, stated: str) -> Seen:
@@ -153,13 +164,14 @@ def by_values(each: Seen, channel: str, quantity: Quantity) -> bool:
         case "outdoor_temperature_C":
             return median < 15.0 and high < WARM_WATER_C and high - low > STEADY_K and not is_dial
         case "sensor_temperature_C":
-            return 15.0 <= median <= 27.0 and high - low < 2.0 * STEADY_K and not is_dial
+            is_water = each.following > FOLLOWING
+            return 15.0 <= median <= 27.0 and high - low < 2.0 * STEADY_K and not is_dial and not is_water
         case "supply_temperature_C" | "return_temperature_C":
-            return high >= WARM_WATER_C and not is_dial
+            return (high >= WARM_WATER_C or each.following > FOLLOWING) and median > 15.0 and not is_dial
         case "heating_signal":
             return each.is_binary
         case "flow_L_h":
-            return each.is_counter and bool(each.unit)
+            return each.is_unit_written
     return False
 
 

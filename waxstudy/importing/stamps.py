@@ -19,6 +19,8 @@ EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
 LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
 TRIED = 2000  # stamps that tell the format of a column
 CLOCKS = ("%H:%M:%S", "%H:%M", "%H:%M:%S.%f", "%I:%M:%S %p", "%I:%M %p", "")
+MOSTLY = 0.5  # of stamps: fewer bad ones are damage, more are another format
+MEND_ROWS = "mend these rows, or leave them out"
 SAY_FORMAT = "say --time-format '%d/%m/%Y %H:%M' or as it is"
 OFFSET = r"([+-])(\d\d):?(\d\d)?\s*$"
 
@@ -55,7 +57,8 @@ def stamps_of(written: pd.Series, time_format: str | None, where: str) -> pd.Dat
         place = int(np.argmax(bad))
         value = "" if pd.isna(written.iloc[place]) else shown(str(written.iloc[place]))
         others = f" ({bad.sum()} such rows)" if bad.sum() > 1 else ""
-        raise refusal(where, f"no date and time{others}", SAY_FORMAT, row=written.index[place], key=name, value=value)
+        mend = SAY_FORMAT if bad.mean() > MOSTLY else MEND_ROWS
+        raise refusal(where, f"no date and time{others}", mend, row=written.index[place], key=name, value=value)
     return _within_years(pd.DatetimeIndex(times), written, where)
 
 
@@ -99,9 +102,11 @@ def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
         return _read(written, time_format, "%z" in time_format)
     zoned = known.str.contains(ZONED, na=False)
     if zoned.any():
-        if not zoned.all():
+        if zoned.mean() < MOSTLY:
             raise ValueError("some stamps have an offset from UTC and some have none")
-        return _with_offset(_read(written, "ISO8601", True), known)
+        return _with_offset(
+            _read(written.where(zoned.reindex(written.index, fill_value=False)), "ISO8601", True), known[zoned]
+        )
     iso = _read(known.iloc[:TRIED], "ISO8601", False)
     if iso.notna().all():
         return _read(written, "ISO8601", False)
