@@ -68,6 +68,7 @@ def test_what_was_decided_is_written_down_and_repeats_the_import_without_a_quest
     assert entry("import", export.source, *export.stated, "--out", "living").code == 0
     about = tomllib.loads(Path("living/dataset.toml").read_text(encoding="utf-8"))
     told = about["import"]
+    assert any("No unit is written for" in each and "taken as degF" in each for each in told["assumed"])
     assert (told["room"], told["timezone"]) == ("living", "Europe/Tallinn")
     assert "UTC+2 h, all year" in about["dataset"]["origin"]
     sensor = told["channels"]["sensor_temperature_C"]

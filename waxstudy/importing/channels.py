@@ -56,6 +56,7 @@ def channels_of(
         if unit := _asked_unit(match, ask):
             stated[match.seen.entity] = unit
     request = replace(request, units=stated)
+    _tell_untold(matches, stated, notes)
     made = {channel: _made(match, stated) for channel, match in matches.items()}
     made = {channel: _while_alive(each, entities) for channel, each in made.items()}
     grid = _grid(request, made)
@@ -101,6 +102,19 @@ def _asked_unit(match: Match, ask: Ask) -> str:
         text = f"{each.entity} goes up to {each.high:.3g} and has no unit. In which one is it"
         return ask(Question(text, ("0-10 V", "%", "1"), "0-10 V", option, where))
     return ""
+
+
+def _tell_untold(matches: Mapping[str, Match], stated: Mapping[str, str], notes: Notes) -> None:
+    """Say which units nothing tells but the values."""
+    untold: dict[str, list[str]] = {}
+    for channel, match in matches.items():
+        each = match.seen
+        if not each.is_unit_written and not each.logged.is_words and each.entity not in stated:
+            quantity = CHANNELS[channel].quantity
+            shown = each.unit or (level_unit(each) if quantity == "level" else UNITS[quantity])
+            untold.setdefault(f"{shown} {each.why_unit}".strip(), []).append(each.entity)
+    for taken, entities in untold.items():
+        notes.assume(f"No unit is written for {', '.join(entities)}: taken as {taken}.")
 
 
 def _made(match: Match, stated: Mapping[str, str]) -> _Made:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.importing.following import FOLLOWING
 from waxstudy.importing.names import CHANNEL_NAMES, is_of_room, plain, says
-from waxstudy.importing.seen import Seen, by_values, hotter, is_plausible
+from waxstudy.importing.seen import Seen, by_values, is_plausible
 
 EXACT, CLEAR, WEAK, BY_VALUES = 0.95, 0.7, 0.5, 0.35  # how much a name says, or values without one
 UNIT, VALUES, ROOM = 0.15, 0.1, 0.05  # that a unit, values and a room that is asked for add to it
@@ -105,6 +105,6 @@ def _water(found: dict[str, Match]) -> dict[str, Match]:
     """Return supply and return the right way round, where values alone told that both are water."""
     if set(TWICE) <= set(found) and all(found[name].why.startswith("values alone") for name in TWICE):
         supply, back = (found[name] for name in TWICE)
-        if hotter(back.seen, supply.seen):
+        if back.seen.high > supply.seen.high:  # heat is given off between them
             found |= {TWICE[0]: replace(back, channel=TWICE[0]), TWICE[1]: replace(supply, channel=TWICE[1])}
     return found

@@ -26,12 +26,13 @@ class Names(NamedTuple):
 
 
 OTHER_AIR = "outdoor|outside|aussen|supply|vorlauf|return|ruecklauf|floor surface|boden|neighbou?r|ventilation|zuluft"
+OTHERS = "humidity|co|power|energy|battery|illuminance|pressure|feuchte"
 SET = "set ?point|setting|target|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch"
 CHANNEL_NAMES = {
     "sensor_temperature_C": Names(
         "thermostat|current temperature|reading|(?:sensor|controller|room) temp\\w*|raumtemp\\w*|istwert|ist",
         "temp|temperature|temperatur|room|raum|zimmer|indoor|inside|innen",
-        f"{OTHER_AIR}|{SET}|operative|globe|water|wasser",
+        f"{OTHER_AIR}|{SET}|{OTHERS}|operative|globe|water|wasser",
     ),
     "air_temperature_C": Names("air|luft|lufttemp\\w*|indoor air", never=f"{OTHER_AIR}|{SET}|operative|globe|water"),
     "operative_temperature_C": Names("operative|globe|empfunden\\w*"),

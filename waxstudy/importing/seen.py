@@ -11,7 +11,7 @@ from waxstudy.dataset.channels import Quantity
 from waxstudy.dataset.checks.units import PER_CENT, TYPICAL, VOLTS
 from waxstudy.importing import units
 from waxstudy.importing.following import FOLLOWING, following
-from waxstudy.importing.names import CHANNEL_NAMES, plain, says
+from waxstudy.importing.names import CHANNEL_NAMES, OTHER_AIR, OTHERS, plain, says
 from waxstudy.importing.rates import is_counter
 from waxstudy.importing.reading import Logged
 
@@ -19,8 +19,8 @@ FAHRENHEIT = (50.0, 95.0)  # medians of a room in degrees Fahrenheit, none of wh
 WARM_WATER_C, STEADY_K = 28.0, 3.0  # what water reaches and no room does; spread of a room
 DIALS = 20  # values that a setpoint takes at most
 NO_TEMPERATURES = ("flow_L_h", "heating_signal", "displacement")
-OTHERS = "humidity|co|power|energy|battery"
 WRITTEN = STATED, IN_FILE, IN_NAME = ("stated", "in the file", "in its name")
+IS_FAHRENHEIT = "as rooms of this source are at 50 to 95, which is degrees Fahrenheit"
 ABOUT_ROOM = ("sensor_temperature_C", "air_temperature_C", "setpoint_C")
 
 
@@ -81,7 +81,7 @@ def _looked_at(logged: Logged, stated: str) -> Seen:
 def _is_room_in_fahrenheit(each: Seen) -> bool:
     name = plain(each.entity)
     is_named = any(says(name, f"{CHANNEL_NAMES[c].clear}|{CHANNEL_NAMES[c].weak}") for c in ABOUT_ROOM)
-    is_other = says(name, CHANNEL_NAMES["sensor_temperature_C"].never.replace("set ?point|", ""))
+    is_other = says(name, f"{OTHER_AIR}|{OTHERS}")
     within = FAHRENHEIT[0] <= each.median <= FAHRENHEIT[1] and each.high < 110.0
     return not each.unit and within and is_named and not is_other and not each.is_counter
 
@@ -94,9 +94,7 @@ def _with_unit(each: Seen, is_fahrenheit: bool) -> Seen:
     if found := _in_name(each.entity):
         return replace(each, unit=found, why_unit=IN_NAME)
     if is_fahrenheit and _is_temperature(name, each):
-        return replace(
-            each, unit="degF", why_unit="as rooms of this source are at 50 to 95, which is degrees Fahrenheit"
-        )
+        return replace(each, unit="degF", why_unit=IS_FAHRENHEIT)
     return each
 
 
@@ -173,8 +171,3 @@ def by_values(each: Seen, channel: str, quantity: Quantity) -> bool:
         case "flow_L_h":
             return each.is_unit_written
     return False
-
-
-def hotter(one: Seen, other: Seen) -> bool:
-    """Whether the first of two temperatures of water is the supply: heat is given off between them."""
-    return one.high > other.high
