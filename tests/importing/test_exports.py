@@ -78,6 +78,8 @@ def test_what_was_decided_is_written_down_and_repeats_the_import_without_a_quest
     assert "degrees Fahrenheit" in sensor["why"]
     first = Path("living/data.csv").read_bytes()
     Path("living/data.csv").write_text("lost")
+    other = entry("import", export.source, "--room", "bedroom", "--timezone", "UTC", "--out", "living")
+    assert (other.code, "room 'living'" in other.stderr, "--replace" in other.stderr) == (2, True, True)
     with Path("living/dataset.toml").open("a") as file:
         file.write("[building]\nuse = 'nzeb'  # ours\nfloor_area_m2 = 20.0\n")
     done = entry(*told["command"].split()[1:])
@@ -100,6 +102,8 @@ def test_a_folder_of_another_import_is_kept_unless_it_is_to_be_replaced(made: di
     refused = entry("import", sensors, "--out", "full", "--replace")
     assert (refused.code, [path.name for path in Path("full").iterdir()]) == (2, ["notes.txt"])
     assert "holds no import" in refused.stderr
+    refused = entry("import", "living/data.csv", "--out", "living", "--replace")
+    assert (refused.code, "a source lies in it" in refused.stderr) == (2, True)
 
 
 def test_a_change_of_a_tenth_becomes_noise_and_so_does_a_tenth_of_a_litre(

@@ -87,7 +87,7 @@ def command(out: Path, yes: bool, replaces: bool, **stated: Any) -> None:
     request = Request(**stated)
     asking = Asking(is_terminal=sys.stdin.isatty() and not yes, takes_proposals=yes)
     try:
-        refuse_other(out, request, replaces=replaces)
+        refuse_other(out, request, replaces=replaces or request.room is None)  # which may be asked for
         imported = bring(request, asking)
         asking.refuse_unsettled()
         write(out, imported, replaces=replaces)

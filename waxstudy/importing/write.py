@@ -55,6 +55,8 @@ def write(folder: Path, imported: Imported, *, replaces: bool = False) -> None:
 
 def refuse_other(folder: Path, request: Request, *, replaces: bool) -> str:
     """Return the dataset.toml of the same import, "" where there is none; raise `OtherImport` for another."""
+    if any(path.resolve().is_relative_to(folder.resolve()) for path in request.sources):
+        raise OtherImport(f"{folder}: a source lies in it, and none is written to. Name another folder with --out")
     if not os.path.lexists(folder):
         return ""
     if not folder.is_dir():
@@ -71,7 +73,7 @@ def refuse_other(folder: Path, request: Request, *, replaces: bool) -> str:
         raise OtherImport(
             f"{folder}: this folder is in use and holds no import; nothing was written. Name another with --out"
         )
-    is_same = about.get("sources") == _sources(folder, request) and about.get("room", request.room) == request.room
+    is_same = about.get("sources") == _sources(folder, request) and about.get("room") == request.room
     if is_same:
         return text
     if replaces:
@@ -139,7 +141,14 @@ def _channel(imported: Imported, channel: str) -> Iterator[tuple[str, Any]]:
 
 def _sources(folder: Path, request: Request) -> list[str]:
     """Return the sources as seen from the folder, so that both can be moved together."""
-    return [Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix() for path in request.sources]
+    return [_seen_from(folder.resolve(), path.resolve()) for path in request.sources]
+
+
+def _seen_from(folder: Path, path: Path) -> str:
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # on another drive
+        return path.as_posix()
 
 
 def _others(text: str) -> Iterator[str]:
