@@ -12,7 +12,7 @@ from waxstudy.importing.seen import Seen, by_values, is_plausible
 
 EXACT, CLEAR, WEAK, BY_VALUES = 0.95, 0.7, 0.5, 0.35  # how much a name says, or values without one
 UNIT, VALUES, ROOM = 0.15, 0.1, 0.05  # that a unit, values and a room that is asked for add to it
-STRANGE = 0.35  # that values take from it which are not those of the channel
+STRANGE = 0.25  # that values take from it which are not those of the channel
 SURE = 0.7  # from here on it is not asked
 LEAST = 0.4  # below, it is not proposed
 ALIKE = 0.05  # two entities whose figures differ by less fit equally well

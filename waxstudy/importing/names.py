@@ -39,7 +39,7 @@ CHANNEL_NAMES = {
     "setpoint_C": Names(SET, never="flow|supply|vorlauf|outdoor"),
     "control_output": Names("output|demand|pwm|duty|stellgroesse|controller out\\w*|anforderung", "control|percentage"),
     "heating_signal": Names(
-        "valve|relay|actuator|heating|heat|hvac action|ventil|stellantrieb|heating signal|call for heat|heizung|signal",
+        "valve|relay|actuator|heating|heat|hvac action|ventil|stellantrieb|heating signal|call|heizung|signal",
         "switch|state|on|status|pump",
         "displacement|stroke|hub|position|opening|meter|energy|power|demand",
     ),
@@ -50,15 +50,15 @@ CHANNEL_NAMES = {
         "temp|temperature|temperatur|vorlauf",
     ),
     "supply_temperature_C": Names(
-        "supply|vorlauf|vl|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*", "water|flow|wasser|heizkreis",
+        "supply|vorlauf|vl|hws|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*", "water|flow|wasser|heizkreis",
         f"air|ventilation|zuluft|return|ruecklauf|{SET}",
     ),
-    "return_temperature_C": Names("return|ruecklauf|rl|outlet|ruecklauftemp\\w*", "water|wasser", "air|abluft"),
+    "return_temperature_C": Names("return|ruecklauf|rl|hwr|outlet|ruecklauftemp\\w*", "water|wasser", "air|abluft"),
     "outdoor_temperature_C": Names(
-        "outdoors?|outside|ambient|aussen|aussentemp\\w*|oat|external", "weather|wetter|garden"
+        "outdoors?|outside|ambient|amb|aussen|aussentemp\\w*|oat|external", "\\w*weather\\w*|\\w*wetter\\w*|garden"
     ),
-    "solar_gain_W": Names("solar gain|sun gain|solar", "sun|sonne"),
-    "internal_gain_W": Names("internal gains?|gains?|people|appliances|lasten", "plug|power|lights?|tv|leistung"),
+    "solar_gain_W": Names("solar gains?|sun gains?"),
+    "internal_gain_W": Names("internal gains?|people|appliances|innere lasten"),
     "floor_surface_temperature_C": Names(
         "floor surface|floor temp\\w*|boden\\w*|fussboden\\w*|screed|estrich", "floor", "air"
     ),
