@@ -177,6 +177,14 @@ def test_a_thermostat_of_home_assistant_tells_setpoint_and_action(record: pd.Dat
         assert found[channel].to_list() == record[channel].to_list()
 
 
+def test_where_nobody_answers_all_questions_are_told_at_once(made: dict[str, Export], entry: Entry) -> None:
+    done = entry("import", made["home_assistant_csv"].source, "--out", "living")
+    assert (done.code, len(done.stderr.splitlines())) == (3, 2)
+    assert "say --timezone ..." in done.stderr
+    assert "say --room ..." in done.stderr
+    assert not Path("living").exists()
+
+
 @pytest.mark.slow
 def test_an_import_gets_the_verdict_of_the_record(
     made: dict[str, Export], record: pd.DataFrame, waxstudy: Waxstudy, tmp_path: Path

@@ -88,8 +88,10 @@ def command(out: Path, yes: bool, replaces: bool, **stated: Any) -> None:
     asking = Asking(is_terminal=sys.stdin.isatty() and not yes, takes_proposals=yes)
     try:
         refuse_other(out, request, replaces=replaces or request.room is None)  # which may be asked for
-        imported = bring(request, asking)
-        asking.refuse_unsettled()
+        try:
+            imported = bring(request, asking)
+        finally:
+            asking.refuse_unsettled()  # before what may only follow from them
         write(out, imported, replaces=replaces)
     except StudyError as error:
         raise CommandError(str(error), INVALID, label="") from error
@@ -130,9 +132,10 @@ class Asking:
             return self._asked(question)
         if question.proposal is None or not self.takes_proposals:
             self.unsettled.append(question)
-        if question.proposal is None:
+        answer = question.proposal or question.otherwise
+        if answer is None:
             self.refuse_unsettled()
-        return str(question.proposal)
+        return str(answer)
 
     def _asked(self, question: Question) -> str:
         shown = [f"  {place}  {choice}" for place, choice in enumerate(question.choices[:MOST_SHOWN], 1)]

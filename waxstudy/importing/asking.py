@@ -15,6 +15,7 @@ class Question:
     proposal: str | None  # None where no answer is better than another
     option: str  # what states the answer, up to it: "--map flow_L_h="
     where: str
+    otherwise: str | None = None  # what is gone on with where nobody answers, to find what else there is to ask
     allowed: Callable[[str], str] = lambda answer: ""  # what is wrong with an answer, "" if nothing
 
 

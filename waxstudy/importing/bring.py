@@ -77,7 +77,7 @@ def _zone(request: Request, readings: Sequence[Readings], ask: Ask) -> str:
         return "" if is_known else f"'{answer}' is no time zone{hint(answer, available_timezones())}"
 
     text = "Stamps are in UTC. In which time zone is the room (as Europe/Tallinn)"
-    return ask(Question(text, (), None, "--timezone ", readings[0].where, allowed))
+    return ask(Question(text, (), None, "--timezone ", readings[0].where, "UTC", allowed))
 
 
 def _logged(readings: Readings, notes: Notes) -> Logged | None:
@@ -179,7 +179,7 @@ def _answered(match: Match, entities: Sequence[Seen], ask: Ask, notes: Notes) ->
         text = f"Is {match.seen.entity} {match.channel}? Sure by {match.confidence:.0%}: {match.why}. Which one"
     choices = [*fitting, *(each.entity for each in entities if each.entity not in fitting), NONE]
     proposal = None if match.rivals else match.seen.entity
-    answer = ask(Question(text, choices, proposal, option, match.seen.logged.where))
+    answer = ask(Question(text, choices, proposal, option, match.seen.logged.where, fitting[0]))
     return "" if answer == NONE else answer
 
 

@@ -94,7 +94,7 @@ def _asked_unit(match: Match, ask: Ask) -> str:
     where = each.logged.where
     if quantity == "flow" and not each.is_counter and each.high < LOW_FLOW:
         text = f"{each.entity} goes up to {each.high:.3g} and has no unit. In which one is it"
-        return ask(Question(text, FLOWS, None, option, where))
+        return ask(Question(text, FLOWS, None, option, where, FLOWS[0]))
     if quantity in ("flow", "gain") and each.is_counter:
         text = f"{each.entity} is a counter without a unit ({each.low:.4g} to {each.high:.4g}). What does it count"
         return ask(Question(text, (), "L" if quantity == "flow" else "kWh", option, where))
