@@ -185,6 +185,18 @@ def test_where_nobody_answers_all_questions_are_told_at_once(made: dict[str, Exp
     assert not Path("living").exists()
 
 
+def test_a_coarser_interval_has_means_of_flow_and_the_last_of_all_else(record: pd.DataFrame, entry: Entry) -> None:
+    record.to_csv("fine.csv")
+    done = entry("import", "fine.csv", "--interval", "10 min", "--out", "coarse")
+    assert done.code == 0, done.stderr
+    found = read(Path("coarse"))
+    ends = record.resample("10min", closed="right", label="right")
+    assert found["flow_L_h"].to_list() == pytest.approx(ends["flow_L_h"].mean().to_list(), abs=1e-3)
+    assert found["sensor_temperature_C"].to_list() == ends["sensor_temperature_C"].last().to_list()
+    done = entry("import", "fine.csv", "--interval", "often", "--out", "never")
+    assert (done.code, "write it as '6 h'" in done.stderr) == (2, True)
+
+
 @pytest.mark.slow
 def test_an_import_gets_the_verdict_of_the_record(
     made: dict[str, Export], record: pd.DataFrame, waxstudy: Waxstudy, tmp_path: Path

@@ -63,7 +63,8 @@ def on_grid(ns: np.ndarray, values: FloatArray, kind: Rhythm, grid: Grid, hold_s
     off = (ns - grid.ends_ns[0]) % grid.step_ns
     lies_on = np.mean(np.minimum(off, grid.step_ns - off) < NS) >= ON_GRID
     if is_mean and not (lies_on and usual_ns >= FINER * grid.step_ns):
-        return _means(ns, values, grid, limit_ns)
+        # by the clock a reading is of the interval that ends at its stamp, on change it is of what comes
+        return _means(ns - round(usual_ns) if kind.is_regular else ns, values, grid, limit_ns)
     place = np.searchsorted(ns, grid.ends_ns, side="right") - 1
     is_held = (place >= 0) & (grid.ends_ns - ns[place] <= limit_ns)
     return np.where(is_held, values[place], np.nan)
