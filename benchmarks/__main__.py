@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from benchmarks.house import write_year
 from waxstudy.plugin import Actuator
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.chain import Chain
@@ -212,6 +213,14 @@ def long_figures(folder: Path) -> None:
         command_figure(f"diagnosis of {days} days at {interval_s} s", ["diagnose", record, "--json", "--quiet"], "")
 
 
+def import_figures(folder: Path) -> None:
+    """Time and memory of imports of a year."""
+    print(f"\na year at 1 min, 12 channels\n{'':40} {'wall':>8}  {'peak':>8}")
+    for file in write_year(folder):
+        arguments = ["import", str(file), "--timezone", "Europe/Tallinn", "--yes", "--out", str(folder / file.stem)]
+        command_figure(f"import of a {file.stem} CSV", arguments, "60 s, 2 GB")
+
+
 def main() -> None:
     study = read_study(STUDY, installed())
     plan = prepare(study)
@@ -222,6 +231,7 @@ def main() -> None:
     folder = Path(tempfile.mkdtemp())
     try:
         command_figures(folder)
+        import_figures(folder)
         long_figures(folder)
     finally:
         shutil.rmtree(folder)

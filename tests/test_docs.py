@@ -8,9 +8,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from tests.conftest import ROOT, Waxstudy
+from tests.importing.conftest import record, study
+from tests.importing.exports import home_assistant_csv
+
+__all__ = ["record", "study"]
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 TUTORIAL = ROOT / "docs" / "plugin-tutorial.md"  # has a test and an environment of its own
@@ -31,7 +36,9 @@ def commands(program: str) -> list[str]:
 
 
 @pytest.mark.slow
-def test_the_commands_of_the_pages_run_in_the_order_printed(waxstudy: Waxstudy, tmp_path: Path) -> None:
+def test_the_commands_of_the_pages_run_in_the_order_printed(
+    waxstudy: Waxstudy, tmp_path: Path, record: pd.DataFrame
+) -> None:
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
     table5 = tmp_path / "studies" / "table5.toml"  # fewer members: attribution runs each of them 44 times
     table5.write_text(table5.read_text(encoding="utf-8").replace("members = 16", f"members = {MEMBERS}"))
@@ -40,6 +47,7 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(waxstudy: Waxstudy, 
     (fitted,) = blocks(ROOT / "docs" / "fit.md", "toml")
     (tmp_path / "fitted.toml").write_text(fitted)
     shutil.copytree(ROOT / "docs", tmp_path / "docs")
+    assert home_assistant_csv(record, tmp_path).source.name == "history.csv"
     done = waxstudy("run", "studies/table5.toml")  # what `make run` calls
     assert done.stdout.splitlines()[-1] == "results/table5", done.stderr
     printed = commands("waxstudy")

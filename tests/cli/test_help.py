@@ -12,12 +12,25 @@ from tests.conftest import Waxstudy
 from waxstudy import __version__
 from waxstudy.cli import COMMANDS, group
 
-HEAVY = ("numpy", "pandas", "scipy", "numba", "pydantic", "pluggy", "pyarrow", "matplotlib", "jinja2", "rich")
+HEAVY = (
+    "numpy",
+    "pandas",
+    "scipy",
+    "numba",
+    "pydantic",
+    "pluggy",
+    "pyarrow",
+    "matplotlib",
+    "jinja2",
+    "rich",
+    "pint",
+    "python_calamine",
+)
 
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--help"], ["-h"], ["run", "--help"], ["report", "-h"], ["diagnose", "-h"], ["--version"]],
+    [["--help"], ["-h"], ["run", "--help"], ["report", "-h"], ["diagnose", "-h"], ["import", "-h"], ["--version"]],
     ids=" ".join,
 )
 def test_help_is_printed_without_heavy_imports(arguments: list[str]) -> None:

@@ -14,13 +14,14 @@ COMMANDS = {
     "run": "Run a study and print its comparison.",
     "report": "Print the comparison of a run again, in another format, or against published figures or another run.",
     "reality": "Make a dataset of a case, as if its room had been measured, and keep the truth apart.",
+    "import": "Make a dataset of what a house has logged, in whatever layout.",
     "diagnose": "Find where a record and a model disagree, which effect causes it, and how far the gap shrinks.",
     "calibrate": "Find how a room was built, from a record of its loop when healthy, for use in studies.",
     "blind-test": "Make records whose effect is withheld, let diagnosers loose on them, and score them.",
     "fit": "Fit an actuator or a valve curve to measurements, for use in a study.",
     "rig": "Make displacement and flow records on a virtual test bench, and keep the truth apart.",
     "plugins": "List, show, begin and check plugins.",
-    "schema": "Print the JSON Schema of the study file, for editors.",
+    "schema": "Print the JSON Schema of the study file, or of dataset.toml, for editors.",
 }
 
 

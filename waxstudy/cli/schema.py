@@ -8,11 +8,14 @@ from waxstudy.cli.output import Command, print_out
 
 
 @click.command("schema", cls=Command)
-def command() -> None:
+@click.option("--dataset", "is_of_dataset", is_flag=True, help="That of dataset.toml instead.")
+def command(is_of_dataset: bool) -> None:
     """Print the JSON Schema of the study file, with every installed component, for editors."""
     import json
 
+    from waxstudy.dataset.schema import dataset_schema
     from waxstudy.plugin.registry import installed
     from waxstudy.study.schema import schema
 
-    print_out(json.dumps(schema(installed()), indent=2) + "\n")
+    made = dataset_schema(installed()) if is_of_dataset else schema(installed())
+    print_out(json.dumps(made, indent=2) + "\n")

@@ -54,7 +54,7 @@ def noted(check: Check, spot: Spot, room: type[Component], build: Callable[[], T
 
 def _chosen(check: Check, values: dict[str, Any]) -> type[Room] | None:
     """Return the room that is named, or the only one that can be told so."""
-    rooms = _describable(check.registry)
+    rooms = describable(check.registry)
     if not rooms:
         check.problem(BUILDING, "no room is installed that can be told in words and numbers", allowed="give [room]")
     elif "use" in values:
@@ -89,7 +89,7 @@ def _parameters(check: Check, room: type[Room], values: dict[str, Any], notes: N
     return check.parameters(room.Parameters, RawTable(written, BUILDING, BUILDING))
 
 
-def _describable(registry: Registry) -> dict[str, type[Room]]:
+def describable(registry: Registry) -> dict[str, type[Room]]:
     """Return the rooms that take [building] by name, the fast ones only, as a diagnosis asks for many runs."""
     rooms = (entry.component for entry in registry.components.values())
     fast = (room for room in rooms if issubclass(room, Room) and not issubclass(room, OutsideRoom))

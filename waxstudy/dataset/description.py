@@ -21,7 +21,7 @@ from waxstudy.study.model import Choice
 from waxstudy.study.sentences import value_at
 from waxstudy.study.spots import RawTable, Spot
 
-TABLES = ("dataset", "site", "nominal", "building", "room", "noise", "columns", "baseline", "neighbours")
+TABLES = ("dataset", "site", "nominal", "building", "room", "noise", "columns", "baseline", "neighbours", "import")
 FILES = ("data.csv", "data.parquet")
 
 P = TypeVar("P", bound=Parameters)

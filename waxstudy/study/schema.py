@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import inspect
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -29,26 +29,21 @@ Json = dict[str, Any]
 
 def schema(registry: Registry) -> Json:
     """Return the JSON Schema (draft-07) of study files that use the components of a registry."""
-    kinds = {kind: _usable(registry, kind) for kind in (*CHAIN, "room", "weather")}
-    definitions = {f"{kind}.{name}": described(one) for kind, named in kinds.items() for name, one in named.items()}
-    for kind, named in kinds.items():
-        definitions[kind] = _block(kind, named) | {"required": ["use"]}
+    definitions = definitions_of(registry, (*CHAIN, "room", "weather"))
     for kind in CHAIN:
-        definitions[f"step.{kind}"] = _or_from(kind, _block(kind, kinds[kind], definitions))
-        definitions[kind] = _or_from(kind, definitions[kind])
-    definitions["room"] = _or_from("room", definitions["room"])
+        definitions[f"step.{kind}"] = _or_from(kind, _block(kind, _usable(registry, kind), definitions))
     study = parameters(StudyTable)
     study["properties"]["name"]["pattern"] = NAME
     study["properties"]["against"]["enum"] = list(_usable(registry, "reference"))
     return {
         "$schema": DIALECT,
         "title": "study file of waxstudy",
-        **_table("A study: which control chains are compared, in which room, under which weather."),
+        **table("A study: which control chains are compared, in which room, under which weather."),
         "required": ["study", "room", "weather", "ladder"],
         "properties": {
             "study": study,
-            "room": _ref("room"),
-            "weather": _named("Weeks, or other periods, that every case is run under.", _ref("weather")),
+            "room": ref("room"),
+            "weather": _named("Weeks, or other periods, that every case is run under.", ref("weather")),
             "comfort": parameters(Comfort),
             "ensemble": parameters(Ensemble),
             "output": parameters(Output),
@@ -56,6 +51,16 @@ def schema(registry: Registry) -> Json:
         },
         "definitions": definitions,
     }
+
+
+def definitions_of(registry: Registry, kinds: Sequence[str]) -> dict[str, Json]:
+    """Return the blocks of some kinds, `room`, and the components that they may use, `room.nzeb`."""
+    named = {kind: _usable(registry, kind) for kind in kinds}
+    found = {f"{kind}.{name}": described(one) for kind, ones in named.items() for name, one in ones.items()}
+    for kind, ones in named.items():
+        block = _block(kind, ones) | {"required": ["use"]}
+        found[kind] = block if kind == "weather" else _or_from(kind, block)
+    return found
 
 
 def _usable(registry: Registry, kind: str) -> dict[str, type[Component]]:
@@ -67,7 +72,7 @@ def _usable(registry: Registry, kind: str) -> dict[str, type[Component]]:
 # --- tables ----------------------------------------------------------------------------------------
 
 
-def _table(description: str) -> Json:
+def table(description: str) -> Json:
     return {"description": description, "type": "object", "additionalProperties": False}
 
 
@@ -81,16 +86,16 @@ def _name(description: str) -> Json:
     return {"description": f"{description}; {NAME_RULE}.", "type": "string", "pattern": NAME}
 
 
-def _ref(name: str) -> Json:
+def ref(name: str) -> Json:
     return {"$ref": f"#/definitions/{name}"}
 
 
 def _case(description: str, prefix: str, required: list[str]) -> Json:
-    blocks = {kind: _ref(f"{prefix}{kind}") for kind in CHAIN}
-    return _table(description) | {"required": required, "properties": {"id": _name("Id of the case"), **blocks}}
+    blocks = {kind: ref(f"{prefix}{kind}") for kind in CHAIN}
+    return table(description) | {"required": required, "properties": {"id": _name("Id of the case"), **blocks}}
 
 
-LADDER: Json = _table("Cases in order; a step changes the case before it.") | {
+LADDER: Json = table("Cases in order; a step changes the case before it.") | {
     "required": ["reference", "start"],
     "properties": {
         "reference": _name("Id of the case of this ladder that the others are compared with"),
@@ -117,16 +122,16 @@ def _block(kind: str, named: Mapping[str, type[Component]], step_of: Mapping[str
     chosen = []
     for name, component in named.items():
         needed = [] if step_of else needed_keys(component)
-        then = {"allOf": [_ref(f"{kind}.{name}")], "required": needed} if needed else _ref(f"{kind}.{name}")
+        then = {"allOf": [ref(f"{kind}.{name}")], "required": needed} if needed else ref(f"{kind}.{name}")
         chosen.append({"if": {"properties": {"use": {"const": name}}}, "then": then})
     return {
         "description": f"The {kind}: `use` chooses one, the other keys are its parameters.",
         "type": "object",
         "$comment": ANY_KEY,
-        "anyOf": [*(_ref(f"{kind}.{name}") for name in named), True],
+        "anyOf": [*(ref(f"{kind}.{name}") for name in named), True],
         "if": {"required": ["use"]},
         "then": {"properties": {"use": {"enum": list(named)}}, "allOf": chosen or [True]},
-        "else": _any_of([step_of[f"{kind}.{name}"] for name in named]) if step_of else {},
+        "else": any_of([step_of[f"{kind}.{name}"] for name in named]) if step_of else {},
     }
 
 
@@ -138,7 +143,7 @@ def _or_from(kind: str, block: Json) -> Json:
     return shown | {"if": {"required": [FROM]}, "then": {"properties": {FROM: path}}, "else": rest}
 
 
-def _any_of(components: list[Json]) -> Json:
+def any_of(components: list[Json]) -> Json:
     """Return what a block without `use` may hold: any parameter of any component of its kind."""
     if any(component.get("additionalProperties") is not False for component in components):
         return {}

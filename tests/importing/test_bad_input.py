@@ -1,0 +1,277 @@
+"""Claims about what cannot be imported, or only in part: it is said what was seen, where, and what to type next."""
+
+from __future__ import annotations
+
+import gzip
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.cli.conftest import Ended, Entry
+from tests.importing.conftest import read
+
+USAGE, INVALID = 2, 3
+ENCRYPTED = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(1024) + "EncryptedPackage".encode("utf-16-le") + bytes(512)
+
+
+def house(start: str = "2026-01-10", days: float = 3.0, minutes: float = 5.0) -> pd.DataFrame:
+    """Readings of a heated room by the clock, as plain as can be."""
+    time = pd.date_range(start, periods=round(days * 1440 / minutes), freq=pd.Timedelta(minutes=minutes), name="time")
+    hour = np.arange(len(time)) * minutes / 60.0
+    noise = np.random.default_rng(7).normal(0.0, 0.02, (4, len(time)))
+    on = (np.sin(hour) > 0.3).astype(float)
+    return pd.DataFrame(
+        {
+            "room_temperature": 21.0 + 0.3 * np.sin(hour - 1.0) + noise[0],
+            "heating_valve": on,
+            "flow_L_h": 60.0 * on,
+            "supply_temperature": 25.0 + 8.0 * on + noise[1],
+            "outdoor_temperature": 2.0 + 4.0 * np.sin(hour / 4.0) + noise[2],
+        },
+        index=time,
+    ).round(3)
+
+
+def imported(entry: Entry, frame: pd.DataFrame, *options: str, name: str = "house.csv") -> Ended:
+    frame.to_csv(name)
+    return entry("import", name, *options, "--out", "living")
+
+
+def refused(done: Ended, *words: str) -> None:
+    """It is refused with these words, and nothing is written."""
+    assert done.code == INVALID, done.stderr
+    assert [word for word in words if word not in done.stderr] == []
+    assert not Path("living").exists()
+    assert "Traceback" not in done.stderr
+
+
+# --- what a name is -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("options", [(), ("--yes",)], ids=["", "--yes"])
+def test_of_two_names_that_fit_equally_well_none_is_taken(entry: Entry, options: tuple[str, ...]) -> None:
+    frame = house().rename(columns={"room_temperature": "temperature_1"})
+    done = imported(entry, frame.assign(temperature_2=frame["temperature_1"] + 0.4), *options)
+    refused(done, "house.csv", "temperature_1, temperature_2 fit sensor_temperature_C equally well")
+    refused(done, "--map sensor_temperature_C=")
+    done = entry("import", "house.csv", "--map", "sensor_temperature_C=temperature_2", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["sensor_temperature_C"].mean() == pytest.approx(21.4, abs=0.1)
+
+
+def test_a_doubtful_name_is_asked_for_and_taken_with_yes(entry: Entry) -> None:
+    frame = house().rename(columns={"outdoor_temperature": "garden"})
+    refused(imported(entry, frame), "Is garden outdoor_temperature_C? Sure by 6", "--map outdoor_temperature_C=garden")
+    assert imported(entry, frame, "--yes").code == 0
+
+
+def test_a_record_without_an_outdoor_temperature_says_what_else_there_is(entry: Entry) -> None:
+    frame = house().rename(columns={"outdoor_temperature": "north_wall"})
+    done = imported(entry, frame, "--map", "supply_temperature_C=supply_temperature", "--map", "outdoor_temperature_C=")
+    assert done.code == 0, done.stderr
+    frame["north_wall"] += 16.0
+    done = entry("import", imported_file(frame), "--out", "other")
+    assert (done.code, "no outdoor temperature was found" in done.stderr) == (INVALID, True)
+    assert "may it be north_wall? then say --map outdoor_temperature_C=NAME" in done.stderr
+    assert "history of a weather service" in done.stderr
+
+
+def imported_file(frame: pd.DataFrame) -> str:
+    frame.to_csv("again.csv")
+    return "again.csv"
+
+
+def test_a_name_that_is_not_there_is_answered_with_the_nearest(entry: Entry) -> None:
+    done = imported(entry, house(), "--map", "sensor_temperature_C=room_temprature")
+    refused(done, "room_temprature", "did you mean 'room_temperature'")
+    done = entry("import", "house.csv", "--map", "sensor_temperatur_C=room_temperature", "--out", "living")
+    assert (done.code, "did you mean 'sensor_temperature_C'" in done.stderr) == (USAGE, True)
+
+
+def test_of_several_rooms_none_is_taken(entry: Entry) -> None:
+    frame = house().rename(columns={"room_temperature": "kitchen_temperature"})
+    done = imported(entry, frame.assign(bedroom_temperature=19.0 + frame["heating_valve"]), "--yes")
+    refused(done, "Readings of several rooms", "--room ...")
+    done = entry("import", "house.csv", "--room", "kitchn", "--out", "living")
+    refused(done, "did you mean 'kitchen'", "rooms: bedroom, kitchen")
+
+
+# --- units and values ---------------------------------------------------------------------------------
+
+
+def test_a_unit_that_does_not_fit_its_values_is_refused_and_can_be_stated(entry: Entry) -> None:
+    frame = house().rename(columns={"room_temperature": "room_temperature [°C]"})
+    frame["room_temperature [°C]"] = 1.8 * frame["room_temperature [°C]"] + 32.0
+    done = imported(entry, frame, "--yes")
+    refused(done, "room_temperature in '°C' as sensor_temperature_C", "median of 69", "degrees Fahrenheit")
+    refused(done, "--unit 'room_temperature=degF'")
+    done = entry("import", "house.csv", "--yes", "--unit", "room_temperature=degF", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["sensor_temperature_C"].mean() == pytest.approx(21.0, abs=0.2)
+
+
+def test_pulses_and_units_that_are_none_are_refused(entry: Entry) -> None:
+    litres = (house()["flow_L_h"] / 12.0).cumsum()
+    frame = house().drop(columns="flow_L_h").assign(**{"water_meter [imp]": (litres / 10.0).round()})
+    done = imported(entry, frame, "--map", "flow_L_h=water_meter")
+    refused(done, "'imp' are pulses", "--unit 'water_meter=10 L'")
+    done = entry(
+        "import", "house.csv", "--map", "flow_L_h=water_meter", "--unit", "water_meter=9**9**9", "--out", "living"
+    )
+    refused(done, "'9**9**9' is no unit that is known")
+    done = entry(
+        "import", "house.csv", "--map", "flow_L_h=water_meter", "--unit", "water_meter=10 L", "--out", "living"
+    )
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["flow_L_h"].mean() == pytest.approx(house()["flow_L_h"].mean(), rel=0.03)
+
+
+def test_a_counter_that_jumps_is_told_and_says_nothing_there(entry: Entry) -> None:
+    meter = 812.0 + (house()["flow_L_h"] / 12.0).cumsum()
+    meter.iloc[400:] += 50_000.0
+    meter.iloc[600:] -= meter.iloc[599]
+    done = imported(entry, house().drop(columns="flow_L_h").assign(**{"water_meter [L]": meter}))
+    assert done.code == 0, done.stderr
+    assert "water_meter jumps, as no meter does once, first at 2026-01-11 09:20 (row 402): missing there" in done.stderr
+    assert "water_meter begins anew once, first at 2026-01-12 02:00 (row 602)" in done.stderr
+    flow = read(Path("living"))["flow_L_h"]
+    assert flow.isna().sum() == 2  # before the first reading, and at the jump
+    assert flow.max() == pytest.approx(60.0, abs=0.5)
+
+
+def test_cells_that_are_no_values_are_counted_and_missing(entry: Entry) -> None:
+    frame = house().astype(object)
+    frame.iloc[10:13, 0] = ["unavailable", "??", "??"]
+    done = imported(entry, frame)
+    assert done.code == 0, done.stderr
+    assert "room_temperature: 2 readings are no values (the first is '??' in row 13): missing" in done.stderr
+    assert read(Path("living"))["sensor_temperature_C"].isna().sum() == 3
+
+
+# --- time ---------------------------------------------------------------------------------------------
+
+
+def test_hours_of_silence_are_told_and_not_filled(entry: Entry) -> None:
+    frame = house(minutes=1.0)
+    parts = []
+    for name, values in frame.items():
+        kept = values[values.diff().abs().fillna(1.0) > 0.0]
+        kept = kept[(kept.index < "2026-01-11 06:00") | (kept.index > "2026-01-11 20:00")]
+        kept = kept.sample(frac=0.5, random_state=3).sort_index()
+        parts.append(pd.DataFrame({"entity": name, "time": kept.index, "value": kept.to_numpy()}))
+    done = imported(entry, pd.concat(parts).set_index("entity"))
+    assert done.code == 0, done.stderr
+    assert "room_temperature: nothing for over 6 h once, at most for 14." in done.stderr
+    assert "--hold '15 h'" in done.stderr
+    silent = read(Path("living")).loc["2026-01-11 12:02":"2026-01-11 19:58", "sensor_temperature_C"]  # type: ignore[misc]
+    assert silent.isna().all()
+    done = entry("import", "house.csv", "--hold", "20 h", "--out", "living")
+    assert (done.code, "nothing for over" in done.stderr) == (0, False)
+    assert read(Path("living"))["sensor_temperature_C"].notna().mean() > 0.99
+
+
+def on_the_wall(utc: pd.DataFrame) -> pd.DataFrame:
+    """The same with stamps of a clock in Tallinn that is put forward and back."""
+    wall = utc.index.tz_localize("UTC").tz_convert("Europe/Tallinn").tz_localize(None)  # type: ignore[attr-defined]
+    return utc.set_index(wall.rename("time"))
+
+
+@pytest.mark.parametrize("start", ["2026-03-27", "2026-10-23"])
+def test_a_clock_that_is_put_forward_or_back_makes_no_gap_and_no_overlap(entry: Entry, start: str) -> None:
+    utc = house(start, days=4.0)
+    done = imported(entry, on_the_wall(utc), "--timezone", "Europe/Tallinn")
+    assert done.code == 0, done.stderr
+    found = read(Path("living"))
+    assert found.index[0] == utc.index[0] + pd.Timedelta(hours=2)  # standard time
+    assert found["sensor_temperature_C"].to_list() == utc["room_temperature"].to_list()
+    assert "standard time of Europe/Tallinn, UTC+2 h, all year" in done.stdout
+    assert ("24 stamps lie in the hour that is there twice on 2026-10-25" in done.stdout) is (start == "2026-10-23")
+
+
+def test_a_clock_that_is_put_back_is_refused_without_its_zone(entry: Entry) -> None:
+    done = imported(entry, on_the_wall(house("2026-10-23", days=4.0)))
+    refused(
+        done, "time goes back from 2026-10-25 03:55:00 to 2026-10-25 03:00:00", "--timezone, such as Europe/Tallinn"
+    )
+
+
+def test_a_clock_that_is_not_put_forward_is_told_from_its_zone(entry: Entry) -> None:
+    done = imported(entry, house("2026-03-27", days=4.0), "--timezone", "Europe/Tallinn")
+    refused(done, "house.csv:614", "2026-03-29 03:00:00 is not there in Europe/Tallinn", "--timezone Etc/GMT-2")
+    assert entry("import", "house.csv", "--timezone", "Etc/GMT-2", "--out", "living").code == 0
+
+
+def test_a_zone_that_stamps_do_not_tell_is_asked_for(entry: Entry) -> None:
+    frame = house()
+    frame.index = frame.index.strftime("%Y-%m-%dT%H:%M:%SZ").rename("time")
+    refused(imported(entry, frame, "--yes"), "In which time zone is the room", "--timezone ...")
+
+
+def test_days_that_may_be_months_are_refused(entry: Entry) -> None:
+    frame = house(days=2.0)
+    frame.index = frame.index.strftime("%m/%d/%Y %H:%M").str.replace("/10/", "/01/").str.replace("/11/", "/02/")
+    refused(imported(entry, frame.rename_axis("time")), "day and month cannot be told apart", "--time-format '%d/%m/%Y")
+    assert entry("import", "house.csv", "--time-format", "%m/%d/%Y %H:%M", "--out", "living").code == 0
+    assert read(Path("living")).index[-1].month == 1
+
+
+# --- files --------------------------------------------------------------------------------------------
+
+
+def test_a_workbook_with_a_password_or_damage_is_refused(entry: Entry) -> None:
+    Path("locked.xlsx").write_bytes(ENCRYPTED)
+    refused(entry("import", "locked.xlsx", "--out", "living"), "locked.xlsx: this workbook has a password", "export")
+    house().to_excel("whole.xlsx")
+    Path("cut.xlsx").write_bytes(Path("whole.xlsx").read_bytes()[:5000])
+    refused(entry("import", "cut.xlsx", "--out", "living"), "cut.xlsx: is no whole workbook", "save it again")
+
+
+def test_a_locked_or_damaged_database_is_refused(entry: Entry) -> None:
+    with closing(sqlite3.connect("history.db")) as base:
+        house().reset_index().astype({"time": str}).to_sql("log", base, index=False)
+        base.execute("begin exclusive")
+        refused(entry("import", "history.db", "--out", "living"), "locked by another program", ".backup copy.db")
+        base.rollback()
+    assert entry("import", "history.db", "--out", "living").code == 0
+    data = Path("history.db").read_bytes()
+    Path("cut.db").write_bytes(data[: len(data) // 2])
+    done = entry("import", "cut.db", "--out", "other")
+    assert (done.code, "cut.db: is no whole database" in done.stderr) == (INVALID, True)
+
+
+def test_a_database_that_is_being_written_is_read_and_left_alone(entry: Entry) -> None:
+    with closing(sqlite3.connect("history.db")) as base:
+        base.execute("pragma journal_mode = wal")
+        house().reset_index().astype({"time": str}).to_sql("log", base, index=False)
+        base.commit()
+        before = {path.name: path.read_bytes() for path in Path().iterdir() if path.is_file()}
+        assert entry("import", "history.db", "--out", "living").code == 0
+        assert {path.name: path.read_bytes() for path in Path().iterdir() if path.is_file()} == before
+    assert len(read(Path("living"))) == len(house())
+
+
+def test_a_file_that_is_cut_off_or_empty_or_a_folder_without_records_is_refused(entry: Entry) -> None:
+    house().to_csv("whole.csv")
+    Path("cut.csv.gz").write_bytes(gzip.compress(Path("whole.csv").read_bytes())[:2000])
+    refused(entry("import", "cut.csv.gz", "--out", "living"), "cut.csv.gz: is no whole gzip file")
+    Path("empty.csv").write_text("")
+    refused(entry("import", "empty.csv", "--out", "living"), "empty.csv: is empty")
+    Path("none").mkdir()
+    refused(entry("import", "none", "--out", "living"), "none: this folder holds no record", ".parquet")
+
+
+def test_a_million_rows_in_the_wrong_layout_are_refused(entry: Entry) -> None:
+    count = 1_000_000
+    time = pd.date_range("2025-01-01", periods=count, freq="30s")
+    names = pd.Series(np.arange(count)).astype(str).radd("reading ")
+    pd.DataFrame({"time": time, "entity": names, "value": 21.0}).to_parquet("long.parquet")
+    refused(entry("import", "long.parquet", "--out", "living"), "1000000 names in 1000000 rows", "expected is a column")
+    turned = house(days=0.5).reset_index().astype({"time": str}).set_index("time").T
+    turned.to_csv("turned.csv", index_label="sensor")
+    refused(entry("import", "turned.csv", "--out", "living"), "a row for each sensor", "turn it round")
+    house().reset_index(drop=True).to_csv("timeless.csv", index=False)
+    refused(entry("import", "timeless.csv", "--out", "living"), "no column holds stamps", "room_temperature")

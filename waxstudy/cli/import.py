@@ -1,0 +1,199 @@
+"""`waxstudy import`"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError, say
+from waxstudy.cli.existing import Existing
+from waxstudy.cli.output import Command, print_out
+from waxstudy.cli.simulating import warn
+
+if TYPE_CHECKING:
+    from waxstudy.importing.asking import Question
+    from waxstudy.importing.request import Imported
+
+MAP = "Which name of the sources a channel is, or nothing for one that was not measured; repeatable."
+UNIT = "Unit of a name of the sources, such as degF, m3/h or '10 L' for a pulse; repeatable."
+TIMEZONE = "Zone of the room, such as Europe/Tallinn; summer time is taken out.  [default: found, or asked]"
+TIME_FORMAT = "Format of the stamps, such as '%d/%m/%Y %H:%M'.  [default: found]"
+HOLD = "How long a value is held that is logged when it changes."
+INTERVAL = "Interval of the dataset.  [default: the finest of the readings, else 1 min]"
+YES = "Take what is proposed, and ask nothing."
+REPLACE = "Take the place of another import in DIR."
+MOST_SHOWN = 12  # choices that are listed; all can be answered
+
+
+class Duration(click.ParamType[float]):
+    """A time such as '6 h', in seconds."""
+
+    name = "duration"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        import pandas as pd
+
+        try:
+            seconds = pd.Timedelta(str(value)).total_seconds()
+        except ValueError:
+            seconds = 0.0
+        if not 1.0 <= seconds <= 366 * 86_400.0:
+            self.fail(f"{value!r} is no time from 1 s to a year: write it as '6 h' or '90 s'", param, ctx)
+        return seconds
+
+
+def _pairs(what: str) -> Callable[[click.Context, click.Parameter, Sequence[str]], dict[str, str]]:
+    def convert(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, str]:
+        # a name may hold '=', a channel or a unit does not
+        pairs = [text.partition("=") if what.startswith("CHANNEL") else text.rpartition("=") for text in texts]
+        for text, (key, mark, _) in zip(texts, pairs, strict=True):
+            if not mark or not key:
+                raise click.BadParameter(f"'{text}' is no {what}", ctx, param)
+        return {key: value for key, _, value in pairs}
+
+    return convert
+
+
+@click.command("import", cls=Command)
+@click.argument("sources", metavar="SOURCE...", nargs=-1, required=True, type=Existing())
+@click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the dataset.")
+@click.option("--room", metavar="NAME", help="Room, as the names of the sources tell it.  [default: asked if needed]")
+@click.option("--map", "entities", multiple=True, callback=_pairs("CHANNEL=NAME"), metavar="CHANNEL=NAME", help=MAP)
+@click.option("--unit", "units", multiple=True, callback=_pairs("NAME=UNIT"), metavar="NAME=UNIT", help=UNIT)
+@click.option("--timezone", metavar="ZONE", help=TIMEZONE)
+@click.option("--time-format", metavar="FORMAT", help=TIME_FORMAT)
+@click.option("--hold", "hold_s", type=Duration(), default="6 h", show_default=True, metavar="TIME", help=HOLD)
+@click.option("--interval", "interval_s", type=Duration(), metavar="TIME", help=INTERVAL)
+@click.option("--yes", is_flag=True, help=YES)
+@click.option("--replace", "replaces", is_flag=True, help=REPLACE)
+def command(out: Path, yes: bool, replaces: bool, **stated: Any) -> None:
+    """Make a dataset of what a house has logged: files of any common layout, or folders of them.
+
+    DIR gets data.csv and dataset.toml, which says what each channel was made of and why. No source is written to.
+    The last line printed is DIR.
+    """
+    from waxstudy.importing.bring import bring
+    from waxstudy.importing.request import Request
+    from waxstudy.importing.write import OtherImport, refuse_other, write
+    from waxstudy.study.problems import StudyError
+
+    _refuse_unknown(stated)
+    request = Request(**stated)
+    asking = Asking(is_terminal=sys.stdin.isatty() and not yes, takes_proposals=yes)
+    try:
+        refuse_other(out, request, replaces=replaces or request.room is None)  # which may be asked for
+        try:
+            imported = bring(request, asking)
+        finally:
+            asking.refuse_unsettled()  # before what may only follow from them
+        write(out, imported, replaces=replaces)
+    except StudyError as error:
+        raise CommandError(str(error), INVALID, label="") from error
+    except OtherImport as error:
+        raise CommandError(str(error), USAGE) from error
+    except OSError as error:
+        raise CommandError(f"{out}: the dataset cannot be written: {error.strerror or error}", FAILED) from error
+    for sentence in (*imported.warnings, *_doubts(out)):
+        warn(sentence)
+    print_out(_told(imported) + f"{out}\n")
+
+
+def _refuse_unknown(stated: dict[str, Any]) -> None:
+    from zoneinfo import available_timezones
+
+    from waxstudy.dataset.channels import CHANNELS
+    from waxstudy.plugin.registry import hint
+
+    for channel in stated["entities"]:
+        if channel not in CHANNELS:
+            raise CommandError(
+                f"--map {channel}: no such channel{hint(channel, CHANNELS)} (there are: {', '.join(CHANNELS)})", USAGE
+            )
+    zone = stated["timezone"]
+    if zone is not None and zone not in available_timezones():
+        raise CommandError(f"--timezone {zone}: no such time zone{hint(zone, available_timezones())}", USAGE)
+
+
+class Asking:
+    """Asks on a terminal; else takes what is proposed, and remembers what nobody has settled."""
+
+    def __init__(self, is_terminal: bool, takes_proposals: bool) -> None:
+        self.is_terminal, self.takes_proposals = is_terminal, takes_proposals
+        self.unsettled: list[Question] = []
+
+    def __call__(self, question: Question) -> str:
+        if self.is_terminal:
+            return self._asked(question)
+        if question.proposal is None or not self.takes_proposals:
+            self.unsettled.append(question)
+        answer = question.proposal or question.otherwise
+        if answer is None:
+            self.refuse_unsettled()
+        return str(answer)
+
+    def _asked(self, question: Question) -> str:
+        shown = [f"  {place}  {choice}" for place, choice in enumerate(question.choices[:MOST_SHOWN], 1)]
+        more = len(question.choices) - len(shown)
+        shown += [f"  and {more} more, by name"] * (more > 0)
+        say("\n".join([f"{question.text}?", *shown]))
+
+        def read(answer: str) -> str:
+            by_number = answer.isdigit() and 1 <= int(answer) <= len(question.choices)
+            answer = question.choices[int(answer) - 1] if by_number else answer.strip()
+            wrong = question.allowed(answer)
+            if question.choices and answer not in question.choices:
+                wrong = f"give a number from 1 to {len(question.choices)}"
+            if wrong:
+                raise click.UsageError(wrong)
+            return answer
+
+        usual = "Enter for the first" if question.choices else question.proposal
+        ending = f" [{usual}]> " if question.proposal else "> "
+        answer: str = click.prompt(
+            "", default=question.proposal, show_default=False, value_proc=read, prompt_suffix=ending, err=True
+        )
+        return answer
+
+    def refuse_unsettled(self) -> None:
+        """Raise `StudyError` with every question that nobody has answered."""
+        from waxstudy.importing.reading import problem
+        from waxstudy.study.problems import StudyError
+
+        if self.unsettled:
+            raise StudyError([problem(each.where, f"{each.text}?", _next(each)) for each in self.unsettled])
+
+
+def _next(question: Question) -> str:
+    given = f"{question.option}{question.proposal}" if question.proposal else f"{question.option}..."
+    also = ", or --yes" if question.proposal else ""
+    return f"say {given}{also}, or answer on a terminal"
+
+
+def _told(imported: Imported) -> str:
+    """Return the table of what each channel is."""
+    rows = [("channel", "name in the sources", "unit", "sure", "samples")]
+    for channel, match in imported.matches.items():
+        share = f"{imported.values[channel].notna().mean():.0%}"
+        rows.append((channel, match.seen.entity, match.seen.unit, f"{match.confidence:.0%}", share))
+    widths = [max(len(row[place]) for row in rows) for place in range(5)]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    time = imported.values.index
+    span = f"{time[0]} to {time[-1]}, every {imported.interval_s:g} s"
+    return "\n".join([*lines, "", span, *imported.assumptions]) + "\n"
+
+
+def _doubts(out: Path) -> list[str]:
+    """Return what the checks of datasets say of it: `diagnose` says the same."""
+    from waxstudy.dataset.read import read_dataset
+    from waxstudy.study.problems import StudyError
+
+    try:
+        return list(read_dataset(out).warnings)
+    except StudyError as error:
+        return [f"diagnose will refuse it until that is mended: {one}" for one in error.problems]

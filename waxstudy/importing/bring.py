@@ -1,0 +1,195 @@
+"""The whole import but for its folder: sources, clock, room, channels, grid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from zoneinfo import available_timezones
+
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.notes import Notes
+from waxstudy.importing.asking import NONE, Ask, Question
+from waxstudy.importing.channels import channels_of
+from waxstudy.importing.layouts import joined, readings_of
+from waxstudy.importing.matching import Match, matched
+from waxstudy.importing.names import is_of_room, rooms_of
+from waxstudy.importing.reading import Logged, Readings, Table, problem, refusal
+from waxstudy.importing.request import Imported, Request
+from waxstudy.importing.seen import Seen, is_plausible, seen
+from waxstudy.importing.sources import files_of, tables_of
+from waxstudy.importing.words import numbers_of
+from waxstudy.importing.zone import in_standard_time, zone_told
+from waxstudy.plugin.registry import hint, nearest
+from waxstudy.study.problems import StudyError, listed
+
+OUTDOORS = "outdoor_temperature_C"
+NAMED = 12  # entities that a message lists
+NO_OUTDOORS = (
+    "no outdoor temperature was found: without it nothing can be said of a room. A history of a weather service does "
+    "as well, as one more SOURCE"
+)
+
+
+def bring(request: Request, ask: Ask) -> Imported:
+    """Return the channels of an import; raise `StudyError` for what cannot be used."""
+    notes = Notes(str(request.sources[0]))
+    readings = _read(request)
+    zone = _zone(request, readings, ask)
+    readings, said = in_standard_time(readings, zone)
+    readings = joined(readings)
+    notes.assumptions += said + [sentence for each in readings for sentence in each.notes]
+    request = replace(request, timezone=zone)
+    logged = [found for each in readings if (found := _logged(each, notes)) is not None]
+    del readings
+    request, logged = _of_room(request, logged, ask)
+    entities = seen(logged, dict(request.units))
+    _refuse_unknown(request, entities)
+    request, matches = _decided(request, entities, ask, notes)
+    if OUTDOORS not in matches and OUTDOORS not in request.entities:
+        raise _no_outdoors(request, entities, matches)
+    return channels_of(request, matches, entities, notes, ask)
+
+
+# --- sources ------------------------------------------------------------------------------------------
+
+
+def _read(request: Request) -> list[Readings]:
+    files = files_of(request.sources)
+    found: list[Readings] = []
+    for file in files:
+        for each in tables_of(file):
+            found += readings_of(each, file, request.time_format) if isinstance(each, Table) else [each]
+    found = [each for each in found if len(each.times)]
+    if not found:
+        raise refusal(str(request.sources[0]), "holds no readings")
+    return found
+
+
+def _zone(request: Request, readings: Sequence[Readings], ask: Ask) -> str:
+    if request.timezone is not None:
+        return request.timezone
+    told = zone_told(readings)
+    if told is not None:
+        return told
+
+    def allowed(answer: str) -> str:
+        is_known = answer in available_timezones()
+        return "" if is_known else f"'{answer}' is no time zone{hint(answer, available_timezones())}"
+
+    text = "Stamps are in UTC. In which time zone is the room (as Europe/Tallinn)"
+    return ask(Question(text, (), None, "--timezone ", readings[0].where, "UTC", allowed))
+
+
+def _logged(readings: Readings, notes: Notes) -> Logged | None:
+    """Return readings as numbers; note what is none."""
+    numbers = numbers_of(readings.written)
+    if not numbers.is_readable:
+        return None
+    if numbers.bad:
+        row, text = numbers.bad
+        first = f"the first is '{text}' in row {row}"
+        notes.warn(
+            f"{readings.where}: {readings.entity}: {numbers.bad_count} readings are no values ({first}): missing"
+        )
+    ns = readings.times.as_unit("ns").asi8
+    rows = readings.written.index.to_numpy()
+    unit = readings.unit or numbers.unit
+    return Logged(
+        readings.entity, readings.where, ns, numbers.values, rows, unit, bool(numbers.words), readings.is_mean
+    )
+
+
+# --- room ---------------------------------------------------------------------------------------------
+
+
+def _of_room(request: Request, logged: list[Logged], ask: Ask) -> tuple[Request, list[Logged]]:
+    """Return the entities of the room that is asked for, and those of none; stated ones stay, wherever they are."""
+    rooms = rooms_of([each.entity for each in logged])
+    names = sorted(set(rooms.values()))
+    room = request.room
+    if room is None and len(names) > 1 and not set(request.entities) & {"sensor_temperature_C", "air_temperature_C"}:
+        room = ask(Question("Readings of several rooms. Which one", names, None, "--room ", logged[0].where))
+    if room is None:
+        return request, logged
+    if not any(is_of_room(each.entity, room) for each in logged):
+        near = f"rooms: {listed(names)}" if names else f"names: {_some([each.entity for each in logged])}"
+        raise refusal(logged[0].where, f"no name says that it is of the room '{room}'{hint(room, names)}", near)
+    stated = set(request.entities.values())
+
+    def is_wanted(each: Logged) -> bool:
+        return each.entity in stated or is_of_room(each.entity, room) or each.entity not in rooms
+
+    return replace(request, room=room), [each for each in logged if is_wanted(each)]
+
+
+def _refuse_unknown(request: Request, entities: Sequence[Seen]) -> None:
+    names = [each.entity for each in entities]
+    asked = [("--map", entity) for entity in request.entities.values() if entity]
+    asked += [("--unit", entity) for entity in request.units]
+    if wrong := [
+        replace(
+            problem(
+                str(request.sources[0]),
+                "no such name with readings in it",
+                f"names: {_some(names)}",
+                key=option,
+                value=entity,
+            ),
+            near=nearest(entity, names),
+        )
+        for option, entity in asked
+        if entity not in names
+    ]:
+        raise StudyError(wrong)
+
+
+def _some(names: Sequence[str]) -> str:
+    return listed(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+
+
+# --- channels -----------------------------------------------------------------------------------------
+
+
+def _decided(request: Request, entities: Sequence[Seen], ask: Ask, notes: Notes) -> tuple[Request, dict[str, Match]]:
+    """Return which entity is which channel; what is doubtful is asked one by one, as an answer may settle others."""
+    stated = dict(request.entities)
+    taken: dict[str, Match] = {}
+    while True:
+        found = matched(entities, stated, request.room or "")
+        doubtful = next((match for match in found.values() if not match.is_sure), None)
+        if doubtful is None:
+            return replace(request, entities=stated), found | taken
+        stated[doubtful.channel] = _answered(doubtful, entities, ask, notes)
+        if stated[doubtful.channel] == doubtful.seen.entity and not doubtful.rivals:
+            taken[doubtful.channel] = replace(doubtful, why=f"{doubtful.why}; taken as proposed")
+
+
+def _answered(match: Match, entities: Sequence[Seen], ask: Ask, notes: Notes) -> str:
+    """Return the entity of a channel that is in doubt, "" for none."""
+    fitting = [match.seen.entity, *match.rivals]
+    option = f"--map {match.channel}="
+    if match.rivals and match.why.startswith("values alone"):
+        notes.warn(
+            f"{match.channel} may be any of {_some(fitting)}, by their values alone: none is taken; say {option}NAME"
+        )
+        return ""
+    if match.rivals:
+        text = f"{_some(fitting)} fit {match.channel} equally well. Which one"
+    else:
+        text = f"Is {match.seen.entity} {match.channel}? Sure by {match.confidence:.0%}: {match.why}. Which one"
+    choices = [*fitting, *(each.entity for each in entities if each.entity not in fitting), NONE]
+    proposal = None if match.rivals else match.seen.entity
+    answer = ask(Question(text, choices, proposal, option, match.seen.logged.where, fitting[0]))
+    return "" if answer == NONE else answer
+
+
+def _no_outdoors(request: Request, entities: Sequence[Seen], matches: Mapping[str, Match]) -> StudyError:
+    used = {match.seen.entity for match in matches.values()}
+    temperatures = [each.entity for each in entities if each.entity not in used and _may_be_outdoors(each)]
+    others = f"may it be {_some(temperatures)}? then say --map {OUTDOORS}=NAME; " if temperatures else ""
+    mend = f"{others}--map {OUTDOORS}= says that there is none"
+    return refusal(str(request.sources[0]), NO_OUTDOORS, mend)
+
+
+def _may_be_outdoors(each: Seen) -> bool:
+    return bool(is_plausible(each, CHANNELS[OUTDOORS].quantity)) and each.distinct > 2

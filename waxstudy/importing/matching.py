@@ -1,0 +1,110 @@
+"""Which entity is which channel: by name, unit and values, with how sure that is and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.importing.following import FOLLOWING
+from waxstudy.importing.names import CHANNEL_NAMES, is_of_room, plain, says
+from waxstudy.importing.seen import Seen, by_values, is_plausible
+
+EXACT, CLEAR, WEAK, BY_VALUES = 0.95, 0.7, 0.5, 0.35  # how much a name says, or values without one
+UNIT, VALUES, ROOM = 0.15, 0.1, 0.05  # that a unit, values and a room that is asked for add to it
+STRANGE = 0.25  # that values take from it which are not those of the channel
+SURE = 0.7  # from here on it is not asked
+LEAST = 0.4  # below, it is not proposed
+ALIKE = 0.05  # two entities whose figures differ by less fit equally well
+TWICE = ("supply_temperature_C", "return_temperature_C")
+MOST = 0.99
+
+
+@dataclass(frozen=True)
+class Match:
+    """An entity as a channel."""
+
+    channel: str
+    seen: Seen
+    confidence: float  # 0 to 1
+    why: str
+    rivals: tuple[str, ...] = ()  # entities that fit equally well
+
+    @property
+    def is_sure(self) -> bool:
+        return self.confidence >= SURE and not self.rivals
+
+
+def matched(entities: Sequence[Seen], stated: Mapping[str, str], room: str) -> dict[str, Match]:
+    """Return the proposal: an entity at most for each channel; what was stated goes first, an empty name is none."""
+    by_name = {each.entity: each for each in entities}
+    found = {channel: Match(channel, by_name[entity], 1.0, "stated") for channel, entity in stated.items() if entity}
+    free = [each for each in entities if each.entity not in stated.values()]
+    open_channels = [channel for channel in CHANNELS if channel not in stated]
+    scores = [match for each in free for channel in open_channels if (match := _match(each, channel, room))]
+    scores.sort(key=lambda match: -match.confidence)
+    for match in scores:
+        taken = {each.seen.entity for each in found.values()}
+        if match.channel not in found and match.seen.entity not in taken:
+            found[match.channel] = match
+    settled = {match.seen.entity: match.confidence for match in found.values()}
+    for match in scores:
+        best, entity = found.get(match.channel), match.seen.entity
+        # an entity that went elsewhere would have fitted here better
+        is_left = entity not in settled or settled[entity] < match.confidence - ALIKE
+        if best and is_left and best.seen.entity != entity and best.confidence - match.confidence < ALIKE:
+            found[match.channel] = replace(best, rivals=(*best.rivals, entity))
+    return _water({channel: found[channel] for channel in CHANNELS if channel in found})
+
+
+def _match(each: Seen, channel: str, room: str) -> Match | None:
+    """Return how well an entity is a channel, None where it is none."""
+    quantity = CHANNELS[channel].quantity
+    is_like = is_plausible(each, quantity)
+    if is_like is None:
+        return None
+    score, why = _by_name(each, channel)
+    if score == 0.0 and by_values(each, channel, quantity) and not _names_another(each, channel):
+        score, why = BY_VALUES, ["values alone"]
+        if channel in TWICE and each.following > FOLLOWING:
+            why.append(f"follows the valve (correlation {each.following:.2f})")
+    if score == 0.0:
+        return None
+    if each.unit:
+        score += UNIT if each.is_unit_written else 0.0
+        why.append(f"unit '{each.unit}', {each.why_unit}")
+    if channel == "heating_signal" and not each.is_binary:
+        is_like = False  # a signal is on or off, an output or opening is anything between
+    if channel == "displacement" and each.is_binary:
+        is_like = False
+    if score != EXACT:  # what a name says to the letter, the checks of datasets judge
+        score += VALUES if is_like else -STRANGE
+    why.append(each.range_words + ("" if is_like else ", strange for it"))
+    score += ROOM if room and is_of_room(each.entity, room) else 0.0
+    return Match(channel, each, round(min(score, MOST), 2), "; ".join(why)) if score >= LEAST else None
+
+
+def _by_name(each: Seen, channel: str) -> tuple[float, list[str]]:
+    if each.entity == channel:
+        return EXACT, ["the channel's own name"]
+    name, words = plain(each.entity), CHANNEL_NAMES[channel]
+    if says(name, words.never):
+        return 0.0, []
+    if says(name, words.clear):
+        return CLEAR, ["name"]
+    return (WEAK, ["part of its name"]) if says(name, words.weak) else (0.0, [])
+
+
+def _names_another(each: Seen, channel: str) -> bool:
+    """Whether a name says clearly that an entity is something else."""
+    name = plain(each.entity)
+    return any(says(name, words.clear) for other, words in CHANNEL_NAMES.items() if other != channel)
+
+
+def _water(found: dict[str, Match]) -> dict[str, Match]:
+    """Return supply and return the right way round, where values alone told that both are water."""
+    if set(TWICE) <= set(found) and all(found[name].why.startswith("values alone") for name in TWICE):
+        supply, back = (found[name] for name in TWICE)
+        if back.seen.high > supply.seen.high:  # heat is given off between them
+            found |= {TWICE[0]: replace(back, channel=TWICE[0]), TWICE[1]: replace(supply, channel=TWICE[1])}
+    return found

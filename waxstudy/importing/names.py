@@ -1,0 +1,115 @@
+"""What names say: of which channel an entity may be, and of which room."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import combinations
+from typing import NamedTuple
+
+PLAIN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue"})
+DOMAINS = ("sensor", "binary_sensor", "number", "input_number", "switch", "valve", "select")
+ROOMS = (
+    "living", "bedroom", "kitchen", "bathroom", "bath", "office", "study", "dining", "kids", "child", "children",
+    "hall", "hallway", "guest", "nursery", "lounge", "wohnzimmer", "schlafzimmer", "kueche", "bad", "buero",
+    "kinderzimmer", "flur", "diele", "esszimmer", "gaestezimmer", "attic", "basement", "upstairs", "downstairs",
+)  # fmt: skip
+NUMBERED = re.compile(r"\b(room|zone|raum|zimmer|loop|kreis) ?(\d+)\b")
+
+
+class Names(NamedTuple):
+    """Words of a channel: those that leave little doubt, those that others share, and those that speak against it."""
+
+    clear: str
+    weak: str = "(?!)"
+    never: str = "(?!)"
+
+
+OTHER_AIR = "outdoor|outside|aussen|supply|vorlauf|return|ruecklauf|floor surface|boden|neighbou?r|ventilation|zuluft"
+OTHERS = "humidity|co|power|energy|battery|illuminance|pressure|feuchte"
+SET = "set ?point|setting|target|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch"
+CHANNEL_NAMES = {
+    "sensor_temperature_C": Names(
+        "thermostat|current temperature|reading|(?:sensor|controller|room) temp\\w*|raumtemp\\w*|istwert|ist",
+        "temp|temperature|temperatur|room|raum|zimmer|indoor|inside|innen",
+        f"{OTHER_AIR}|{SET}|{OTHERS}|operative|globe|water|wasser",
+    ),
+    "air_temperature_C": Names("air|luft|lufttemp\\w*|indoor air", never=f"{OTHER_AIR}|{SET}|operative|globe|water"),
+    "operative_temperature_C": Names("operative|globe|empfunden\\w*"),
+    "setpoint_C": Names(SET, never="flow|supply|vorlauf|outdoor"),
+    "control_output": Names("output|demand|pwm|duty|stellgroesse|controller out\\w*|anforderung", "control|percentage"),
+    "heating_signal": Names(
+        "valve|relay|actuator|heating|heat|hvac action|ventil|stellantrieb|heating signal|call|heizung|signal",
+        "switch|state|on|status|pump",
+        "displacement|stroke|hub|position|opening|meter|energy|power|demand",
+    ),
+    "displacement": Names("displacement|stroke|position|opening|hub|lift|travel|oeffnung", "valve|ventil"),
+    "flow_L_h": Names(
+        "flow|flow rate|flowrate|durchfluss|volumenstrom|volume flow|litres|liters|liter|volume|water meter|volumen",
+        "meter|total|zaehler|v|water|wasser|pulses",
+        "temp|temperature|temperatur|vorlauf",
+    ),
+    "supply_temperature_C": Names(
+        "supply|vorlauf|vl|hws|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*", "water|flow|wasser|heizkreis",
+        f"air|ventilation|zuluft|return|ruecklauf|{SET}",
+    ),
+    "return_temperature_C": Names("return|ruecklauf|rl|hwr|outlet|ruecklauftemp\\w*", "water|wasser", "air|abluft"),
+    "outdoor_temperature_C": Names(
+        "outdoors?|outside|ambient|amb|aussen|aussentemp\\w*|oat|external", "\\w*weather\\w*|\\w*wetter\\w*|garden"
+    ),
+    "solar_gain_W": Names("solar gains?|sun gains?"),
+    "internal_gain_W": Names("internal gains?|people|appliances|innere lasten"),
+    "floor_surface_temperature_C": Names(
+        "floor surface|floor temp\\w*|boden\\w*|fussboden\\w*|screed|estrich", "floor", "air"
+    ),
+    "ventilation_supply_temperature_C": Names("ventilation|supply air|zuluft|hrv|mvhr|vent"),
+    "neighbour_temperature_C": Names("neighbou?r|adjacent|nachbar\\w*|other flat"),
+}  # fmt: skip
+
+
+def plain(entity: str) -> str:
+    """Return a name as lower words between blanks, without the domain in front of it.
+
+    >>> plain("sensor.livingRoom_temp-2"), plain("Außentemperatur")
+    (' living room temp 2 ', ' aussentemperatur ')
+    """
+    name = entity.partition(".")[2] if entity.partition(".")[0] in DOMAINS else entity
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name.translate(PLAIN))
+    return f" {' '.join(re.findall(r'[a-z]+|[0-9]+', name.lower()))} "
+
+
+def says(name: str, words: str) -> bool:
+    return re.search(rf" (?:{words}) ", name) is not None
+
+
+def rooms_of(entities: Sequence[str]) -> dict[str, str]:
+    """Return the room of each entity that tells one: by common words, numbers, or as names differ in one word twice."""
+    found = {entity: room for entity in entities if (room := _room(plain(entity)))}
+    return found or _differing(entities)
+
+
+def _room(name: str) -> str:
+    if told := NUMBERED.search(name):
+        return f"{told[1]} {told[2]}"
+    return next((room for room in ROOMS if says(name, room)), "")
+
+
+def _differing(entities: Sequence[str]) -> dict[str, str]:
+    """Return rooms from names that are alike but for one word, where the same two words do so of several entities."""
+    words = {entity: tuple(plain(entity).split()) for entity in entities}
+    pairs: dict[frozenset[str], set[str]] = {}
+    for one, other in combinations(words, 2):
+        if len(words[one]) == len(words[other]):
+            differ = [(a, b) for a, b in zip(words[one], words[other], strict=True) if a != b]
+            if len(differ) == 1 and not any(_is_of_channel(word) for word in differ[0]):
+                pairs.setdefault(frozenset(differ[0]), set()).update((one, other))
+    rooms = {word for pair, alike in pairs.items() if len(alike) > 2 for word in pair}
+    return {entity: room for entity in entities if (room := next((w for w in words[entity] if w in rooms), ""))}
+
+
+def _is_of_channel(word: str) -> bool:
+    return word.isdigit() or any(says(f" {word} ", f"{names.clear}|{names.weak}") for names in CHANNEL_NAMES.values())
+
+
+def is_of_room(entity: str, room: str) -> bool:
+    return plain(room).strip() in plain(entity)

@@ -1,0 +1,173 @@
+"""What the values of an entity look like, whatever its name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from waxstudy.dataset.channels import Quantity
+from waxstudy.dataset.checks.units import PER_CENT, TYPICAL, VOLTS
+from waxstudy.importing import units
+from waxstudy.importing.following import FOLLOWING, following
+from waxstudy.importing.names import CHANNEL_NAMES, OTHER_AIR, OTHERS, plain, says
+from waxstudy.importing.rates import is_counter
+from waxstudy.importing.reading import Logged
+
+FAHRENHEIT = (50.0, 95.0)  # medians of a room in degrees Fahrenheit, none of which is one in degrees Celsius
+WARM_WATER_C, STEADY_K = 28.0, 3.0  # what water reaches and no room does; spread of a room
+DIALS = 20  # values that a setpoint takes at most
+NO_TEMPERATURES = ("flow_L_h", "heating_signal", "displacement")
+WRITTEN = STATED, IN_FILE, IN_NAME = ("stated", "in the file", "in its name")
+IS_FAHRENHEIT = "as rooms of this source are at 50 to 95, which is degrees Fahrenheit"
+ABOUT_ROOM = ("sensor_temperature_C", "air_temperature_C", "setpoint_C")
+
+
+@dataclass(frozen=True)
+class Seen:
+    """An entity, and what its values look like."""
+
+    logged: Logged
+    low: float  # 1 %, 50 % and 99 % of the values
+    median: float
+    high: float
+    distinct: int
+    is_binary: bool
+    is_counter: bool
+    unit: str  # as stated, as written, or as taken from the values
+    why_unit: str
+    following: float = 0.0  # correlation with the valve's signal
+
+    @property
+    def entity(self) -> str:
+        return self.logged.entity
+
+    @property
+    def is_unit_written(self) -> bool:
+        return self.why_unit in WRITTEN
+
+    @property
+    def range_words(self) -> str:
+        return f"values {self.low:.4g} to {self.high:.4g}" + (f" {self.unit}" if self.unit else "")
+
+
+def seen(logged: Sequence[Logged], stated: dict[str, str]) -> list[Seen]:
+    """Return entities with what they look like; a unit is stated, else written, else what names and values say."""
+    found = _beside_the_valve([_looked_at(each, stated.get(each.entity, "")) for each in logged])
+    is_fahrenheit = any(_is_room_in_fahrenheit(each) for each in found)
+    return [_with_unit(each, is_fahrenheit) for each in found]
+
+
+def _beside_the_valve(found: list[Seen]) -> list[Seen]:
+    """Return entities with how they follow the signal of the valve, where there is one and no more."""
+    signals = [each for each in found if each.is_binary and each.distinct == 2]
+    named = [each for each in signals if says(plain(each.entity), CHANNEL_NAMES["heating_signal"].clear)] or signals
+    if len(named) != 1:
+        return found
+    return [replace(each, following=following(each.logged, named[0].logged)) for each in found]
+
+
+def _looked_at(logged: Logged, stated: str) -> Seen:
+    known = logged.values[np.isfinite(logged.values)]
+    low, median, high = (float(each) for each in np.quantile(known, (0.01, 0.5, 0.99)))
+    few = np.unique(known[:100_000])
+    why = STATED if stated else IN_FILE if logged.unit else ""
+    is_binary = len(few) <= 2 and set(few) <= {0.0, 1.0, 100.0}
+    unit = stated or logged.unit
+    return Seen(logged, low, median, high, len(few), is_binary, is_counter(known), unit, why)
+
+
+def _is_room_in_fahrenheit(each: Seen) -> bool:
+    name = plain(each.entity)
+    is_named = any(says(name, f"{CHANNEL_NAMES[c].clear}|{CHANNEL_NAMES[c].weak}") for c in ABOUT_ROOM)
+    is_other = says(name, f"{OTHER_AIR}|{OTHERS}")
+    within = FAHRENHEIT[0] <= each.median <= FAHRENHEIT[1] and each.high < 110.0
+    return not each.unit and within and is_named and not is_other and not each.is_counter
+
+
+def _with_unit(each: Seen, is_fahrenheit: bool) -> Seen:
+    """Return an entity with the unit that its values have, where none is written and they leave one in doubt."""
+    if each.unit or each.logged.is_words:
+        return each
+    name = plain(each.entity)
+    if found := _in_name(each.entity):
+        return replace(each, unit=found, why_unit=IN_NAME)
+    if is_fahrenheit and _is_temperature(name, each):
+        return replace(each, unit="degF", why_unit=IS_FAHRENHEIT)
+    return each
+
+
+def _is_temperature(name: str, each: Seen) -> bool:
+    """Whether a name is that of a temperature, and of nothing else."""
+    is_said = any(says(name, words.clear) for channel, words in CHANNEL_NAMES.items() if channel.endswith("_C"))
+    is_other = any(says(name, CHANNEL_NAMES[channel].clear) for channel in NO_TEMPERATURES) or says(name, OTHERS)
+    return not each.is_binary and (says(name, r"temp|temperature|temperatur\w*|t") or (is_said and not is_other))
+
+
+IN_NAMES = {
+    "_C": "degC", "_degC": "degC", "_F": "degF", "_degF": "degF", "_L_h": "L/h", "_l_h": "L/h", "_lh": "L/h",
+    "_m3h": "m3/h", "_m3_h": "m3/h", "_L_min": "L/min", "_lpm": "L/min", "_gpm": "gpm", "_kW": "kW", "_W": "W",
+    "_kWh": "kWh", "_pct": "%", "_percent": "%", "_V": "V", "_L": "L", "_litres": "L", "_liters": "L", "_m3": "m3",
+}  # fmt: skip
+
+
+def _in_name(entity: str) -> str:
+    return next((unit for end, unit in IN_NAMES.items() if entity.endswith(end)), "")
+
+
+def level_unit(each: Seen) -> str:
+    """Return the unit that a level without one is in, by how high it reaches: per cent, volts, or none."""
+    if each.high <= 1.5:
+        return "1"
+    return "0-10 V" if each.high <= VOLTS and not each.is_binary else "%" if each.high <= PER_CENT else ""
+
+
+def converted(each: Seen, quantity: Quantity) -> tuple[float, float, float] | None:
+    """Return low, median and high in the unit of a quantity; None where its unit measures something else."""
+    unit = each.unit or (level_unit(each) if quantity == "level" else units.BASE[quantity])
+    try:
+        how = units.conversion(unit, quantity)
+    except ValueError:
+        return None
+    if how is None or (each.logged.is_words and quantity != "level"):
+        return None
+    low, median, high = (how.scale * value + how.offset for value in (each.low, each.median, each.high))
+    return low, median, high
+
+
+def is_plausible(each: Seen, quantity: Quantity) -> bool | None:
+    """Whether values are those of a quantity; None where their unit measures something else."""
+    if (found := converted(each, quantity)) is None:
+        return None
+    low, median, high = found
+    if quantity in TYPICAL:
+        typical = TYPICAL[quantity]
+        return typical.low <= median <= typical.high and not each.is_binary and not each.is_counter
+    if quantity == "level":
+        return low > -0.2 and high < 1.2 and not (each.is_counter and each.distinct > 2)
+    return low > -5.0 and (high > 1.0 or each.is_counter)
+
+
+def by_values(each: Seen, channel: str, quantity: Quantity) -> bool:
+    """Whether values alone, without a name that says anything, are like those of one channel and not of others."""
+    found = converted(each, quantity)
+    if found is None or not is_plausible(each, quantity):
+        return False
+    low, median, high = found
+    is_dial = each.distinct <= DIALS
+    match channel:
+        case "setpoint_C":
+            return is_dial and low >= 10.0 and high <= 30.0
+        case "outdoor_temperature_C":
+            return median < 15.0 and high < WARM_WATER_C and high - low > STEADY_K and not is_dial
+        case "sensor_temperature_C":
+            is_water = each.following > FOLLOWING
+            return 15.0 <= median <= 27.0 and high - low < 2.0 * STEADY_K and not is_dial and not is_water
+        case "supply_temperature_C" | "return_temperature_C":
+            return (high >= WARM_WATER_C or each.following > FOLLOWING) and median > 15.0 and not is_dial
+        case "heating_signal":
+            return each.is_binary
+        case "flow_L_h":
+            return each.is_unit_written
+    return False

@@ -1,0 +1,97 @@
+"""Which files an import reads, and each by what it holds, whatever its name ends in. None is ever written to."""
+
+from __future__ import annotations
+
+import gzip
+import shutil
+import zlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.tables import DatasetTable
+from waxstudy.dataset.text import read_table
+from waxstudy.importing.history import read_history
+from waxstudy.importing.reading import Readings, Table, refusal
+from waxstudy.importing.workbook import read_workbook
+from waxstudy.plugin.files import DATA_BYTES, check_file, why
+from waxstudy.results.atomic import scratch_folder
+from waxstudy.study.problems import StudyError
+
+ENDINGS = (".csv", ".csv.gz", ".tsv", ".txt", ".xlsx", ".xls", ".ods", ".parquet", ".db", ".sqlite", ".sqlite3")
+ZIP, OLE, GZIP, SQLITE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"SQLite"
+SCRATCH = "waxstudy-import-"
+FIRST_ROW = 2  # of a text, whose header is its first
+
+
+def files_of(sources: Sequence[Path]) -> list[Path]:
+    """Return the files of an import, those of a folder by name; raise `StudyError` for a folder without any."""
+    files: list[Path] = []
+    for source in sources:
+        found = sorted(each for each in source.iterdir() if _is_record(each)) if source.is_dir() else [source]
+        if not found:
+            raise refusal(str(source), "this folder holds no record", f"files that end in {', '.join(ENDINGS)}")
+        files += [each for each in found if each not in files]
+    return files
+
+
+def _is_record(path: Path) -> bool:
+    return path.is_file() and path.name.lower().endswith(ENDINGS) and not path.name.startswith(".")
+
+
+def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
+    """Yield what a file holds; raise `StudyError` where it cannot be read."""
+    shown = shown or str(path)
+    try:
+        check_file(path)
+        with path.open("rb") as file:
+            beginning = file.read(8)
+        if beginning.startswith(GZIP):
+            yield from _unpacked(path, shown)
+        elif beginning.startswith((ZIP, OLE)):
+            yield from read_workbook(path, shown)
+        elif beginning.startswith(SQLITE):
+            yield from read_history(path, shown)
+        else:
+            yield _text(path, shown)
+    except OSError as error:
+        raise refusal(shown, f"cannot be read: {why(error)}") from error
+
+
+def _unpacked(path: Path, shown: str) -> Iterator[Table | Readings]:
+    """Yield what a compressed file holds, which must not grow beyond what is read of any other."""
+    with scratch_folder(SCRATCH) as folder:
+        plain = folder / path.name.removesuffix(".gz")
+        try:
+            with gzip.open(path) as packed, plain.open("wb") as out:
+                shutil.copyfileobj(_Limited(packed), out)
+        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+            raise refusal(shown, "is no whole gzip file: cut off, or damaged", "export it again") from error
+        with plain.open("rb") as file:
+            if file.read(2) == GZIP:
+                raise refusal(shown, "is compressed twice", "unpack it once")
+        yield from tables_of(plain, shown)
+
+
+class _Limited:
+    """What is read of a compressed file, up to `DATA_BYTES`."""
+
+    def __init__(self, packed: gzip.GzipFile) -> None:
+        self.packed, self.count = packed, 0
+
+    def read(self, size: int = -1) -> bytes:
+        data = self.packed.read(size)
+        self.count += len(data)
+        if self.count > DATA_BYTES:
+            raise OSError(f"it is larger than {DATA_BYTES / 1e6:g} MB when unpacked")
+        return data
+
+
+def _text(path: Path, shown: str) -> Table:
+    """Return a CSV or parquet file as the datasets' own reader has it."""
+    notes = Notes(shown)
+    frame = read_table(path, DatasetTable(), notes)
+    if frame is None:
+        raise StudyError(notes.problems)
+    frame.index = frame.index + FIRST_ROW
+    return Table(shown, frame)

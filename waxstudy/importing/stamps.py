@@ -1,0 +1,149 @@
+"""Stamps as they are written: dates and times of any common form, with an offset from UTC or none, and epochs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from datetime import timedelta, timezone
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.dataset.stamps import YEARS, ZONED
+from waxstudy.importing.reading import refusal
+from waxstudy.study.problems import shown
+
+# least and unit of an epoch by its size: the years 1973 to 5138 in seconds, and so on
+EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
+LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
+TRIED = 2000  # stamps that tell the format of a column
+CLOCKS = ("%H:%M:%S", "%H:%M", "%H:%M:%S.%f", "%I:%M:%S %p", "%I:%M %p", "")
+MOSTLY = 0.5  # of stamps: fewer bad ones are damage, more are another format
+MEND_ROWS = "mend these rows, or leave them out"
+SAY_FORMAT = "say --time-format '%d/%m/%Y %H:%M' or as it is"
+OFFSET = r"([+-])(\d\d):?(\d\d)?\s*$"
+
+
+def is_stamps(written: pd.Series, name: str = "") -> bool:
+    """Whether a column holds stamps, by its first cells; numbers do if they grow as an epoch does."""
+    first = written.dropna().iloc[:LOOKED_AT]
+    if first.empty:
+        return False
+    if pd.api.types.is_datetime64_any_dtype(first):
+        return True
+    if pd.api.types.is_numeric_dtype(first):
+        return bool((first >= EPOCHS[-1][0]).all()) and bool(first.is_unique or name)
+    try:
+        return bool(_texts(_plain(first), None).notna().all())
+    except ValueError:
+        return False
+
+
+def stamps_of(written: pd.Series, time_format: str | None, where: str) -> pd.DatetimeIndex:
+    """Return stamps in UTC with their zone where they tell it, else naive; raise `StudyError` for the first bad one."""
+    name = str(written.name)
+    if pd.api.types.is_datetime64_any_dtype(written):
+        times = written
+    elif pd.api.types.is_numeric_dtype(written):
+        times = _epochs(written, where)
+    else:
+        try:
+            times = _texts(_plain(written), time_format)
+        except ValueError as error:
+            raise refusal(where, str(error), SAY_FORMAT, key=name) from error
+    bad = times.isna().to_numpy()
+    if bad.any():
+        place = int(np.argmax(bad))
+        value = "" if pd.isna(written.iloc[place]) else shown(str(written.iloc[place]))
+        others = f" ({bad.sum()} such rows)" if bad.sum() > 1 else ""
+        mend = SAY_FORMAT if bad.mean() > MOSTLY else MEND_ROWS
+        raise refusal(where, f"no date and time{others}", mend, row=written.index[place], key=name, value=value)
+    return _within_years(pd.DatetimeIndex(times), written, where)
+
+
+def _within_years(times: pd.DatetimeIndex, written: pd.Series, where: str) -> pd.DatetimeIndex:
+    strange = np.flatnonzero((times.year < YEARS[0]) | (times.year > YEARS[1]))
+    if len(strange):
+        row = written.index[strange[0]]
+        raise refusal(where, f"{times[strange[0]]} is not within the years {YEARS[0]} to {YEARS[1]}", row=row)
+    return times.as_unit("ns")
+
+
+def _epochs(written: pd.Series, where: str) -> pd.Series:
+    size = float(written.abs().median())
+    unit: Any = next((unit for least, unit in EPOCHS if size >= least), None)
+    if unit is None:
+        raise refusal(
+            where,
+            "numbers that are no seconds, milli-, micro- or nanoseconds since 1970",
+            "write date and time",
+            row=written.index[0],
+            key=str(written.name),
+            value=shown(written.iloc[0]),
+        )
+    if unit == "s":  # with a fraction, of which floats hold microseconds
+        written, unit = (written * 1e6).round(), "us"
+    times: pd.Series = pd.to_datetime(written, unit=unit, utc=True, errors="coerce")
+    return times
+
+
+def _plain(written: pd.Series) -> pd.Series:
+    """Return texts without blanks around them; what a workbook or database gives may be of several types."""
+    if isinstance(written.dtype, pd.StringDtype):
+        return written
+    return written.where(written.isna(), written.astype(str)).astype("str").str.strip()
+
+
+def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
+    """Return texts as stamps; raise `ValueError` where they do not tell which instants they are."""
+    known = written.dropna()
+    if time_format:
+        return _read(written, time_format, "%z" in time_format)
+    zoned = known.str.contains(ZONED, na=False)
+    if zoned.any():
+        if zoned.mean() < MOSTLY:
+            raise ValueError("some stamps have an offset from UTC and some have none")
+        return _with_offset(
+            _read(written.where(zoned.reindex(written.index, fill_value=False)), "ISO8601", True), known[zoned]
+        )
+    iso = _read(known.iloc[:TRIED], "ISO8601", False)
+    if iso.notna().all():
+        return _read(written, "ISO8601", False)
+    found = next(_formats(known.iloc[:TRIED], known), None)
+    return _read(written, found or "ISO8601", False)
+
+
+def _with_offset(times: pd.Series, written: pd.Series) -> pd.Series:
+    """Return stamps in the smallest of their offsets from UTC, which is standard time and not summer time."""
+    if written.str.endswith("Z").any():
+        return times
+    found: Any = written.str.extract(OFFSET)
+    minutes = 60.0 * found[1].astype(float) + found[2].astype(float).fillna(0.0)
+    least = float((minutes * np.where(found[0] == "-", -1.0, 1.0)).min())
+    return pd.Series(times.dt.tz_convert(timezone(timedelta(minutes=least)))) if least else times
+
+
+def _read(written: pd.Series, form: str, is_utc: bool) -> pd.Series:
+    form_or_iso: Any = form  # pandas' stubs know no format beside coerced errors
+    times: pd.Series = pd.to_datetime(written, format=form_or_iso, errors="coerce", utc=is_utc)
+    return times
+
+
+def _formats(first: pd.Series, known: pd.Series) -> Iterator[str]:
+    """Yield the format that all of the first stamps have; raise `ValueError` where two say different days."""
+    for mark, between, clock in product("./-", (" ", "T", ", "), CLOCKS):
+        forms = [f"{day}{between}{clock}" if clock else day for day in (f"%d{mark}%m{mark}%Y", f"%m{mark}%d{mark}%Y")]
+        if not any(_read(first.iloc[:1], form, False).notna().all() for form in forms):
+            continue
+        fits = [form for form in forms if _read(first, form, False).notna().all()]
+        if len(fits) > 1 and mark != ".":  # with points the day comes first
+            fits = [form for form in forms if _read(known, form, False).notna().all()]
+            if len(fits) > 1 and not _is_same(known, fits):
+                raise ValueError("day and month cannot be told apart")
+        yield from fits[:1]
+
+
+def _is_same(known: pd.Series, forms: Sequence[str]) -> bool:
+    one, other = (_read(known, form, False) for form in forms)
+    return bool((one == other).all())

@@ -1,0 +1,109 @@
+"""Units at the border: as they are written, by pint, to those of the channels."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from waxstudy.dataset.channels import Quantity
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+# as people and loggers write them, in pint's words; pint takes C for coulombs and F for farads
+WRITTEN = {
+    "c": "degC", "celsius": "degC", "°c": "degC", "℃": "degC", "grad c": "degC", "deg c": "degC",
+    "f": "degF", "fahrenheit": "degF", "°f": "degF", "℉": "degF", "deg f": "degF",
+    "k": "kelvin", "gpm": "gallon/minute", "gph": "gallon/hour", "cfm": "foot**3/minute",
+    "lpm": "liter/minute", "lph": "liter/hour", "cbm": "m**3", "cbm/h": "m**3/hour", "kbtu/h": "kBTU/hour",
+    "mbh": "kBTU/hour", "btuh": "BTU/hour", "btu/hr": "BTU/hour", "btu/h": "BTU/hour", "w": "watt", "kw": "kilowatt",
+    "wh": "watt_hour", "kwh": "kilowatt_hour", "mwh": "megawatt_hour", "l": "liter", "gal": "gallon",
+    "v": "volt", "0-10 v": "volt", "0-10v": "volt", "0..10 v": "volt", "0...10 v": "volt", "vdc": "volt",
+    "%": "percent", "percent": "percent", "prozent": "percent", "1": "1", "0/1": "1", "0-1": "1", "0..1": "1",
+    "on/off": "1", "bool": "1",
+}  # fmt: skip
+PULSES = ("imp", "impulse", "impulses", "pulse", "pulses", "count", "counts", "imp.", "ticks")
+POWER_SIGN = {"²": "2", "³": "3", "·": "*", "−": "-"}
+BASE: dict[Quantity, str] = {
+    "indoor": "degC", "water": "degC", "outdoor": "degC", "level": "", "flow": "liter/hour", "gain": "watt",
+}  # fmt: skip
+COUNTED: dict[Quantity, str] = {"flow": "liter", "gain": "watt_hour"}  # per hour it is the channel's unit
+PLAIN = re.compile(
+    r"(\d{1,9}([.]\d{1,9})?\s*)?[^\d\s]([^\d\s]|[ ²³·]|[23](?![\d*^])){0,29}|1"
+)  # no powers of numbers, which never end
+FULL_V = 10.0  # of a signal of 0 to 10 V
+
+
+class Conversion(NamedTuple):
+    """value in the channel's unit = scale times what is written, plus offset; of a counter: its increase."""
+
+    scale: float
+    offset: float
+    is_counter: bool
+
+
+@cache
+def _registry() -> UnitRegistry[Any]:
+    from pint import UnitRegistry
+
+    return UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
+def conversion(unit: str, quantity: Quantity) -> Conversion | None:
+    """Return how a unit becomes that of a quantity, None where it measures something else.
+
+    Raises `ValueError` for what is no unit.
+
+    >>> conversion("m3/h", "flow"), conversion("kWh", "level")
+    (Conversion(scale=1000.0, offset=0.0, is_counter=False), None)
+    """
+    one = _quantity(unit)
+    if quantity == "level":
+        return _level(one)
+    for base, is_counter in ((BASE[quantity], False), (COUNTED.get(quantity, ""), True)):
+        if base and one.is_compatible_with(base):
+            return _affine(one, base, is_counter)
+    return None
+
+
+def _affine(one: Any, base: str, is_counter: bool) -> Conversion:
+    quantity = _registry().Quantity
+    low, high = (float(quantity(one.magnitude * each, one.units).to(base).magnitude) for each in (0.0, 1.0))
+    return Conversion(round(high - low, 12), round(low, 10), is_counter)
+
+
+def _level(one: Any) -> Conversion | None:
+    if one.is_compatible_with("volt"):
+        return Conversion(float(one.to("volt").magnitude) / FULL_V, 0.0, False)
+    return Conversion(float(one.to("").magnitude), 0.0, False) if one.dimensionless else None
+
+
+@cache
+def _quantity(unit: str) -> Any:
+    from pint.errors import PintError
+
+    text = unit.strip()
+    if text.lower() in PULSES:
+        raise ValueError(f"'{unit}' are pulses, and nobody knows what one of them is")
+    text = WRITTEN.get(text.lower(), text)
+    if not PLAIN.fullmatch(text):
+        raise ValueError(f"'{unit}' is no unit that is known")
+    for sign, plain in POWER_SIGN.items():
+        text = text.replace(sign, plain)
+    text = re.sub(r"([A-Za-z])([23])\b", r"\1**\2", text)
+    parts = [WRITTEN.get(part.strip().lower(), part) if "/" in text else part for part in text.split("/")]
+    try:
+        found = _registry().parse_expression("/".join(parts))
+    except (PintError, AttributeError, ValueError, TypeError, SyntaxError, ArithmeticError) as error:
+        raise ValueError(f"'{unit}' is no unit that is known") from error
+    return found if hasattr(found, "units") else _registry().Quantity(float(found), "")
+
+
+def fitting(unit: str, quantities: Sequence[Quantity]) -> list[Quantity]:
+    """Return the quantities that a unit may measure; none for what is no unit."""
+    try:
+        return [each for each in quantities if conversion(unit, each) is not None]
+    except ValueError:
+        return []

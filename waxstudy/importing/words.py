@@ -1,0 +1,73 @@
+"""Values as they are written: numbers with a decimal comma or a unit, states in words, and none at all."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.dataset.columns import CODES, LARGEST, UNREADABLE_SHARE
+from waxstudy.dataset.columns import WORDS as STATES
+
+WORDS = {
+    **STATES,
+    **dict.fromkeys(("heat", "heating", "yes", "active", "running", "ein", "an", "auf", "offen", "heizen", "ja"), 1.0),
+    **dict.fromkeys(("idle", "no", "inactive", "standby", "aus", "zu", "geschlossen", "nein", "cool", "close"), 0.0),
+}
+# from here on nothing is known: what was read before is not held
+NOTHING = ("unavailable", "unknown", "none", "nan", "null", "n/a", "na", "error", "fault", "offline", "-", "--", "")
+NUMBER = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s].*)?")
+
+
+class Numbers(NamedTuple):
+    """Values of one entity; NaN where nothing is known."""
+
+    values: np.ndarray  # (n,)
+    unit: str  # that stands behind each number, "" where none does
+    words: tuple[str, ...]  # that were read as 0 and 1
+    bad: tuple[object, str] | None  # row and text of the first cell that is no value
+    bad_count: int
+
+    @property
+    def is_readable(self) -> bool:
+        known = int(np.isfinite(self.values).sum())
+        return known > 0 and self.bad_count <= UNREADABLE_SHARE * (known + self.bad_count)
+
+
+def is_told_in_words(cell: str) -> bool:
+    return cell.strip().lower() in WORDS or cell.strip().lower() in NOTHING
+
+
+def numbers_of(written: pd.Series) -> Numbers:
+    """Return values as numbers: states as 0 and 1, and what is written behind all numbers as their unit."""
+    if pd.api.types.is_bool_dtype(written):
+        written = written.map({True: "on", False: "off"})
+    values = np.array(pd.to_numeric(written, errors="coerce").to_numpy(dtype=float, na_value=np.nan))
+    left = np.flatnonzero(np.isnan(values) & written.notna().to_numpy())
+    units: set[str] = set()
+    words: set[str] = set()
+    bad, count = None, 0
+    if len(left):
+        texts = written.iloc[left].astype(str).str.strip()
+        for text, group in texts.groupby(texts):
+            value, unit, word = _read(str(text))
+            places = left[texts.index.get_indexer_for(group.index)] if texts.index.is_unique else left[texts == text]
+            values[places] = value
+            units |= {unit} - {""}
+            words |= {word} - {""}
+            if np.isnan(value) and str(text).lower() not in NOTHING:
+                count += len(group)
+                bad = bad or (group.index[0], str(text))
+    values[~(np.abs(values) <= LARGEST) | np.isin(values, CODES)] = np.nan
+    return Numbers(values, units.pop() if len(units) == 1 else "", tuple(sorted(words)), bad, count)
+
+
+def _read(text: str) -> tuple[float, str, str]:
+    lower = text.lower()
+    if lower in WORDS:
+        return WORDS[lower], "", lower
+    if lower not in NOTHING and (found := NUMBER.fullmatch(text)):
+        return float(found["number"].replace(",", ".")), (found["unit"] or "").strip(), ""
+    return float("nan"), "", ""

@@ -1,0 +1,144 @@
+"""Zones: from what the clock on the wall showed to UTC, and from there to local standard time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import UTC, timedelta, timezone, tzinfo
+from zoneinfo import ZoneInfo
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.importing.reading import Readings, refusal
+
+HOUR = timedelta(hours=1)
+HINT = "say --timezone, such as Europe/Tallinn"
+
+
+def zone_told(readings: Sequence[Readings]) -> str | None:
+    """Return the zone that stamps tell: its name or an offset, "" where clocks on the wall are all that there is.
+
+    None where stamps are in UTC alone, which says nothing of where the room is.
+    """
+    zones = {each.times.tz for each in readings}
+    if zones == {None}:
+        return ""
+    names = {str(zone) for zone in zones if zone is not None and str(zone) != "UTC"}
+    if None in zones:
+        where = next(each.where for each in readings if each.times.tz is None)
+        raise refusal(where, "stamps without an offset from UTC, while those of other files have one", HINT)
+    if len(names) > 1:
+        raise refusal(readings[0].where, f"stamps of several zones ({', '.join(sorted(names))})", HINT)
+    return names.pop() if names else None
+
+
+def in_standard_time(readings: Sequence[Readings], zone: str) -> tuple[list[Readings], list[str]]:
+    """Return readings in naive local standard time, ascending, and what was assumed of their clock."""
+    found, said = [], []
+    for each in readings:
+        utc, sentence = _in_utc(_forward(each), zone)
+        found.append(utc)
+        said += [f"{each.entity}: {sentence}"] if sentence else []
+    known = [each for each in found if len(each.times)]
+    if zone and known:
+        shift = _standard(zone, min(each.times.min() for each in known))
+        found = [replace(each, times=each.times.tz_convert(None) + shift) for each in found]
+        said.insert(0, f"Stamps are kept in standard time of {zone}, UTC{shift / HOUR:+g} h, all year.")
+    else:
+        said.insert(0, "Stamps have no zone: they are taken as local standard time all year.")
+    return [_ascending(each) for each in found], said
+
+
+def _in_utc(readings: Readings, zone: str) -> tuple[Readings, str]:
+    if not zone:
+        _refuse_back(readings)
+        return readings, ""
+    if readings.times.tz is not None:
+        return replace(readings, times=readings.times.tz_convert("UTC")), ""
+    times, sentence = wall_to_utc(readings.times, zone, readings.written.index, readings.where)
+    return replace(readings, times=times), sentence
+
+
+def _refuse_back(readings: Readings) -> None:
+    """Refuse a clock that is put back by an hour in a night of autumn: only its zone tells the two hours apart."""
+    back = np.flatnonzero(np.diff(readings.times.asi8) < 0)
+    if len(back) and len(back) <= 2 * max(1, len(np.unique(readings.times.year))):
+        before, after = readings.times[back[0]], readings.times[back[0] + 1]
+        if before - after <= HOUR and before.month in (3, 4, 9, 10, 11) and before.hour <= 3:
+            wrong = f"{readings.entity}: time goes back from {before} to {after}, as where summer time ends"
+            raise refusal(readings.where, wrong, HINT, row=readings.written.index[back[0] + 1])
+
+
+def _forward(readings: Readings) -> Readings:
+    """Return readings from the first to the last; some files begin with the last."""
+    if len(readings.times) > 1 and readings.times[0] > readings.times[-1]:
+        return replace(readings, times=readings.times[::-1], written=readings.written.iloc[::-1])
+    return readings
+
+
+def _ascending(readings: Readings) -> Readings:
+    """Return readings in order of time, once each: of two at one instant the later row stays."""
+    if readings.times.is_monotonic_increasing and readings.times.is_unique:
+        return readings
+    order = np.argsort(readings.times.asi8, kind="stable")
+    order = order[~readings.times[order].duplicated(keep="last")]
+    return replace(readings, times=readings.times[order], written=readings.written.iloc[order])
+
+
+def wall_to_utc(times: pd.DatetimeIndex, zone: str, rows: pd.Index, where: str) -> tuple[pd.DatetimeIndex, str]:
+    """Return stamps of the wall in UTC, in the order of the file, and what was assumed of the hour that is there twice.
+
+    Raises `StudyError` for stamps within the hour that is left out: that clock is not put forward.
+    """
+    flags = np.ones(len(times), dtype=bool)
+    summer = times.tz_localize(_tz(zone), ambiguous=flags, nonexistent="NaT")
+    winter = times.tz_localize(_tz(zone), ambiguous=~flags, nonexistent="NaT")
+    lost = np.asarray(summer.isna())
+    if lost.any():
+        place = int(np.argmax(lost))
+        offset = _standard(zone, times[place])
+        wrong = f"{times[place]} is not there in {zone}, as clocks are put forward then: the logger's clock was not"
+        mend = f"say --timezone Etc/GMT{-(offset // HOUR):+d}" if offset % HOUR == timedelta(0) else ""
+        raise refusal(where, wrong, mend, row=rows[place])
+    twice = np.asarray(summer != winter)
+    if not twice.any():
+        return summer.tz_convert("UTC"), ""
+    is_second, is_told = _second_pass(times, twice)
+    whole = summer.where(~is_second, winter).tz_convert("UTC")
+    day = times[int(np.argmax(twice))]
+    what = "their order tells which is which" if is_told else "nothing tells which it is: taken as summer time"
+    said = f"{int(twice.sum())} stamps lie in the hour that is there twice on {day:%Y-%m-%d}: {what}"
+    return pd.DatetimeIndex(whole), said
+
+
+def _second_pass(times: pd.DatetimeIndex, twice: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Return which stamps lie in the second of two equal hours, and whether the order tells it."""
+    ns = times.asi8
+    is_second = np.zeros(len(times), dtype=bool)
+    is_told = True
+    places = np.flatnonzero(twice)
+    for run in np.split(places, np.flatnonzero(np.diff(times[places].normalize().asi8) != 0) + 1):
+        back = np.flatnonzero(np.diff(ns[run]) < 0)
+        if len(back) == 1:  # the clock was put back once
+            is_second[run[back[0] + 1 :]] = True
+        elif (again := np.asarray(times[run].duplicated())).any():
+            is_second[run[again]] = True
+        else:
+            is_told = False
+    return is_second, is_told
+
+
+def _standard(zone: str, at: pd.Timestamp) -> timedelta:
+    """Return how far local standard time is ahead of UTC at an instant, or what the wall shows."""
+    there = (at if at.tz is not None else at.tz_localize(UTC)).tz_convert(_tz(zone)).to_pydatetime()
+    return (there.utcoffset() or timedelta()) - (there.dst() or timedelta())
+
+
+def _tz(zone: str) -> tzinfo:
+    """Return a zone by its name, or by its offset as `UTC+02:00`."""
+    if found := re.fullmatch(r"UTC([+-])(\d\d):(\d\d)", zone):
+        ahead = timedelta(hours=int(found[2]), minutes=int(found[3]))
+        return timezone(ahead if found[1] == "+" else -ahead)
+    return ZoneInfo(zone)
