@@ -22,6 +22,7 @@ LIBRARY = re.compile(
     r"frexp|hypot|ldexp|lgamma|log(10|1p|2)?|modf|nextafter|pow|remainder|rint|(ll?)?round|sqrt|tgamma|trunc"
 )
 PICKLED = re.compile(r'^(@"?\.const\.pickledata[^=]*= internal constant \[\d+ x i8\]) c".*"', re.MULTILINE)
+COUNTED = re.compile(r'!"_Z[^":]*')  # names in remarks for the compiler: numba counts what it compiles
 PLATFORM = re.compile(r"^(target (datalayout|triple)|source_filename) = .*\n", re.MULTILINE)
 
 
@@ -48,7 +49,7 @@ def machine_code(block: type[Block], plain: Any, symbol: str) -> str:
     if foreign := sorted(f.name for f in module.functions if f.is_declaration and not LIBRARY.fullmatch(f.name)):
         raise CannotCompile(f"its machine code needs Python when it runs ({', '.join(foreign[:3])})")
     # what exceptions say, with the places of their sources, could be read by Python only
-    return PLATFORM.sub("", PICKLED.sub(r"\1 zeroinitializer", str(module)))
+    return COUNTED.sub('!"', PLATFORM.sub("", PICKLED.sub(r"\1 zeroinitializer", str(module))))
 
 
 def _leave_only(module: Any, name: str, symbol: str) -> None:
@@ -67,3 +68,6 @@ def _leave_only(module: Any, name: str, symbol: str) -> None:
     passes.add_global_dead_code_eliminate_pass()
     machine = llvm.Target.from_default_triple().create_target_machine()
     passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options()))
+    helpers = [each for each in module.functions if not each.is_declaration and each.name != symbol]
+    for number, helper in enumerate(helpers):  # so that the same block is the same text
+        helper.name = f"{symbol}_{number}"
