@@ -8,6 +8,7 @@ from waxstudy.cli.lazy import LazyGroup
 
 COMMANDS = {
     "fmu": "Write a block or a whole chain as an FMU, for co-simulation.",
+    "energyplus": "Write a motor or a whole chain as a Python plugin for EnergyPlus.",
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,12 +57,18 @@ def block(file: Path | None, use: str | None, kind: str | None, values: dict[str
 
 def chain(file: Path, case: str) -> Model:
     """Return the chain of a study's case as a model."""
+    blocks, step_s = case_of(file, case)
+    from waxstudy.export.chain import chain_model
+
+    return chain_model(blocks, step_s)
+
+
+def case_of(file: Path, case: str) -> tuple[Mapping[str, Choice], float]:
+    """Return the blocks of a study's case, and the study's step [s]."""
     from waxstudy.plugin.registry import hint
 
     study = load_study(file)
     if case not in study.cases:
         known = ", ".join(study.cases)
         raise CommandError(f"--case {case}: no case of {file}{hint(case, study.cases)} (it has: {known})", USAGE)
-    from waxstudy.export.chain import chain_model
-
-    return chain_model(study.cases[case].blocks, study.step_s)
+    return study.cases[case].blocks, study.step_s
