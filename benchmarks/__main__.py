@@ -7,8 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from benchmarks.fmu import fmu_figures
 from benchmarks.house import write_year
+from benchmarks.timing import best_s
 from waxstudy.plugin import Actuator
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.chain import Chain
@@ -28,19 +29,7 @@ from waxstudy.study.model import Choice, Study
 from waxstudy.study.read import read_study
 
 STUDY = Path(__file__).parents[1] / "studies" / "table5.toml"
-REPEATS = 7
 WAXSTUDY = Path(sys.executable).with_name("waxstudy")
-
-
-def best_s(work: Callable[[], object]) -> float:
-    """Shortest of several runs, the first (warm-up) left out."""
-    work()
-    times = []
-    for _ in range(REPEATS):
-        begin = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - begin)
-    return min(times)
 
 
 @njit(error_model="python")
@@ -230,6 +219,7 @@ def main() -> None:
     year_figure(study, driven)
     folder = Path(tempfile.mkdtemp())
     try:
+        fmu_figures(folder)
         command_figures(folder)
         import_figures(folder)
         long_figures(folder)

@@ -20,6 +20,7 @@ COMMANDS = {
     "blind-test": "Make records whose effect is withheld, let diagnosers loose on them, and score them.",
     "fit": "Fit an actuator or a valve curve to measurements, for use in a study.",
     "rig": "Make displacement and flow records on a virtual test bench, and keep the truth apart.",
+    "export": "Write blocks for other programs: as an FMU, or as a plugin for EnergyPlus.",
     "plugins": "List, show, begin and check plugins.",
     "schema": "Print the JSON Schema of the study file, or of dataset.toml, for editors.",
 }

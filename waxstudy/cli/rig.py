@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tomllib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +12,7 @@ import click
 from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, USAGE, CommandError, taken
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
+from waxstudy.cli.pairs import pairs
 
 if TYPE_CHECKING:
     from waxstudy.rig.instruments import Bench
@@ -23,26 +22,12 @@ BENCH = "Parameter of the bench, as noise_mm=0.01 (docs/fit.md lists them); repe
 PROGRAMME = "CSV file of the records to make  [default: those of the paper's Table A1, and one of flow]"
 
 
-def _values(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, Any]:
-    """Return KEY=VALUE pairs; a value is a number, true or false, or else a text."""
-    found: dict[str, Any] = {}
-    for text in texts:
-        key, mark, value = text.partition("=")
-        if not mark or not key:
-            raise click.BadParameter(f"'{text}' is not a parameter, '=' and a value", ctx, param)
-        try:
-            found[key] = tomllib.loads(f"value = {value}")["value"]
-        except tomllib.TOMLDecodeError:
-            found[key] = value
-    return found
-
-
 @click.command("rig", cls=Command)
 @click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 @click.option("--actuator", default="variable-times", show_default=True, metavar="NAME", help="Actuator on the bench.")
-@click.option("--set", "values", multiple=True, callback=_values, metavar="KEY=VALUE", help=SET)
+@click.option("--set", "values", multiple=True, callback=pairs, metavar="KEY=VALUE", help=SET)
 @click.option("--valve", default="quick-opening", show_default=True, metavar="NAME", help="Valve of the flow record.")
-@click.option("--bench", multiple=True, callback=_values, metavar="KEY=VALUE", help=BENCH)
+@click.option("--bench", multiple=True, callback=pairs, metavar="KEY=VALUE", help=BENCH)
 @click.option("--programme", type=Existing(dir_okay=False), help=PROGRAMME)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of scatter and noise.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")

@@ -72,11 +72,11 @@ def _delayed_compiled(ring, value):  # type: ignore[no-untyped-def]
 # --- compilation ---
 
 
-def _jitted(function: FunctionType, above: tuple[FunctionType, ...] = ()) -> Any:
+def jitted(function: FunctionType, above: tuple[FunctionType, ...] = ()) -> Any:
     """Compile a plain function together with the plain helpers that it calls by name."""
     if function in above:
         raise CannotCompile(f"{function.__name__} calls itself by way of others")
-    inner = {name: _jitted(helper, (*above, function)) for name, helper in helpers(function).items()}
+    inner = {name: jitted(helper, (*above, function)) for name, helper in helpers(function).items()}
     namespace = function.__globals__ | inner
     copy = FunctionType(function.__code__, namespace, function.__name__, function.__defaults__, function.__closure__)
     return njit(copy, error_model="python", boundscheck=True)
@@ -95,7 +95,7 @@ def _guarded(block: type[Block], parameter_dtype: np.dtype[Any]) -> Any:
 
     def build(folder: Path | None) -> Any:
         path = folder / f"guard_{name}.py" if folder else None
-        compiled = _jitted(step)
+        compiled = jitted(step)
         if path is None or not path.exists():  # what was compiled before was examined before
             examine(block, compiled, parameter_dtype, layout)
             if path:

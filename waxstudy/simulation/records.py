@@ -20,11 +20,11 @@ _SCALARS = {float: "f8", int: "i8", bool: "?"}
 _STORED = {float: (float, int, np.floating, np.integer), int: (int, np.integer), bool: (bool, np.bool_), Ring: (Ring,)}
 
 
-def _choices(annotation: Any) -> tuple[Any, ...]:
+def choices_of(annotation: Any) -> tuple[Any, ...]:
     """The choices of a `Literal` field, optional or not; empty for other fields."""
     if get_origin(annotation) is Literal:
         return get_args(annotation)
-    return next((c for c in map(_choices, get_args(annotation)) if c), ())
+    return next((c for c in map(choices_of, get_args(annotation)) if c), ())
 
 
 def plain_parameters(parameters: Parameters) -> Any:
@@ -35,7 +35,7 @@ def plain_parameters(parameters: Parameters) -> Any:
     values: dict[str, float | int | bool] = {}
     for name, field in type(parameters).model_fields.items():
         value = getattr(parameters, name)
-        choices = _choices(field.annotation)
+        choices = choices_of(field.annotation)
         if choices:
             values[name] = choices.index(value) if value in choices else -1
         elif isinstance(value, bool | int | float):

@@ -56,32 +56,32 @@ def source_digest(module_name: str) -> str:
 
 def helpers(function: FunctionType) -> dict[str, FunctionType]:
     """The plain functions that a function calls by name."""
-    found = {name: function.__globals__.get(name) for name in _global_names(function.__code__)}
+    found = {name: function.__globals__.get(name) for name in global_names(function.__code__)}
     known = (delayed, function)
     return {name: f for name, f in found.items() if isinstance(f, FunctionType) and f not in known}
 
 
-def _global_names(code: CodeType) -> list[str]:
+def global_names(code: CodeType) -> list[str]:
     """The names that code takes from its module; attributes of the same name are others."""
     names = [str(i.argval) for i in dis.get_instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME")]
-    inner = [name for constant in code.co_consts if isinstance(constant, CodeType) for name in _global_names(constant)]
+    inner = [name for constant in code.co_consts if isinstance(constant, CodeType) for name in global_names(constant)]
     return list(dict.fromkeys([*names, *inner]))
 
 
-def _with_helpers(function: FunctionType, seen: dict[FunctionType, None] | None = None) -> list[FunctionType]:
+def with_helpers(function: FunctionType, seen: dict[FunctionType, None] | None = None) -> list[FunctionType]:
     """A function and all helpers below it, each once."""
     seen = {} if seen is None else seen
     if function not in seen:
         seen[function] = None
         for helper in helpers(function).values():
-            _with_helpers(helper, seen)
+            with_helpers(helper, seen)
     return list(seen)
 
 
 def function_digest(function: FunctionType) -> str:
     """Digest of what a function computes: code and sources, also of helpers, and the values taken from outside."""
     parts: list[str | bytes] = []
-    for one in _with_helpers(function):
+    for one in with_helpers(function):
         parts += [source_digest(one.__module__), one.__qualname__, *_code(one.__code__), *_outside(one)]
     return digest(parts)
 
@@ -99,7 +99,7 @@ def _code(code: CodeType) -> Iterator[str | bytes]:
 def _outside(function: FunctionType) -> Iterator[str | bytes]:
     """Defaults, closure and globals that a function uses; of a module, what has one of the code's names."""
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    named = [function.__globals__.get(name) for name in _global_names(function.__code__)]
+    named = [function.__globals__.get(name) for name in global_names(function.__code__)]
     for value in (*(function.__defaults__ or ()), *cells, *named):
         yield _value(value)
         if isinstance(value, ModuleType) and value.__name__.split(".")[0] not in _LIBRARIES:

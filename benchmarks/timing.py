@@ -1,0 +1,19 @@
+"""How long something takes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+REPEATS = 7
+
+
+def best_s(work: Callable[[], object]) -> float:
+    """Shortest of several runs, the first (warm-up) left out."""
+    work()
+    times = []
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - begin)
+    return min(times)

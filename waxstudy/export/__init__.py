@@ -1,0 +1,1 @@
+"""Blocks for other programs: what runs here, as a file that needs no waxstudy."""
