@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from waxstudy import __version__
 from waxstudy.cli.lazy import LazyGroup
+from waxstudy.version import __version__
 
 COMMANDS = {
     "run": "Run a study and print its comparison.",

@@ -7,7 +7,7 @@ import shutil
 from contextlib import ExitStack
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,7 +22,6 @@ from waxstudy.simulation.threads import use_one_thread
 if TYPE_CHECKING:
     import pandas as pd
 
-    from waxstudy.dataset.read import Dataset
     from waxstudy.diagnosis.result import Diagnosis
 
 OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: nothing is written]"
@@ -94,7 +93,7 @@ def command(
         _refuse_unwritable(out)
     try:
         with bar(quiet) as tick:
-            diagnosis = _diagnosis(dataset, Healthy(baseline, baseline_days), study, seed, quick, tick)
+            diagnosis = _diagnosis(dataset, baseline or baseline_days, study, seed, quick, tick)
         if out is not None:
             _write(diagnosis, out)
     except KeyboardInterrupt:
@@ -103,36 +102,17 @@ def command(
     print_out(_json(diagnosis) if as_json else _summary(diagnosis, out))
 
 
-class Healthy(NamedTuple):
-    """Where a healthy record of the loop is, if the command says it: a folder, or days of the record itself."""
-
-    folder: Path | None
-    days: tuple[str, str] | None
-
-    def parted(self, dataset: Dataset) -> tuple[Dataset, Dataset | None]:
-        """Return the record to judge and its baseline; the command goes before what the dataset says."""
-        import pandas as pd
-
-        from waxstudy.dataset.baseline import parted, read_baseline
-
-        if self.days:
-            baseline, record = parted(dataset, *(pd.Timestamp(day) for day in self.days))
-            return record, baseline
-        folder = self.folder or dataset.baseline
-        return dataset, read_baseline(dataset, folder) if folder else None
-
-
-def _diagnosis(dataset: Path, healthy: Healthy, study: Path | None, seed: int, quick: bool, tick: Tick) -> Diagnosis:
+def _diagnosis(
+    dataset: Path, healthy: Path | tuple[str, str] | None, study: Path | None, seed: int, quick: bool, tick: Tick
+) -> Diagnosis:
     """Read a dataset and diagnose it; turn what is wrong into a message and an exit code."""
-    from waxstudy.dataset.read import read_dataset
-    from waxstudy.diagnosis.diagnose import diagnose
+    from waxstudy.api.diagnosing import diagnose
     from waxstudy.study.problems import StudyError
 
     try:
         with failures(dataset / "dataset.toml", dataset):
             steps = load_study(study, needs_files=False) if study else None
-            record, baseline = healthy.parted(read_dataset(dataset))
-            return diagnose(record, seed=seed, quick=quick, study=steps, tick=tick, baseline=baseline)
+            return diagnose(dataset, healthy, study=steps, seed=seed, quick=quick, progress=tick).diagnosis
     except StudyError as error:
         raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
 

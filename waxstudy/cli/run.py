@@ -28,10 +28,10 @@ def command(study_file: Path, out: Path | None, replaces: bool, as_json: bool, q
     study = load_study(study_file)
     folder = out or Path("results") / study.name
     with failures(study_file, folder), progress(quiet) as told:
-        from waxstudy.simulation.run import run
+        from waxstudy.api.running import run
 
         with resumable():
-            run(study, folder, jit=not no_jit, progress=told, replaces=replaces)
+            run(study, folder, jit=not no_jit, progress=told, replace=replaces)
     from waxstudy.cli.report import render
 
     text = render(folder, "json" if as_json else "table", study.against)

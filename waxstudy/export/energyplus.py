@@ -9,10 +9,10 @@ from importlib.resources import files
 from string import Template
 from typing import Any
 
-from waxstudy import __version__
 from waxstudy.export.python_source import NotPortable, factory, ring, written
 from waxstudy.plugin import CHAIN, Block, Choice, Ring
 from waxstudy.simulation.chain import Chain
+from waxstudy.version import __version__
 
 TEMPLATE = files("waxstudy.export").joinpath("energyplus_plugin.txt")
 THERMOSTAT = """\

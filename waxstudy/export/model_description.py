@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.etree import ElementTree as Xml
 
-from waxstudy import __version__
 from waxstudy.export.model import Model, Variable
+from waxstudy.version import __version__
 
 # unit of waxstudy -> FMI's exponents of base units, factor and offset; one that is not here is a name without them
 UNITS: dict[str, dict[str, str]] = {

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from waxstudy import __version__
 from waxstudy.identification.models import Value
 from waxstudy.identification.performance import ACTUATOR
 from waxstudy.identification.records import Record
 from waxstudy.study.problems import Problem, StudyError
 from waxstudy.study.source import read_source
+from waxstudy.version import __version__
 
 DIGITS = 4
 MARK = "SIMULATED: its records come from a virtual test bench, no motor was measured."

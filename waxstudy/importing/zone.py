@@ -51,6 +51,20 @@ def in_standard_time(readings: Sequence[Readings], zone: str) -> tuple[list[Read
     return [_ascending(each) for each in found], said
 
 
+def standard_time(times: pd.DatetimeIndex, zone: str | None) -> pd.DatetimeIndex:
+    """Return stamps, of a zone or of the clock on the wall, in naive local standard time; raise `StudyError`.
+
+    Stamps in UTC alone do not say where the room is. Without any zone they are taken as local standard time.
+    """
+    if times.tz is None and not zone:
+        return times
+    if not zone and str(times.tz) == "UTC":
+        raise refusal("frame", "its times are in UTC, which does not tell where the room is", "say its timezone")
+    there = zone or str(times.tz)
+    utc = times if times.tz is not None else wall_to_utc(times, there, pd.RangeIndex(len(times)), "frame")[0]
+    return utc.tz_convert("UTC").tz_convert(None) + _standard(there, utc.min())
+
+
 def _in_utc(readings: Readings, zone: str) -> tuple[Readings, str]:
     if not zone:
         _refuse_back(readings)

@@ -9,11 +9,11 @@ from typing import Any
 
 import tomli_w
 
-from waxstudy import __version__
 from waxstudy.results.atomic import whole_folder
 from waxstudy.rig.bench import Motors, Recorded, run_trial
 from waxstudy.rig.programme import Trial
 from waxstudy.synthetic.write import truth_beside, write_truth
+from waxstudy.version import __version__
 
 DESCRIPTION = "records.toml"
 MARK = "simulated by waxstudy rig: no motor was measured"

@@ -13,12 +13,12 @@ from typing import Any
 
 import tomli_w
 
-from waxstudy import __version__
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.results.atomic import whole_file, whole_folder
 from waxstudy.study.model import Case, Choice, Study
 from waxstudy.synthetic.instruments import Instruments, measure
 from waxstudy.synthetic.simulate import Reality
+from waxstudy.version import __version__
 
 ORIGIN = f"a room simulated by waxstudy {__version__} with its own control chain, as instruments would show it"
 

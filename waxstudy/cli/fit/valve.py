@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -87,30 +86,12 @@ def _authority(authority: float | None, drops: tuple[float, float] | None) -> tu
 
 
 def _fit(path: Path, actuator: Path, columns: dict[str, str], authority: float | None, how: str, seed: int) -> ValveFit:
-    from waxstudy.identification.description import described
-    from waxstudy.identification.flow import read_flow
-    from waxstudy.identification.fragment import read_fragment
-    from waxstudy.identification.performance import block
-    from waxstudy.identification.valve import fit_valve
+    from waxstudy.api.fitting import fit_valve
 
-    values, about = read_fragment(actuator, "actuator")
     try:
-        chosen = block("actuator", values)
+        return fit_valve(path, actuator=actuator, authority=authority, how_authority=how, columns=columns, seed=seed)
     except ValueError as error:
         raise CommandError(f"{actuator}: [actuator]: {error}", INVALID, label="") from error
-    (known,) = described([path], "flow")
-    record = read_flow(replace(known, columns={**known.columns, **columns}))
-    simulated = about.get("simulated") is True
-    product = about.get("product")
-    return fit_valve(
-        record,
-        chosen,
-        authority=authority,
-        how_authority=how,
-        is_simulated=simulated,
-        product=product if isinstance(product, str) else None,
-        seed=seed,
-    )
 
 
 def _page(found: ValveFit) -> str:

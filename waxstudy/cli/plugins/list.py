@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 @as_json
 def command(as_json: bool) -> None:
     """List every component by kind, with its package, and broken plugins with their reason."""
+    from waxstudy.api.components import first_sentence
     from waxstudy.plugin import KINDS
     from waxstudy.plugin.registry import installed
 
@@ -32,7 +33,7 @@ def command(as_json: bool) -> None:
         return
     listed = table(("kind", "name", "package", "what it is"))
     for (kind, name), entry in entries:
-        said = ": ".join((*_stage(entry.component).values(), _first_sentence(entry.component.__doc__)))
+        said = ": ".join((*_stage(entry.component).values(), first_sentence(entry.component)))
         listed.add_row(kind, name, f"{entry.package} {entry.version}", said)
     reasons = [f"broken: {plugin}: {reason}" for plugin, reason in registry.broken.items()]
     print_tables(listed, *(["", *reasons] if reasons else []))
@@ -43,9 +44,3 @@ def _stage(component: type[Component]) -> dict[str, str]:
     from waxstudy.plugin import Effect
 
     return {"stage": str(getattr(component, "stage", "no stage"))} if issubclass(component, Effect) else {}
-
-
-def _first_sentence(doc: str | None) -> str:
-    """The first line of a docstring up to its colon or full stop."""
-    line = (doc or "").strip().splitlines()[0] if (doc or "").strip() else ""
-    return line.split(": ")[0].split(". ")[0].rstrip(".")

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-import waxstudy
 from waxstudy.diagnosis.calibration.calibrate import (
     EARLY,
     Calibration,
@@ -91,7 +90,7 @@ def _told(record: Record) -> Iterator[str | bytes]:
 
 @cache
 def _sources() -> str:
-    files = [path for path in Path(waxstudy.__file__).parent.rglob("*") if path.suffix in (".py", ".csv")]
+    files = [path for path in Path(__file__).parents[2].rglob("*") if path.suffix in (".py", ".csv")]
     return digest(sorted(files))
 
 

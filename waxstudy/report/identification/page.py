@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from waxstudy import __version__
 from waxstudy.identification.result import ActuatorFit
 from waxstudy.identification.valve import ValveFit
 from waxstudy.report.figures.plot import plots
@@ -10,6 +9,7 @@ from waxstudy.report.html import filled
 from waxstudy.report.identification import tables
 from waxstudy.report.identification.figures import ACTUATOR_FIGURES, VALVE_FIGURES
 from waxstudy.report.words import counted
+from waxstudy.version import __version__
 
 
 def actuator_page(found: ActuatorFit) -> str:

@@ -1,0 +1,188 @@
+"""Claims about waxstudy from Python: it says what the command line says, and imports nothing before it is used."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import waxstudy as wx
+from tests.cli.conftest import Entry, entry  # noqa: F401  (a fixture)
+from tests.conftest import ROOT, SMALL
+from tests.diagnosis.realities import rows
+
+PUBLIC = Path(__file__).with_name("public.txt")
+NOMINAL = {
+    "setpoint_C": 21.0,
+    "sensor": {"use": "delay", "delay_s": 120.0},
+    "controller": {"use": "on-off", "dead_band_K": 0.5},
+    "actuator": {"use": "variable-times"},
+    "valve": {"use": "quick-opening"},
+}
+
+
+def test_what_is_public_is_what_the_list_says() -> None:
+    assert sorted(wx.__all__) == PUBLIC.read_text().split()
+    assert all(getattr(wx, name) is not None for name in wx.__all__)
+    assert dir(wx) == sorted(wx.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'runn'"):
+        wx.runn  # noqa: B018
+
+
+def test_the_import_brings_nothing_heavy() -> None:
+    asked = "import sys, waxstudy; print(sorted({'numpy', 'pandas', 'numba', 'scipy', 'click'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_it_can_be_called_as_a_module() -> None:
+    done = subprocess.run([sys.executable, "-m", "waxstudy", "--version"], capture_output=True, text=True, check=True)
+    assert wx.__version__ in done.stdout
+
+
+# --- studies ---------------------------------------------------------------------------------------
+
+
+def test_a_run_tells_what_the_command_tells(entry: Entry, small_study: Path, small_run: Path) -> None:  # noqa: F811
+    told: list[tuple[int, int]] = []
+    run = wx.run(small_study, small_run, progress=lambda done, total: told.append((done, total)))
+    assert told[0] == (0, 3)
+    assert told[-1] == (3, 3)
+    printed = json.loads(entry("report", "run", "--json").stdout)
+    for row in printed["rows"]:
+        mine = run.differences.loc[(row["week"], row["case"])]
+        assert mine["heat_kWh_m2_week"] == pytest.approx(row["heat_kWh_m2_week"]["mean"], abs=1e-5)
+        assert mine["single_run_share"] == pytest.approx(row["single_run_share"] or np.nan, nan_ok=True)
+    traces = run.traces("O_WM", "january")
+    assert isinstance(traces.index.get_level_values("time"), pd.DatetimeIndex)
+    assert traces.attrs["units"]["flow_L_h"] == "L/h"
+    assert run.differences.attrs["units"]["setpoint_shift_K_sd"] == "K"
+    with pytest.raises(KeyError, match="no case 'O_XX' in week 'january': cases O_0, O_CP, O_WM"):
+        run.traces("O_XX", "january")
+    assert "O_WM" in run._repr_html_()
+
+
+def test_a_study_may_be_a_mapping_and_its_results_go_with_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    run = wx.run(tomllib.loads(SMALL))
+    folder = run.folder
+    assert set(run.kpis["case"]) == {"O_0", "O_CP", "O_WM"}
+    del run
+    assert not folder.exists()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_wrong_with_a_study_has_its_fields(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    study = tomllib.loads(SMALL)
+    study["ensemble"]["membres"] = 3
+    with pytest.raises(wx.StudyError, match="membres") as told:
+        wx.run(study)
+    (problem,) = told.value.problems
+    assert (problem.where, problem.key, problem.near) == ("[ensemble]", "membres", "members")
+
+
+# --- records ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def frame() -> pd.DataFrame:
+    """Four days of a loop whose sensor lags, every minute."""
+    made = rows("REAL")
+    return made.drop(columns="time").set_index(pd.DatetimeIndex(made["time"]))
+
+
+def test_a_frame_is_a_record_in_whatever_unit_and_zone(frame: pd.DataFrame) -> None:
+    plain = wx.Dataset.from_frame(frame, believed=NOMINAL, room={"use": "nzeb"})
+    strange = frame.assign(sensor_temperature_C=frame["sensor_temperature_C"] * 1.8 + 32.0).rename(
+        columns={"sensor_temperature_C": "T_room"}
+    )
+    strange.index = strange.index.tz_localize("Etc/GMT-2").tz_convert("Europe/Tallinn")
+    other = wx.Dataset.from_frame(
+        strange,
+        columns={"sensor_temperature_C": "T_room"},
+        units={"T_room": "degF"},
+        believed=NOMINAL,
+        room={"use": "nzeb"},
+    )
+    assert other.time.equals(plain.time)
+    np.testing.assert_allclose(other.values["sensor_temperature_C"], plain.values["sensor_temperature_C"], atol=1e-9)
+    assert plain.interval_s == 60.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "wrong"),
+    [
+        ({"units": {"sensor_temperature_C": "kWh"}}, "'kWh' is no unit of it"),
+        ({"units": {"air": "degF"}}, "has a unit, but the frame has no such column"),
+        ({"believed": {"controller": {"use": "on-of"}}}, "on-off"),
+        ({"believed": "nowhere.toml"}, "cannot be read"),
+    ],
+)
+def test_a_frame_that_cannot_be_used_is_refused(frame: pd.DataFrame, changes: dict[str, object], wrong: str) -> None:
+    with pytest.raises(wx.StudyError, match=wrong):
+        wx.Dataset.from_frame(frame, **{"believed": NOMINAL, "room": {"use": "nzeb"}, **changes})  # type: ignore[arg-type]
+
+
+def test_times_in_utc_do_not_say_where_the_room_is(frame: pd.DataFrame) -> None:
+    in_utc = frame.set_axis(frame.index.tz_localize("UTC"))
+    with pytest.raises(wx.StudyError, match="say its timezone"):
+        wx.Dataset.from_frame(in_utc, believed=NOMINAL, room={"use": "nzeb"})
+    there = wx.Dataset.from_frame(in_utc, believed=NOMINAL, room={"use": "nzeb"}, timezone="Europe/Tallinn")
+    assert there.time[0] - frame.index[0] == pd.Timedelta("2h")
+
+
+@pytest.mark.slow
+def test_a_diagnosis_shows_where_what_and_how_far(frame: pd.DataFrame) -> None:
+    told: list[float] = []
+    record = wx.Dataset.from_frame(frame, believed={**NOMINAL, "valve": {"use": "linear"}}, room={"use": "nzeb"})
+    found = wx.diagnose(record, quick=True, progress=lambda what, share: told.append(share))
+    assert "quick-opening" in list(found.effects["name"])
+    valve = found.how_far.set_index("stage").loc["valve"]
+    assert valve["gap_after"] < 0.5 * valve["gap"]
+    assert (found.where["over_floor"] >= 0.0).all()
+    assert found.summary in repr(found)
+    assert found._repr_html_().startswith("<iframe")
+    assert told[-1] > 0.5
+    figure = found.plot.traces()
+    assert figure.axes
+    with pytest.raises(AttributeError, match="no figure 'trace'"):
+        found.plot.trace()
+
+
+def test_components_are_told_by_kind() -> None:
+    actuators = wx.components("actuator")
+    assert "variable-times" in actuators.index
+    assert set(actuators["kind"]) == {"actuator"}
+    assert len(wx.components()) > len(actuators)
+    with pytest.raises(ValueError, match="no kind 'motor'"):
+        wx.components("motor")
+
+
+# --- its page ----------------------------------------------------------------------------------------
+
+
+def code_of_the_page(heading: str) -> str:
+    text = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    return text.split(f"## {heading}\n")[1].split("```python\n")[1].split("```")[0]
+
+
+@pytest.mark.slow
+def test_the_page_s_study_and_record_run_as_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, frame: pd.DataFrame
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("studies").mkdir()
+    Path("studies/table5.toml").write_text(SMALL)
+    in_degF = frame.assign(T_room=frame["sensor_temperature_C"] * 1.8 + 32.0)
+    in_degF.drop(columns="sensor_temperature_C").to_parquet("living.parquet")
+    names: dict[str, object] = {}
+    exec(code_of_the_page("A study") + code_of_the_page("A record"), names)
+    assert isinstance(names["run"], wx.Results)
+    assert isinstance(names["found"], wx.Found)

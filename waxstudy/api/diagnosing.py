@@ -1,0 +1,129 @@
+"""Diagnose a record, and look at what was found."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from waxstudy.dataset import read
+from waxstudy.dataset.baseline import parted, read_baseline
+from waxstudy.diagnosis import diagnose as core
+from waxstudy.diagnosis.result import Diagnosis
+from waxstudy.report.diagnosis.figures import FIGURES
+from waxstudy.report.diagnosis.page import as_html
+from waxstudy.study.model import Study
+
+Record = str | Path | read.Dataset
+Told = Callable[[str, float], None]  # what is being done, the share that is done
+
+
+class Plots:
+    """The figures of a diagnosis' page by their names: `found.plot.traces()` returns a matplotlib figure."""
+
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        self._diagnosis = diagnosis
+        self._drawings = {each.name: each for each in FIGURES}
+
+    def __getattr__(self, name: str) -> Callable[[], Any]:
+        drawings = self.__dict__.get("_drawings", {})
+        if name not in drawings:
+            raise AttributeError(f"no figure '{name}': {', '.join(drawings)}")
+        return lambda: drawings[name](self._diagnosis)
+
+    def __dir__(self) -> list[str]:
+        return sorted(self._drawings)
+
+
+class Found:
+    """What a diagnosis found; `diagnosis` holds all of it, as diagnosis.json does."""
+
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        self.diagnosis = diagnosis
+
+    @property
+    def summary(self) -> str:
+        """One sentence."""
+        return self.diagnosis.summary
+
+    @property
+    def verdict(self) -> str:
+        """What kind of answer it is."""
+        return str(self.diagnosis.described()["verdict"])
+
+    @property
+    def effects(self) -> pd.DataFrame:
+        """A row for each effect that was found: stage, parameters with their intervals, group, probability."""
+        return pd.DataFrame(self.diagnosis.described()["effects"])
+
+    @property
+    def where(self) -> pd.DataFrame:
+        """A row for each judged channel: its gap, and how many noise floors that is."""
+        columns = ["stage", "channel", "unit", "gap", "noise_floor", "over_floor"]
+        return pd.DataFrame(self.diagnosis.described()["stages"], columns=columns)
+
+    @property
+    def how_far(self) -> pd.DataFrame:
+        """A row for each judged channel: its gap as believed, and with the effects found."""
+        columns = ["stage", "channel", "unit", "gap", "gap_after", "noise_floor"]
+        return pd.DataFrame(self.diagnosis.described()["stages"], columns=columns)
+
+    @property
+    def posterior(self) -> Mapping[str, float]:
+        """Probability of each hypothesis; empty without a healthy record."""
+        return self.diagnosis.posterior
+
+    @property
+    def traces(self) -> pd.DataFrame:
+        """Each judged channel as measured, as believed and with the effects found, by time."""
+        return self.diagnosis.traces
+
+    @property
+    def plot(self) -> Plots:
+        """The figures of the page."""
+        return Plots(self.diagnosis)
+
+    def page(self) -> str:
+        """Return the page as one HTML document."""
+        return as_html(self.diagnosis)
+
+    def __repr__(self) -> str:
+        return f"<waxstudy.Found: {self.summary}>"
+
+    def _repr_html_(self) -> str:
+        return f'<iframe srcdoc="{html.escape(self.page())}" width="100%" height="700" style="border:0"></iframe>'
+
+
+def diagnose(
+    record: Record,
+    baseline: Record | tuple[str, str] | None = None,
+    *,
+    study: Study | None = None,
+    seed: int = 1,
+    quick: bool = False,
+    progress: Told | None = None,
+) -> Found:
+    """Find where a record and what is believed of its loop disagree, which effect causes it, and how far that shrinks.
+
+    `baseline` is a healthy record of the same loop, or the first and last of such days of the record itself; by
+    default what the dataset says. `progress` is told what is being done, and the share done. The same record and
+    seed give the same diagnosis. Raises `StudyError`, `PluginError`, `BackendMissing`, `SimulationError`.
+    """
+    whole = record if isinstance(record, read.Dataset) else read.read_dataset(Path(record))
+    judged, healthy = _parted(whole, baseline)
+    return Found(core.diagnose(judged, baseline=healthy, seed=seed, quick=quick, study=study, tick=progress))
+
+
+def _parted(
+    record: read.Dataset, baseline: Record | tuple[str, str] | None
+) -> tuple[read.Dataset, read.Dataset | None]:
+    if isinstance(baseline, tuple):
+        healthy, judged = parted(record, *(pd.Timestamp(day) for day in baseline))
+        return judged, healthy
+    if isinstance(baseline, read.Dataset):
+        return record, baseline
+    folder = Path(baseline) if baseline else record.baseline
+    return record, read_baseline(record, folder) if folder else None
