@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from waxstudy.cli.bar import Tick, bar
-from waxstudy.cli.errors import FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError
+from waxstudy.cli.errors import FAILED, INTERRUPTED, USAGE, CommandError
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures
@@ -107,14 +107,10 @@ def _diagnosis(
 ) -> Diagnosis:
     """Read a dataset and diagnose it; turn what is wrong into a message and an exit code."""
     from waxstudy.api.diagnosing import diagnose
-    from waxstudy.study.problems import StudyError
 
-    try:
-        with failures(dataset / "dataset.toml", dataset):
-            steps = load_study(study, needs_files=False) if study else None
-            return diagnose(dataset, healthy, study=steps, seed=seed, quick=quick, progress=tick).diagnosis
-    except StudyError as error:
-        raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
+    with failures(dataset / "dataset.toml", dataset):
+        steps = load_study(study, needs_files=False) if study else None
+        return diagnose(dataset, healthy, study=steps, seed=seed, quick=quick, progress=tick).diagnosis
 
 
 def _json(diagnosis: Diagnosis) -> str:

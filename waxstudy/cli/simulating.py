@@ -31,13 +31,15 @@ def failures(study_file: Path, folder: Path) -> Iterator[None]:
     from waxstudy.plugin.registry import PluginError
     from waxstudy.results.folder import OtherStudy, RunError
     from waxstudy.simulation.run import InputError
-    from waxstudy.study.read import problem_at
+    from waxstudy.study.read import StudyError, problem_at
 
     try:
         yield
     except InputError as error:
         problem = problem_at(study_file, tuple(error.table.split(".", 1)), str(error), error.key, error.value)
         raise CommandError(str(problem), INVALID, label="") from error
+    except StudyError as error:
+        raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
     except PluginError as error:
         raise CommandError(str(error), PLUGIN) from error
     except BackendMissing as error:
