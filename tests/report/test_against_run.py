@@ -222,8 +222,8 @@ def test_the_page_shows_the_other_run_where_it_shows_published_figures(base: Con
     assert f"<h2>Against {against.name}</h2>" in page
     assert "Dim columns are the other run" in page
     assert str(changed.folder.parent) not in page
-    left, right = figure_overview(beside).axes
-    for axes, column in ((left, "heat_vs_most_detailed_percent"), (right, "mae_K")):
+    left, middle, right = figure_overview(beside).axes
+    for axes, column in ((left, DIFFERENCE), (middle, CORRECTED_DIFFERENCE), (right, "mae_K")):
         crosses = [line.get_xdata()[0] for line in axes.get_lines() if line.get_marker() == "x"]
         assert crosses == [cell.theirs.mean for cell in against.cells if cell.column == column]
     legend = [text.get_text() for text in left.figure.legends[0].get_texts()]

@@ -236,13 +236,14 @@ def test_the_overview_marks_what_is_resolved_and_what_was_published(small: Conte
     ]
     paired = cells(small.rows, published, small.members)
     told = [replace(row, resolved=row.case == "usual" if row.resolved is not None else None) for row in small.rows]
-    left, right = figure_overview(replace(small, rows=told, against=Published("book", paired, scores(paired), ()))).axes
+    shown = replace(small, rows=told, against=Published("book", paired, scores(paired), ()))
+    left, middle, right = figure_overview(shown).axes
     rows = [row for row in told if row.resolved is not None]
     dots = [a for a in left.get_lines() if len(a.get_xdata()) == 1 and a.get_marker() != "x"]
     means = sorted((row.heat_vs_most_detailed_percent.mean, bool(row.resolved)) for row in rows)
     assert sorted((a.get_xdata()[0], a.get_markerfacecolor() != "white") for a in dots) == means
-    crosses = [[a.get_xdata()[0] for a in axes.get_lines() if a.get_marker() == "x"] for axes in (left, right)]
-    assert crosses == [[5.7], [0.6, 0.2]]
+    crosses = [[a.get_xdata()[0] for a in axes.get_lines() if a.get_marker() == "x"] for axes in (left, middle, right)]
+    assert crosses == [[5.7], [5.7], [0.6, 0.2]]
     assert [text.get_text() for text in left.get_yticklabels()] == CASES
 
 
