@@ -13,7 +13,8 @@ import pandas as pd
 import pytest
 
 import waxstudy as wx
-from tests.cli.conftest import Entry, entry  # noqa: F401  (a fixture)
+from tests.cli.conftest import Entry
+from tests.cli.conftest import entry as entry
 from tests.conftest import ROOT, SMALL
 from tests.diagnosis.realities import rows
 
@@ -49,7 +50,7 @@ def test_it_can_be_called_as_a_module() -> None:
 # --- studies ---------------------------------------------------------------------------------------
 
 
-def test_a_run_tells_what_the_command_tells(entry: Entry, small_study: Path, small_run: Path) -> None:  # noqa: F811
+def test_a_run_tells_what_the_command_tells(entry: Entry, small_study: Path, small_run: Path) -> None:
     told: list[tuple[int, int]] = []
     run = wx.run(small_study, small_run, progress=lambda done, total: told.append((done, total)))
     assert told[0] == (0, 3)
@@ -86,6 +87,31 @@ def test_what_is_wrong_with_a_study_has_its_fields(tmp_path: Path, monkeypatch: 
         wx.run(study)
     (problem,) = told.value.problems
     assert (problem.where, problem.key, problem.near) == ("[ensemble]", "membres", "members")
+    assert str(problem).startswith("study: [ensemble] membres")
+    with pytest.raises(wx.StudyError, match="no study file can hold"):
+        wx.run({**tomllib.loads(SMALL), "output": None})
+
+
+def test_an_edited_mapping_goes_on_in_its_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    study = tomllib.loads(SMALL)
+    before = wx.run(study, "run").differences.loc[("january", "O_CP"), "mae_K"]
+    study["ladder"]["on-off"]["steps"][0]["controller"]["dead_band_K"] = 0.6
+    after = wx.run(study, "run").differences.loc[("january", "O_CP"), "mae_K"]
+    assert after > before
+
+
+def test_a_run_that_fails_leaves_no_folder_behind(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    study = tomllib.loads(SMALL)
+    study["weather"] = {"january": {"use": "epw", "path": "nowhere.epw"}}
+    with pytest.raises(wx.StudyError, match=r"nowhere\.epw"):
+        wx.run(study)
+    study["weather"] = tomllib.loads(SMALL)["weather"]
+    monkeypatch.setattr("waxstudy.simulation.run.free_disk", lambda folder: 1.0)
+    with pytest.raises(wx.RunError, match="free on the disk"):
+        wx.run(study)
+    assert list(tmp_path.iterdir()) == []
 
 
 # --- records ---------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,6 @@ from waxstudy.dataset import read
 from waxstudy.dataset.baseline import parted, read_baseline
 from waxstudy.diagnosis import diagnose as core
 from waxstudy.diagnosis.result import Diagnosis
-from waxstudy.report.diagnosis.figures import FIGURES
-from waxstudy.report.diagnosis.page import as_html
 from waxstudy.study.model import Study
 
 Record = str | Path | read.Dataset
@@ -25,17 +24,13 @@ class Plots:
     """The figures of a diagnosis' page by their names: `found.plot.traces()` returns a matplotlib figure."""
 
     def __init__(self, diagnosis: Diagnosis) -> None:
-        self._diagnosis = diagnosis
-        self._drawings = {each.name: each for each in FIGURES}
+        from waxstudy.report.diagnosis.figures import FIGURES  # brings matplotlib along
+
+        for each in FIGURES:
+            setattr(self, each.name, partial(each, diagnosis))
 
     def __getattr__(self, name: str) -> Callable[[], Any]:
-        drawings = self.__dict__.get("_drawings", {})
-        if name not in drawings:
-            raise AttributeError(f"no figure '{name}': {', '.join(drawings)}")
-        return lambda: drawings[name](self._diagnosis)
-
-    def __dir__(self) -> list[str]:
-        return sorted(self._drawings)
+        raise AttributeError(f"no figure '{name}': {', '.join(vars(self))}")
 
 
 class Found:
@@ -52,7 +47,7 @@ class Found:
     @property
     def verdict(self) -> str:
         """What kind of answer it is."""
-        return str(self.diagnosis.described()["verdict"])
+        return str(self.diagnosis.verdict)
 
     @property
     def effects(self) -> pd.DataFrame:
@@ -88,6 +83,8 @@ class Found:
 
     def page(self) -> str:
         """Return the page as one HTML document."""
+        from waxstudy.report.diagnosis.page import as_html  # brings matplotlib along
+
         return as_html(self.diagnosis)
 
     def __repr__(self) -> str:

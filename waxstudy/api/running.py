@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import tomli_w
 
 from waxstudy.plugin.registry import installed
 from waxstudy.report.content import Content, gather
@@ -21,8 +20,9 @@ from waxstudy.results.run import UNITS, Run
 from waxstudy.simulation.run import InputError, Progress
 from waxstudy.simulation.run import run as compute
 from waxstudy.study.model import Study
-from waxstudy.study.problems import StudyError
-from waxstudy.study.read import problem_at, read_study
+from waxstudy.study.problems import Problem, StudyError
+from waxstudy.study.read import problem_at, read_study, study_of
+from waxstudy.study.source import source_of
 
 Told = Callable[[int, int], None]  # cases done, cases in all
 
@@ -91,33 +91,37 @@ def run(
     returned. `progress` is told how many cases are done, and of how many. Raises `StudyError` for what is wrong with
     the study, `PluginError`, `BackendMissing`, `SimulationError`, and `RunError` for a folder that cannot be used.
     """
-    told = progress if isinstance(progress, Progress) else _progress(progress)
-    folder = Path(tempfile.mkdtemp(prefix="waxstudy-run-") if out is None else out)
     read = study if isinstance(study, Study) else _read(study)
+    folder = Path(tempfile.mkdtemp(prefix="waxstudy-run-") if out is None else out)
     try:
-        compute(read, folder, jit=jit, progress=told, replaces=replace)
-    except InputError as error:
-        where = tuple(error.table.split(".", 1))
-        raise StudyError([problem_at(read.file or folder, where, str(error), error.key, error.value)]) from error
-    results = Results(folder)
+        compute(read, folder, jit=jit, progress=_progress(progress), replaces=replace)
+        results = Results(folder)
+    except BaseException as error:
+        if out is None:
+            shutil.rmtree(folder, ignore_errors=True)
+        if isinstance(error, InputError):
+            raise StudyError([_problem(read, error)]) from error
+        raise
     if out is None:
         weakref.finalize(results, shutil.rmtree, folder, ignore_errors=True)
     return results
 
 
 def _read(study: str | Path | Mapping[str, Any]) -> Study:
-    if not isinstance(study, Mapping):
-        return read_study(Path(study), installed())
-    # what a file says has a line and a folder; what a mapping names is looked for where we are
-    with tempfile.NamedTemporaryFile("wb", prefix="study-", suffix=".toml", dir=Path.cwd()) as file:
-        file.write(tomli_w.dumps(dict(study)).encode())
-        file.flush()
-        return read_study(Path(file.name), installed())
+    if isinstance(study, Mapping):
+        return study_of(source_of(study), installed())
+    return read_study(Path(study), installed())
 
 
-def _progress(tell: Told | None) -> Progress:
-    if tell is None:
-        return Progress()
+def _problem(study: Study, error: InputError) -> Problem:
+    """Return what only showed in use, at its place in the study."""
+    table = tuple(error.table.split(".", 1))
+    return problem_at(study.file or Path("study"), table, str(error), error.key, error.value)
+
+
+def _progress(tell: Told | Progress | None) -> Progress:
+    if tell is None or isinstance(tell, Progress):
+        return tell or Progress()
     counts = [0, 0]
 
     def total(count: int) -> None:

@@ -104,7 +104,7 @@ def _plugin_error(message: str, against: Path | str | None) -> CommandError:
     return CommandError(message, PLUGIN if blamed else INVALID)
 
 
-def render(folder: Path, form: str, against: Path | str | None) -> str:
+def render(of: Path | Run, form: str, against: Path | str | None) -> str:
     """Return a run's report in one of the formats, against another run's folder or a registered reference's name.
 
     What is wrong with a run becomes exit code 3 or 4.
@@ -115,7 +115,7 @@ def render(folder: Path, form: str, against: Path | str | None) -> str:
     from waxstudy.results.run import Run
 
     try:
-        run = Run(folder)
+        run = of if isinstance(of, Run) else Run(of)
         other = Run(against) if isinstance(against, Path) else against
         content = gather(run, load_study(run.study_file, needs_files=False), other)
         if form == "html":

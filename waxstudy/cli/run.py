@@ -31,8 +31,8 @@ def command(study_file: Path, out: Path | None, replaces: bool, as_json: bool, q
         from waxstudy.api.running import run
 
         with resumable():
-            run(study, folder, jit=not no_jit, progress=told, replace=replaces)
+            results = run(study, folder, jit=not no_jit, progress=told, replace=replaces)
     from waxstudy.cli.report import render
 
-    text = render(folder, "json" if as_json else "table", study.against)
+    text = render(results, "json" if as_json else "table", study.against)
     print_out(text if as_json else f"{text}{folder}\n")

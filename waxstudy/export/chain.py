@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from pydantic.fields import FieldInfo
 
-from waxstudy.export.model import Model, Stage, Variable
+from waxstudy.export.model import Model, NotExportable, Stage, Variable
 from waxstudy.export.object_code import machine_code
 from waxstudy.plugin import CHAIN, TEMPERATURE, Block, Choice, Port
 from waxstudy.simulation.chain import Chain
@@ -42,10 +42,6 @@ SAID = {
     "flow_fraction": "fraction of full flow",
 }
 START_C = 20.0
-
-
-class NotExportable(Exception):
-    """A block cannot be exported; the message says which, and why."""
 
 
 def block_model(choice: Choice, step_s: float) -> Model:

@@ -9,27 +9,13 @@ from importlib.resources import files
 from string import Template
 from typing import Any
 
+from waxstudy.export.model import NotExportable
 from waxstudy.export.python_source import NotPortable, factory, ring, written
 from waxstudy.plugin import CHAIN, Block, Choice, Ring
 from waxstudy.simulation.chain import Chain
 from waxstudy.version import __version__
 
 TEMPLATE = files("waxstudy.export").joinpath("energyplus_plugin.txt")
-THERMOSTAT = """\
-def controller():
-    def step(p, x, u, t, dt):
-        if u > 0.5 * p.dead_band_K:
-            x.on = True
-        elif u < -0.5 * p.dead_band_K:
-            x.on = False
-        return 1.0 if x.on else 0.0
-
-    return step
-"""
-
-
-class NotExportable(Exception):
-    """A block cannot be written as a plugin; the message says which, and why."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +28,8 @@ class Place:
     setpoint_C: float
 
 
-def plugin(blocks: Mapping[str, Choice], step_s: float, place: Place, module: str, dead_band_K: float) -> str:
-    """Return the plugin's text; a chain without a controller gets a thermostat of this dead band.
+def plugin(blocks: Mapping[str, Choice], step_s: float, place: Place, module: str) -> str:
+    """Return the plugin's text.
 
     Raises `NotExportable`, `PluginError` or `SimulationError`.
     """
@@ -56,9 +42,6 @@ def plugin(blocks: Mapping[str, Choice], step_s: float, place: Place, module: st
             texts.append(_text(block))
             p, x = _namespace(_fields(ready.plain[number])), _namespace(_state(states[number]))
             stages.append(_stage(kind, p, x, block.output.low, block.output.high))
-        elif kind == "controller":
-            texts.append(THERMOSTAT)
-            stages.append(_stage(kind, _namespace({"dead_band_K": written(dead_band_K)}), "SimpleNamespace(on=False)"))
     if any("Ring(" in stage for stage in stages):
         texts.insert(0, ring())
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
@@ -93,7 +76,7 @@ def _text(block: type[Block]) -> str:
         raise NotExportable(f"{block.kind} '{block.name}' cannot be written for EnergyPlus: {error}") from error
 
 
-def _stage(kind: str, p: str, x: str, low: float = 0.0, high: float = 1.0) -> str:
+def _stage(kind: str, p: str, x: str, low: float, high: float) -> str:
     return f"            ({kind!r}, {kind}(), {p}, {x}, {written(low)}, {written(high)}),"
 
 

@@ -8,6 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 
+class NotExportable(Exception):
+    """A block cannot be written in the form that was asked for; the message says which, and why."""
+
+
 @dataclass(frozen=True)
 class Variable:
     """One number that an importer sees; `place` is as in `shell/model.h`."""

@@ -123,6 +123,12 @@ class Registered:
     package: str
     version: str
 
+    @property
+    def summary(self) -> str:
+        """What it is: the first line of its docstring, up to its colon or full stop."""
+        lines = (self.component.__doc__ or "").strip().splitlines()
+        return lines[0].split(": ")[0].split(". ")[0].rstrip(".") if lines else ""
+
     def __str__(self) -> str:
         return f"{self.component.kind} '{self.component.name}' of {self.package} {self.version}"
 

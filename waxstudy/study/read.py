@@ -26,7 +26,7 @@ from waxstudy.study.model import (
     is_safe_name,
 )
 from waxstudy.study.problems import Problem, StudyError, shown
-from waxstudy.study.source import read_source
+from waxstudy.study.source import Source, read_source
 from waxstudy.study.spots import RawTable, Spot
 
 __all__ = ["Problem", "StudyError", "problem_at", "read_study"]
@@ -41,7 +41,12 @@ def read_study(path: Path, registry: Registry, *, needs_files: bool = True) -> S
 
     Without `needs_files` a weather file may have gone, as it may when a finished run is reported.
     """
-    check = Check(read_source(path), registry, needs_files)
+    return study_of(read_source(path), registry, path, needs_files=needs_files)
+
+
+def study_of(source: Source, registry: Registry, file: Path | None = None, *, needs_files: bool = True) -> Study:
+    """Return the checked study of a source, which may be of no file; raise as `read_study`."""
+    check = Check(source, registry, needs_files)
     check.unknown_keys(Spot.table(), check.source.values, TABLES)
     study, comfort = _part(check, "study", StudyTable), _part(check, "comfort", Comfort)
     if study and study.against is not None:
@@ -56,7 +61,7 @@ def read_study(path: Path, registry: Registry, *, needs_files: bool = True) -> S
         raise StudyError(check.problems)
     named = {ladder.name: Ladder(ladder.name, ladder.reference, [c.id for c in ladder.cases]) for ladder in ladders}
     tables = (study.name, study.step_s, study.against, room, weeks, comfort, ensemble, output)
-    return Study(*tables, named, cases, check.fragments, path)
+    return Study(*tables, named, cases, check.fragments, file)
 
 
 def problem_at(path: Path, table: KeyPath, wrong: str, key: str = "", value: object = None) -> Problem:

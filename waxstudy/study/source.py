@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import tomli_w
 
 from waxstudy.plugin.files import read_file
 from waxstudy.study.lines import DEEPEST, KeyPath, key_lines
@@ -57,6 +60,21 @@ class Source:
         while path not in self.lines and path:
             path = path[:-1]
         return self.lines.get(path, 1)
+
+
+def source_of(values: Mapping[str, Any]) -> Source:
+    """Return what a mapping holds as if a file did, without lines; paths in it are seen from here.
+
+    Raises `StudyError` for what no file can hold.
+    """
+    path = Path("study")
+    try:
+        plain = tomllib.loads(tomli_w.dumps(dict(values)))
+    except TypeError as error:
+        raise StudyError([_problem(path, 0, f"a value that no study file can hold: {error}")]) from None
+    source = Source(str(path), Path.cwd(), plain, {(): 0})
+    _refuse_extremes(path, source)
+    return source
 
 
 def read_source(path: Path) -> Source:

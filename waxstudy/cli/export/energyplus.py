@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from waxstudy.plugin import Choice
 
 RADIANT = "Its ZoneHVAC:LowTemperatureRadiant:VariableFlow or ConstantFlow."
+THERMOSTAT = "on-off"  # that a motor alone gets
 BAND = "Dead band of the thermostat that a motor alone gets."
 POSITIVE = click.FloatRange(0.0, 1e6, min_open=True)
 
@@ -68,20 +69,21 @@ def command(
         blocks = {"actuator": chosen(file, use, "actuator" if use else None, values)}
         if (kind := blocks["actuator"].component.kind) != "actuator":
             raise CommandError(f"{file}: describes a {kind}; a motor is an [actuator], a whole chain a --case", USAGE)
-    _write(out, (blocks, step_s or 5.0), (zone, radiant, full_flow_kg_s, setpoint_c), dead_band_k)
+    if "controller" not in blocks:
+        blocks = {**blocks, "controller": chosen(None, THERMOSTAT, "controller", {"dead_band_K": dead_band_k})}
+    _write(out, (blocks, step_s or 5.0), (zone, radiant, full_flow_kg_s, setpoint_c))
 
 
-def _write(
-    out: Path, chain: tuple[Mapping[str, Choice], float], where: tuple[str, str, float, float], dead_band_K: float
-) -> None:
-    from waxstudy.export.energyplus import NotExportable, Place, objects, plugin
+def _write(out: Path, chain: tuple[Mapping[str, Choice], float], where: tuple[str, str, float, float]) -> None:
+    from waxstudy.export.energyplus import Place, objects, plugin
+    from waxstudy.export.model import NotExportable
     from waxstudy.plugin import SimulationError
     from waxstudy.plugin.registry import PluginError
     from waxstudy.results.atomic import whole_file
 
     place = Place(*where)
     try:
-        text = plugin(*chain, place, out.stem, dead_band_K)
+        text = plugin(*chain, place, out.stem)
         with whole_file(out) as temporary:
             temporary.write_text(text, encoding="utf-8")
     except (NotExportable, PluginError) as error:

@@ -63,7 +63,7 @@ def command(
 
 
 def _made(make: Any) -> Model:
-    from waxstudy.export.chain import NotExportable
+    from waxstudy.export.model import NotExportable
     from waxstudy.plugin import SimulationError
     from waxstudy.plugin.registry import PluginError
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 @as_json
 def command(as_json: bool) -> None:
     """List every component by kind, with its package, and broken plugins with their reason."""
-    from waxstudy.api.components import first_sentence
     from waxstudy.plugin import KINDS
     from waxstudy.plugin.registry import installed
 
@@ -33,7 +32,7 @@ def command(as_json: bool) -> None:
         return
     listed = table(("kind", "name", "package", "what it is"))
     for (kind, name), entry in entries:
-        said = ": ".join((*_stage(entry.component).values(), first_sentence(entry.component)))
+        said = ": ".join((*_stage(entry.component).values(), entry.summary))
         listed.add_row(kind, name, f"{entry.package} {entry.version}", said)
     reasons = [f"broken: {plugin}: {reason}" for plugin, reason in registry.broken.items()]
     print_tables(listed, *(["", *reasons] if reasons else []))
