@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
 import pickle
-import subprocess
-import sys
-import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from waxstudy.plugin import TRACE, Advance, FloatArray, Refused, Stopped, WeatherRecord
+from waxstudy.plugin import TRACE, Advance, FloatArray, Refused, WeatherRecord
 from waxstudy.results.atomic import scratch_folder
 from waxstudy.simulation.engine import START, WARM_UP_DAYS, Start
+from waxstudy.simulation.own_process import PRINTED, ask
 from waxstudy.study.model import is_multiple
 from waxstudy_energyplus.library import EnergyPlusError, installed_version
 from waxstudy_energyplus.loop import CHAIN_ROW, MINUTE, MINUTE_S, Job
@@ -27,7 +24,6 @@ from waxstudy_paper.room.description import RoomDescription
 
 ERROR_LINES = 40
 HARMLESS = "CheckWarmupConvergence"  # the engine's own warm-up is cut short on purpose
-POLL_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -105,55 +101,8 @@ def simulate(
 
 
 def _answer(job: Job, folder: Path, stop: Callable[[], bool]) -> tuple[FloatArray, FloatArray]:
-    path = [entry or os.getcwd() for entry in sys.path]
-    question = pickle.dumps(path) + pickle.dumps(job)
-    command = [sys.executable, "-m", "waxstudy_energyplus.worker", str(folder)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path)}
-    with (folder / "printed.txt").open("wb") as printed:
-        process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=printed, cwd=folder, env=environment
-        )
-    try:
-        answer = _exchange(process, question, stop)
-    finally:
-        _end(process)
-    return _understood(answer, process.returncode, folder)
-
-
-def _exchange(process: subprocess.Popen[bytes], question: bytes, stop: Callable[[], bool]) -> bytes:
-    """Ask, and wait for the answer; stdin stays open, for its end would end the process."""
-    asked, answered = process.stdin, process.stdout
-    assert asked is not None
-    assert answered is not None
-    parts: list[bytes] = []
-
-    def ask() -> None:
-        with contextlib.suppress(BrokenPipeError):  # it has ended already, and its error file says why
-            asked.write(question)
-            asked.flush()
-
-    def read() -> None:
-        with contextlib.suppress(ValueError):  # nobody waits any more, and the pipe is closed
-            parts.append(answered.read())
-
-    # a process that is slow to start lets a long question wait, as it lets us wait for the answer
-    threading.Thread(target=ask, daemon=True).start()
-    reader = threading.Thread(target=read, daemon=True)
-    reader.start()
-    while reader.is_alive():
-        reader.join(POLL_S)
-        if stop():
-            raise Stopped
-    return parts[0] if parts else b""
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    process.kill()
-    process.wait()
-    for pipe in (process.stdin, process.stdout):
-        with contextlib.suppress(BrokenPipeError):
-            if pipe is not None:
-                pipe.close()
+    answer, code = ask("waxstudy_energyplus.worker", folder, job, stop)
+    return _understood(answer, code, folder)
 
 
 class _Remote(Exception):
@@ -181,7 +130,7 @@ def _understood(answer: bytes, code: int, folder: Path) -> tuple[FloatArray, Flo
 
 def _error_file(folder: Path) -> str:
     """Return what the engine's error file says from its first severe line on, or else what was printed."""
-    for name, first in (("eplusout.err", "** Severe"), ("eplusout.err", "**  Fatal"), ("printed.txt", "")):
+    for name, first in (("eplusout.err", "** Severe"), ("eplusout.err", "**  Fatal"), (PRINTED, "")):
         with contextlib.suppress(OSError):
             lines = (folder / name).read_text(encoding="utf-8", errors="replace").splitlines()
             found = [n for n, line in enumerate(lines) if first in line and HARMLESS not in line]

@@ -6,32 +6,24 @@ it; so each run has one, which dies with the one that asked for it and takes its
 
 from __future__ import annotations
 
-import os
 import pickle
-import shutil
-import signal
 import sys
-import threading
 import traceback
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from waxstudy.simulation.own_process import end_with_asker, listen, send
+
 
 def main(folder: Path) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one that asked
-    answer = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever the engine prints
-    sys.path[:] = pickle.load(sys.stdin.buffer)
-    result = _result(folder, sys.stdin.buffer)
-    answer.write(result)
-    answer.flush()
-    os._exit(0)  # the engine's library need not tidy up
+    source, answer = listen()
+    send(answer, _result(folder, source))
 
 
 def _result(folder: Path, source: BinaryIO) -> bytes:
     try:
         job = pickle.load(source)
-        threading.Thread(target=_end_with, args=(source, folder), daemon=True).start()
+        end_with_asker(source, folder)
         return pickle.dumps((_run(job, folder), None, ""))
     except BaseException as error:
         text = traceback.format_exc()
@@ -40,13 +32,6 @@ def _result(folder: Path, source: BinaryIO) -> bytes:
         except Exception:
             error = RuntimeError(f"{type(error).__name__}: {error}")
         return pickle.dumps((None, error, text))
-
-
-def _end_with(source: BinaryIO, folder: Path) -> None:
-    """Wait for the end of stdin, which comes however the asking process ends, and go with it."""
-    source.read()
-    shutil.rmtree(folder, ignore_errors=True)
-    os._exit(1)
 
 
 def _run(job: Any, folder: Path) -> tuple[Any, Any]:

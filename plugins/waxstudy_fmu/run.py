@@ -2,73 +2,23 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
 import pickle
-import subprocess
-import sys
-import threading
 from collections.abc import Callable
 
-from waxstudy.plugin import FloatArray, SimulationError, Stopped
+from waxstudy.plugin import FloatArray, SimulationError
 from waxstudy.results.atomic import scratch_folder
+from waxstudy.simulation.own_process import PRINTED, ask
 from waxstudy_fmu.job import Job
 
-POLL_S = 0.05
 LAST_LINES = 3
 
 
 def simulate(job: Job, stop: Callable[[], bool]) -> FloatArray:
     """Return the record of a job; raise what the chain raises, `SimulationError` for the FMU's faults, or `Stopped`."""
-    path = [entry or os.getcwd() for entry in sys.path]
-    question = pickle.dumps(path) + pickle.dumps(job)
-    with scratch_folder("waxstudy-fmu-run-") as folder, (folder / "printed.txt").open("w+b") as printed:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "waxstudy_fmu.worker", str(folder)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=printed,
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(path)},
-        )
-        try:
-            answer = _exchange(process, question, stop)
-        finally:
-            process.kill()
-            process.wait()
-            for pipe in (process.stdin, process.stdout):
-                with contextlib.suppress(BrokenPipeError):
-                    if pipe is not None:
-                        pipe.close()
-        printed.seek(0)
-        said = printed.read().decode(errors="replace").splitlines()[-LAST_LINES:]
-    return _understood(answer, process.returncode, "; ".join(line.strip() for line in said))
-
-
-def _exchange(process: subprocess.Popen[bytes], question: bytes, stop: Callable[[], bool]) -> bytes:
-    """Ask, and wait for the answer; stdin stays open, for its end would end the process."""
-    asked, answered = process.stdin, process.stdout
-    assert asked is not None
-    assert answered is not None
-    parts: list[bytes] = []
-
-    def ask() -> None:
-        with contextlib.suppress(BrokenPipeError):
-            asked.write(question)
-            asked.flush()
-
-    def read() -> None:
-        with contextlib.suppress(ValueError):  # nobody waits any more, and the pipe is closed
-            parts.append(answered.read())
-
-    threading.Thread(target=ask, daemon=True).start()
-    reader = threading.Thread(target=read, daemon=True)
-    reader.start()
-    while reader.is_alive():
-        reader.join(POLL_S)
-        if stop():
-            raise Stopped
-    return parts[0] if parts else b""
+    with scratch_folder("waxstudy-fmu-run-") as folder:
+        answer, code = ask("waxstudy_fmu.worker", folder, job, stop)
+        said = (folder / PRINTED).read_text(errors="replace").splitlines()[-LAST_LINES:]
+    return _understood(answer, code, "; ".join(line.strip() for line in said))
 
 
 def _understood(answer: bytes, code: int, said: str) -> FloatArray:

@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import pickle
-import sys
 import time
 from typing import BinaryIO
 
-POLL_S = 0.05
-
-
-def send(answer: BinaryIO, result: bytes) -> None:
-    sys.stdout.flush()
-    answer.write(result)
-    answer.flush()
-    os._exit(0)  # the FMU need not tidy up
+from waxstudy.simulation.own_process import POLL_S, send
 
 
 class Watch:

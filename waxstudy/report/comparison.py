@@ -143,10 +143,10 @@ def solver_error_percent(kpis: pd.DataFrame, case: str, reference: str, week: st
 
     What is left of a shift, to first order, times the heat that a kelvin takes in the long run.
     """
-    left_K = sum(
-        abs(float(np.mean(values["single_run_shift_K"] - values["setpoint_shift_K"])))
-        for values in ({c: member_values(kpis, name, week, c) for c in SHIFTS} for name in {case, reference})
-    )
+    left_K = 0.0
+    for name in {case, reference}:
+        shared, alone = (member_values(kpis, name, week, c) for c in ("setpoint_shift_K", "single_run_shift_K"))
+        left_K += abs(float(np.mean(alone - shared)))
     per_K, heat = (float(np.mean(member_values(kpis, reference, week, c))) for c in ("heat_per_K_kWh_m2_week", HEAT))
     return 100.0 * left_K * per_K / heat if heat > 0.0 else np.nan
 
@@ -155,9 +155,6 @@ def single_run_share(differences: FloatArray) -> float:
     """Return the share of single runs that differ the way the mean does; NaN where the mean is none."""
     mean = float(np.mean(differences))
     return float(np.mean(differences * mean > 0.0)) if np.isfinite(mean) else np.nan
-
-
-SHIFTS = ("setpoint_shift_K", "single_run_shift_K")
 
 
 def _known(row: Row, column: str) -> Estimate | str:

@@ -133,11 +133,9 @@ def findings(run: FinishedRun) -> Sequence[Finding]:
     return [_finding(run, *finding) for finding in FINDINGS]
 
 
-def _finding(
-    run: FinishedRun, name: str, statement: str, check: Callable[[Figures], Iterable[Check]], circular: str = ""
-) -> Finding:
+def _finding(run: FinishedRun, name: str, statement: str, check: Callable[[Figures], Iterable[Check]]) -> Finding:
     figures, corrected = Figures(run), Figures(run, CORRECTED)
-    told = Finding(name, statement, *_judged(list(check(figures))), circular=circular)
+    told = Finding(name, statement, *_judged(list(check(figures))), circular=CIRCULAR.get(name, ""))
     if not figures.asked_heat:
         return told
     verdict, figure, share = _judged(list(check(corrected)))
@@ -316,37 +314,29 @@ def _actuator(product: str) -> Choice:
 
 
 # what was chosen by a finding (docs/choices.md): that it holds then proves nothing
-BY_SUN = "February's days of sun were chosen by the share over 22 °C"
-BY_SIGN = "the sign of Table 2's product terms was chosen by it"
-FINDINGS: Sequence[tuple[str, str, Callable[[Figures], Iterable[Check]], str]] = (
-    ("F1", "Adding the wax motor alone changes heat use little", wax_motor_changes_heat_little, ""),
-    ("F2", "Business-as-usual On/Off overestimates heat use by about 5 %", usual_on_off_overestimates, ""),
-    ("F3", "Business-as-usual PI is close to the most detailed PI", usual_pi_is_close, ""),
-    ("F4", "Continuous PI with adapted parameters underestimates", continuous_pi_underestimates, ""),
-    ("F5", "Sensor delay and valve curve hardly matter", delay_and_curve_hardly_matter, ""),
-    ("F6", "Modulation raises PI fluctuation to that of On/Off with 0.5 K", modulation_brings_on_off_fluctuation, ""),
-    ("F7", "Order of fluctuation in January", order_of_fluctuation, ""),
-    ("F8", "The dead band is the source of On/Off fluctuation", dead_band_is_the_source, ""),
-    ("F9", "Shifts are negative for PI and largest for O_0", shifts, ""),
-    (
-        "F10",
-        "Solar gains dominate in February",
-        sun_dominates_february,
-        BY_SUN,
-    ),
-    ("F11", "In February the wax motor helps On/Off and hurts PI", wax_motor_in_february, ""),
-    ("F12", "On/Off and PI differ little in the most detailed cases", on_off_like_pi_in_detail, ""),
-    (
-        "F13",
-        "Full activation above 5 min after long cooling, never above 7",
-        full_activation,
-        BY_SIGN,
-    ),
-    ("F14", "Quick opening: most of the flow at half opening", quick_opening, ""),
-    ("F15", "Mass flow: continuous PI near a quarter, modulated binary", load_dynamics, ""),
-    ("F16", "Return temperature is lower with the wax motor", return_temperature, ""),
-    ("F17", "Business-as-usual PI needs almost 6 % less heat than On/Off", usual_pi_needs_less, ""),
-    ("F18", "With adapted parameters On/Off needs 2 to 5 % more than PI", on_off_needs_more, ""),
-    ("F19", "On/Off without wax motor stands in for PI 0.1 K higher", on_off_stands_in_for_pi, ""),
-    ("F20", "Floor heat: business-as-usual On/Off stands out", usual_on_off_stands_out, ""),
+CIRCULAR = {
+    "F10": "February's days of sun were chosen by the share over 22 °C",
+    "F13": "the sign of Table 2's product terms was chosen by it",
+}
+FINDINGS: Sequence[tuple[str, str, Callable[[Figures], Iterable[Check]]]] = (
+    ("F1", "Adding the wax motor alone changes heat use little", wax_motor_changes_heat_little),
+    ("F2", "Business-as-usual On/Off overestimates heat use by about 5 %", usual_on_off_overestimates),
+    ("F3", "Business-as-usual PI is close to the most detailed PI", usual_pi_is_close),
+    ("F4", "Continuous PI with adapted parameters underestimates", continuous_pi_underestimates),
+    ("F5", "Sensor delay and valve curve hardly matter", delay_and_curve_hardly_matter),
+    ("F6", "Modulation raises PI fluctuation to that of On/Off with 0.5 K", modulation_brings_on_off_fluctuation),
+    ("F7", "Order of fluctuation in January", order_of_fluctuation),
+    ("F8", "The dead band is the source of On/Off fluctuation", dead_band_is_the_source),
+    ("F9", "Shifts are negative for PI and largest for O_0", shifts),
+    ("F10", "Solar gains dominate in February", sun_dominates_february),
+    ("F11", "In February the wax motor helps On/Off and hurts PI", wax_motor_in_february),
+    ("F12", "On/Off and PI differ little in the most detailed cases", on_off_like_pi_in_detail),
+    ("F13", "Full activation above 5 min after long cooling, never above 7", full_activation),
+    ("F14", "Quick opening: most of the flow at half opening", quick_opening),
+    ("F15", "Mass flow: continuous PI near a quarter, modulated binary", load_dynamics),
+    ("F16", "Return temperature is lower with the wax motor", return_temperature),
+    ("F17", "Business-as-usual PI needs almost 6 % less heat than On/Off", usual_pi_needs_less),
+    ("F18", "With adapted parameters On/Off needs 2 to 5 % more than PI", on_off_needs_more),
+    ("F19", "On/Off without wax motor stands in for PI 0.1 K higher", on_off_stands_in_for_pi),
+    ("F20", "Floor heat: business-as-usual On/Off stands out", usual_on_off_stands_out),
 )
