@@ -15,7 +15,8 @@ from waxstudy.dataset.grid import LONGEST
 from waxstudy.dataset.notes import Notes
 from waxstudy.importing import units
 from waxstudy.importing.asking import Ask, Question
-from waxstudy.importing.holding import COARSER, HELD, NS, UNIFORM, Grid, Rhythm, on_grid, rhythm, silences, threshold
+from waxstudy.importing.holding import NS, UNIFORM, Grid, Rhythm, on_grid, rhythm, silences, threshold
+from waxstudy.importing.limits import COARSER, DIGITS, FINEST_S, FOREVER_S, HELD, LOW_FLOW, USUAL_S
 from waxstudy.importing.matching import Match
 from waxstudy.importing.rates import Rises, rates_on, rises
 from waxstudy.importing.reading import Logged, refusal
@@ -24,14 +25,10 @@ from waxstudy.importing.seen import Seen, level_unit
 from waxstudy.plugin import FloatArray
 from waxstudy.study.problems import StudyError
 
-FINEST_S, USUAL_S = 5.0, 60.0  # interval at least, and where nothing is logged by the clock
 SLOW = ("outdoor_temperature_C", "setpoint_C", "solar_gain_W", "neighbour_temperature_C")  # tell no interval
-FOREVER_S = 100 * 366 * 86_400.0  # that a setpoint is held: nobody turns the dial, and nothing is logged
 COUNTED = 6.0**-0.5  # standard deviation of a difference of two values that are rounded to 1
 MINUTE_NS = 60 * NS  # to which signs of life are told apart
 RESTING = ("flow", "gain")  # of which 0 is a state
-DIGITS = 4  # of values, beyond what any instrument shows
-LOW_FLOW = 5.0  # a flow that never exceeds it is in no L/h
 FLOWS = ("m3/h", "L/min", "L/s", "L/h")
 
 
@@ -98,7 +95,7 @@ def _asked_unit(match: Match, ask: Ask) -> str:
     if quantity in ("flow", "gain") and each.is_counter:
         text = f"{each.entity} is a counter without a unit ({each.low:.4g} to {each.high:.4g}). What does it count"
         return ask(Question(text, (), "L" if quantity == "flow" else "kWh", option, where))
-    if quantity == "level" and each.high > 1.5 and level_unit(each) == "0-10 V":
+    if quantity == "level" and level_unit(each) == "0-10 V":
         text = f"{each.entity} goes up to {each.high:.3g} and has no unit. In which one is it"
         return ask(Question(text, ("0-10 V", "%", "1"), "0-10 V", option, where))
     return ""

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from waxstudy.importing.limits import FEWEST_TO_FOLLOW, LATER_NS
 from waxstudy.importing.reading import Logged
-
-LATER_NS = 900_000_000_000  # after a valve's signal changes, its motor has moved and the water has come
-FOLLOWING = 0.5  # correlation with the valve from which a temperature is that of its water
-FEWEST = 20  # readings
 
 
 def following(logged: Logged, valve: Logged) -> float:
@@ -17,6 +14,6 @@ def following(logged: Logged, valve: Logged) -> float:
     opened = np.where(place >= 0, valve.values[place], np.nan)
     is_known = np.isfinite(opened) & np.isfinite(logged.values)
     values, opened = logged.values[is_known], opened[is_known]
-    if len(values) < FEWEST or values.std() == 0.0 or opened.std() == 0.0:
+    if len(values) < FEWEST_TO_FOLLOW or values.std() == 0.0 or opened.std() == 0.0:
         return 0.0
     return float(np.corrcoef(values, opened)[0, 1])

@@ -6,18 +6,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from waxstudy.importing.limits import (
+    COARSER,
+    EVEN,
+    FEWEST_TO_TELL,
+    FINER,
+    HELD,
+    LEAST_KNOWN,
+    NEARLY,
+    ON_GRID,
+    REGULAR,
+    REPEATS,
+    THRESHOLD,
+)
 from waxstudy.plugin import FloatArray
 
 NS = 1_000_000_000
-FEWEST = 10  # readings that tell a rhythm
-EVEN, REGULAR, NEARLY = 0.2, 0.8, 0.98  # of the usual distance; share of distances like it, and nearly all of them
-REPEATS = 0.005  # share of readings that are as the one before: a logger that writes changes only has fewer
-HELD = 1.5  # times its own distance that a regular reading is held
-FINER, COARSER = 0.67, 1.5  # of the grid's interval: between them readings go to the nearest place of the grid
-ON_GRID = 0.9  # share of readings that lie on the grid: they are of the intervals that end there
 UNIFORM = 3.0**-0.5  # standard deviation of what lies within 1 of 0, all alike
-THRESHOLD = 0.1  # quantile of the changes that are logged, which is near their threshold
-LEAST_KNOWN = 0.5  # of an interval, for its mean
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,7 @@ class Grid:
 def rhythm(ns: np.ndarray, values: FloatArray) -> Rhythm:
     """Return how often an entity is logged, and whether by the clock or on change."""
     steps = np.diff(ns)
-    if len(steps) < FEWEST:
+    if len(steps) < FEWEST_TO_TELL:
         return Rhythm(float(np.median(steps)) / NS if len(steps) else 0.0, False)
     usual = float(np.median(steps))
     even = float(np.mean(np.abs(steps - usual) <= EVEN * usual))
@@ -100,6 +105,8 @@ def _means(ns: np.ndarray, values: FloatArray, grid: Grid, limit_ns: int) -> Flo
         whole = np.repeat(np.concatenate(([0.0], np.cumsum(amounts))), 2)[1:-1]
         return np.asarray(np.interp(grid.ends_ns, knots, whole) - np.interp(begins_ns, knots, whole))
 
-    total, known = over_intervals(np.nan_to_num(values) * lasted), over_intervals(1.0 * lasted)
+    # what is unknown has lasted for no time: it adds to neither sum, and an interval of little else stays missing
+    amounts = np.where(lasted > 0, values, 0.0) * lasted
+    total, known = over_intervals(amounts), over_intervals(1.0 * lasted)
     mean = np.full(len(total), np.nan)
     return np.asarray(np.divide(total, known, out=mean, where=known >= LEAST_KNOWN * grid.step_ns))

@@ -11,8 +11,9 @@ from pathlib import Path
 import pandas as pd
 
 from waxstudy.dataset.columns import named
+from waxstudy.importing.limits import LOOKED_AT, MOST_ENTITIES, REPEATED
 from waxstudy.importing.reading import Readings, Table, refusal
-from waxstudy.importing.stamps import LOOKED_AT, is_stamps, stamps_of
+from waxstudy.importing.stamps import is_stamps, stamps_of
 from waxstudy.importing.units import WRITTEN
 from waxstudy.importing.words import is_told_in_words
 
@@ -27,8 +28,6 @@ DAY = ("date", "datum", "day", "tag")
 CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?\s*([AaPp][Mm])?\s*")
 BRACKETED = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*$")
 SLASHED = re.compile(r"^(?P<name>.+?)\s+/\s+(?P<unit>\S+)$")
-MOST_ENTITIES = 2000  # a table with more is none of readings: each of them would become a column
-REPEATED = 2.0  # rows to an entity, at least
 EXPECTED = (
     "expected is a column of stamps, and either a column for each sensor, or one of names, one of values; "
     "units may stand in the row below the names"

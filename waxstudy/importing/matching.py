@@ -6,18 +6,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.importing.following import FOLLOWING
+from waxstudy.importing.limits import (
+    ALIKE,
+    BY_VALUES,
+    CLEAR,
+    EXACT,
+    FOLLOWING,
+    LEAST_SURE,
+    MOST_SURE,
+    ROOM,
+    STRANGE,
+    SURE,
+    UNIT,
+    VALUES,
+    WEAK,
+)
 from waxstudy.importing.names import CHANNEL_NAMES, is_of_room, plain, says
 from waxstudy.importing.seen import Seen, by_values, is_plausible
 
-EXACT, CLEAR, WEAK, BY_VALUES = 0.95, 0.7, 0.5, 0.35  # how much a name says, or values without one
-UNIT, VALUES, ROOM = 0.15, 0.1, 0.05  # that a unit, values and a room that is asked for add to it
-STRANGE = 0.25  # that values take from it which are not those of the channel
-SURE = 0.7  # from here on it is not asked
-LEAST = 0.4  # below, it is not proposed
-ALIKE = 0.05  # two entities whose figures differ by less fit equally well
 TWICE = ("supply_temperature_C", "return_temperature_C")
-MOST = 0.99
 
 
 @dataclass(frozen=True)
@@ -81,7 +88,7 @@ def _match(each: Seen, channel: str, room: str) -> Match | None:
         score += VALUES if is_like else -STRANGE
     why.append(each.range_words + ("" if is_like else ", strange for it"))
     score += ROOM if room and is_of_room(each.entity, room) else 0.0
-    return Match(channel, each, round(min(score, MOST), 2), "; ".join(why)) if score >= LEAST else None
+    return Match(channel, each, round(min(score, MOST_SURE), 2), "; ".join(why)) if score >= LEAST_SURE else None
 
 
 def _by_name(each: Seen, channel: str) -> tuple[float, list[str]]:

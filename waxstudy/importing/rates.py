@@ -6,13 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from waxstudy.importing.limits import BEGUN_ANEW, FEWEST_RISES, JUMP, RISING, USUAL, WHOLE
 from waxstudy.plugin import FloatArray
 
 HOUR_NS = 3_600_000_000_000
-RISING = 0.97  # share of changes that are rises, from which readings may be a counter's
-FEWEST_RISES = 20
-BEGUN_ANEW = 0.1  # of what a counter showed: it shows less after a reset, and has counted that since
-JUMP, USUAL = 50.0, 0.99  # times the rate that all but a few rises stay below: no meter in a house does it
 
 
 @dataclass(frozen=True)
@@ -61,4 +58,4 @@ def rates_on(found: Rises, ends_ns: np.ndarray, step_ns: int, longest_ns: int) -
     amount = np.concatenate(([0.0], np.cumsum(np.where(is_known, found.amounts, 0.0))))
     known = np.concatenate(([0.0], np.cumsum(np.where(is_known, lasted, 0))))
     at = [np.interp(edges, found.ns, each) for each in (amount, known) for edges in (ends_ns - step_ns, ends_ns)]
-    return np.where(at[3] - at[2] > 0.99 * step_ns, (at[1] - at[0]) / (step_ns / HOUR_NS), np.nan)
+    return np.where(at[3] - at[2] > WHOLE * step_ns, (at[1] - at[0]) / (step_ns / HOUR_NS), np.nan)

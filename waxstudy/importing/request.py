@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from waxstudy.importing.limits import HOLD_S
 from waxstudy.importing.matching import Match
-
-HOLD_S = 6 * 3600.0  # that a value is held which is logged when it changes: a house is logged that often as a rule
 
 
 @dataclass(frozen=True)

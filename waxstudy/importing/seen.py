@@ -10,14 +10,21 @@ import numpy as np
 from waxstudy.dataset.channels import Quantity
 from waxstudy.dataset.checks.units import PER_CENT, TYPICAL, VOLTS
 from waxstudy.importing import units
-from waxstudy.importing.following import FOLLOWING, following
+from waxstudy.importing.following import following
+from waxstudy.importing.limits import (
+    DIALS,
+    FAHRENHEIT,
+    FOLLOWING,
+    FRACTION,
+    LEAST_AMOUNT,
+    LEVEL,
+    STEADY_K,
+    WARM_WATER_C,
+)
 from waxstudy.importing.names import CHANNEL_NAMES, OTHER_AIR, OTHERS, plain, says
 from waxstudy.importing.rates import is_counter
 from waxstudy.importing.reading import Logged
 
-FAHRENHEIT = (50.0, 95.0)  # medians of a room in degrees Fahrenheit, none of which is one in degrees Celsius
-WARM_WATER_C, STEADY_K = 28.0, 3.0  # what water reaches and no room does; spread of a room
-DIALS = 20  # values that a setpoint takes at most
 NO_TEMPERATURES = ("flow_L_h", "heating_signal", "displacement")
 WRITTEN = STATED, IN_FILE, IN_NAME = ("stated", "in the file", "in its name")
 IS_FAHRENHEIT = "as rooms of this source are at 50 to 95, which is degrees Fahrenheit"
@@ -118,7 +125,7 @@ def _in_name(entity: str) -> str:
 
 def level_unit(each: Seen) -> str:
     """Return the unit that a level without one is in, by how high it reaches: per cent, volts, or none."""
-    if each.high <= 1.5:
+    if each.high <= FRACTION:
         return "1"
     return "0-10 V" if each.high <= VOLTS and not each.is_binary else "%" if each.high <= PER_CENT else ""
 
@@ -145,8 +152,8 @@ def is_plausible(each: Seen, quantity: Quantity) -> bool | None:
         typical = TYPICAL[quantity]
         return typical.low <= median <= typical.high and not each.is_binary and not each.is_counter
     if quantity == "level":
-        return low > -0.2 and high < 1.2 and not (each.is_counter and each.distinct > 2)
-    return low > -5.0 and (high > 1.0 or each.is_counter)
+        return LEVEL[0] < low and high < LEVEL[1] and not (each.is_counter and each.distinct > 2)
+    return low > LEAST_AMOUNT and (high > 1.0 or each.is_counter)
 
 
 def by_values(each: Seen, channel: str, quantity: Quantity) -> bool:

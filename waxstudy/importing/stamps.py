@@ -11,15 +11,13 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.stamps import YEARS, ZONED
+from waxstudy.importing.limits import LOOKED_AT, MOSTLY, TRIED
 from waxstudy.importing.reading import refusal
 from waxstudy.study.problems import shown
 
 # least and unit of an epoch by its size: the years 1973 to 5138 in seconds, and so on
 EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
-LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
-TRIED = 2000  # stamps that tell the format of a column
 CLOCKS = ("%H:%M:%S", "%H:%M", "%H:%M:%S.%f", "%I:%M:%S %p", "%I:%M %p", "")
-MOSTLY = 0.5  # of stamps: fewer bad ones are damage, more are another format
 MEND_ROWS = "mend these rows, or leave them out"
 SAY_FORMAT = "say --time-format '%d/%m/%Y %H:%M' or as it is"
 OFFSET = r"([+-])(\d\d):?(\d\d)?\s*$"
@@ -119,6 +117,7 @@ def _with_offset(times: pd.Series, written: pd.Series) -> pd.Series:
     if written.str.endswith("Z").any():
         return times
     found: Any = written.str.extract(OFFSET)
+    # an offset of whole hours, +02, has no minutes
     minutes = 60.0 * found[1].astype(float) + found[2].astype(float).fillna(0.0)
     least = float((minutes * np.where(found[0] == "-", -1.0, 1.0)).min())
     return pd.Series(times.dt.tz_convert(timezone(timedelta(minutes=least)))) if least else times

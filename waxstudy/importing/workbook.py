@@ -9,11 +9,11 @@ from zipfile import BadZipFile, ZipFile, is_zipfile
 
 import pandas as pd
 
+from waxstudy.importing.limits import LEAST_COLUMNS, LEAST_ROWS
 from waxstudy.importing.reading import Table, refusal
 from waxstudy.plugin.files import DATA_BYTES
 
 ENCRYPTED = "EncryptedPackage".encode("utf-16-le")  # the stream that a workbook with a password has
-LEAST_ROWS, LEAST_COLUMNS = 3, 2  # of a sheet that is a table
 
 
 def read_workbook(path: Path, where: str) -> Iterator[Table]:

@@ -1,0 +1,65 @@
+"""Every number that decides something in an import, with its reason.
+
+All are chosen: from what loggers and houses do, and tried on exports that were made from one simulated record. None was
+derived from records of others.
+"""
+
+# --- what follows the valve
+LATER_NS = 900_000_000_000  # after a valve's signal changes, its motor has moved and the water has come
+FOLLOWING = 0.5  # correlation with the valve from which a temperature is that of its water
+FEWEST_TO_FOLLOW = 20  # readings
+
+# --- rhythm: logged by the clock or on change
+FEWEST_TO_TELL = 10  # readings that tell a rhythm
+EVEN, REGULAR, NEARLY = 0.2, 0.8, 0.98  # of the usual distance; share of distances like it, and nearly all of them
+REPEATS = 0.005  # share of readings that are as the one before: a logger that writes changes only has fewer
+HELD = 1.5  # times its own distance that a regular reading is held
+FINER, COARSER = 0.67, 1.5  # of the grid's interval: between them readings go to the nearest place of the grid
+ON_GRID = 0.9  # share of readings that lie on the grid: they are of the intervals that end there
+THRESHOLD = 0.1  # quantile of the changes that are logged, which is near their threshold
+LEAST_KNOWN = 0.5  # of an interval, for its mean
+
+# --- how long a value stands
+HOLD_S = 6 * 3600.0  # that a value is held which is logged when it changes: a house is logged that often as a rule
+
+# --- the dataset
+FINEST_S, USUAL_S = 5.0, 60.0  # interval at least, and where nothing is logged by the clock
+FOREVER_S = 100 * 366 * 86_400.0  # that a setpoint is held: nobody turns the dial, and nothing is logged
+DIGITS = 4  # of values, beyond what any instrument shows
+LOW_FLOW = 5.0  # a flow that never exceeds it is in no L/h
+
+# --- tables of readings
+MOST_ENTITIES = 2000  # a table with more is none of readings: each of them would become a column
+REPEATED = 2.0  # rows to an entity, at least
+
+# --- sheets that are tables
+LEAST_ROWS, LEAST_COLUMNS = 3, 2  # of a sheet that is a table
+
+# --- which name is which channel
+EXACT, CLEAR, WEAK, BY_VALUES = 0.95, 0.7, 0.5, 0.35  # how much a name says, or values without one
+UNIT, VALUES, ROOM = 0.15, 0.1, 0.05  # that a unit, values and a room that is asked for add to it
+STRANGE = 0.25  # that values take from it which are not those of the channel
+SURE = 0.7  # from here on it is not asked
+LEAST_SURE = 0.4  # below, it is not proposed
+ALIKE = 0.05  # two entities whose figures differ by less fit equally well
+MOST_SURE = 0.99  # of a proposal: only what is stated is certain
+
+# --- counters
+RISING = 0.97  # share of changes that are rises, from which readings may be a counter's
+FEWEST_RISES = 20  # that tell a usual rate
+BEGUN_ANEW = 0.1  # of what a counter showed: it shows less after a reset, and has counted that since
+WHOLE = 0.99  # of an interval that a counter must be known over: rounding of stamps takes the rest
+JUMP, USUAL = 50.0, 0.99  # times the rate that all but a few rises stay below: no meter in a house does it
+
+# --- what values tell
+FAHRENHEIT = (50.0, 95.0)  # medians of a room in degrees Fahrenheit, none of which is one in degrees Celsius
+WARM_WATER_C, STEADY_K = 28.0, 3.0  # what water reaches and no room does; spread of a room
+FRACTION = 1.5  # a level that goes no higher is a fraction; 0 to 10 V and per cent go further
+LEVEL = (-0.2, 1.2)  # lowest and highest of levels: sensors overshoot their range a little
+LEAST_AMOUNT = -5.0  # of flows and gains, which an offset of the sensor may bring below 0
+DIALS = 20  # values that a setpoint takes at most
+
+# --- stamps
+LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
+TRIED = 2000  # stamps that tell the format of a column
+MOSTLY = 0.5  # of stamps: fewer bad ones are damage, more are another format
