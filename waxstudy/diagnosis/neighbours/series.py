@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -46,12 +47,12 @@ class House:
     def step_h(self) -> float:
         return self.step_s / 3600.0
 
-    @property
+    @cached_property
     def begins(self) -> pd.DatetimeIndex:
         """The beginning of each step."""
         return self.begin + pd.to_timedelta(np.arange(len(self)) * self.step_s, "s")
 
-    @property
+    @cached_property
     def is_day(self) -> np.ndarray:
         """Whether the sun shines at a step (n,), by the clock where it was not recorded."""
         if not self.sun:
@@ -59,12 +60,12 @@ class House:
         strength = [bridged(each) / max(float(np.nanmax(each)), 1.0) for each in self.sun.values()]
         return np.asarray(np.max(strength, axis=0) > SUNNY)
 
-    @property
+    @cached_property
     def days(self) -> np.ndarray:
         """The day of each step (n,), 0 on the first."""
         return np.asarray((self.begins.normalize() - self.begin.normalize()).days)
 
-    @property
+    @cached_property
     def hour(self) -> FloatArray:
         """The hour of the day in the middle of each step (n,)."""
         begins = self.begins + pd.Timedelta(0.5 * self.step_s, "s")
