@@ -234,7 +234,7 @@ def _best(problem: _Problem, names: Sequence[str], seed: int) -> FloatArray:
     from scipy.optimize import differential_evolution
 
     bounds: Any = [BOUNDS[name] for name in names]
-    options: Any = {"popsize": 20, "tol": 1e-8, "maxiter": 400, "polish": False}
+    options: Any = {"popsize": 20, "tol": 1e-4, "maxiter": 400, "polish": False}
     found = [differential_evolution(problem.error, bounds, rng=seed + again, **options) for again in range(SEARCHES)]
     return _polished(problem.error, min(found, key=lambda each: float(each.fun)).x, names)
 
