@@ -247,6 +247,6 @@ def test_workers_end_with_the_command_that_started_them_whatever_they_are_at(tmp
 @pytest.mark.skipif(sys.platform != "linux", reason="it can be asked on Linux only")
 def test_a_process_whose_parent_ended_before_it_could_ask_ends_as_well() -> None:
     parents = [str(os.getpid()), str(os.getppid())]
-    asking = "import sys; from waxstudy.blind_test.child import die_with_parent; die_with_parent(int(sys.argv[1]))"
+    asking = "import sys; from waxstudy.simulation.workers import die_with_parent; die_with_parent(int(sys.argv[1]))"
     codes = [subprocess.run([sys.executable, "-c", asking, each], check=False).returncode for each in parents]
     assert codes == [0, -signal.SIGKILL]

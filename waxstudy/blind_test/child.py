@@ -1,19 +1,15 @@
-"""Processes of a blind test: what a diagnoser's is given, how long it may take, and that all end when we do."""
+"""The process of a diagnoser: what it is given, how long it may take, and that it ends when we do."""
 
 from __future__ import annotations
 
-import ctypes
 import json
-import multiprocessing
 import os
 import signal
 import subprocess
-import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,13 +17,13 @@ from typing import Any
 from waxstudy.blind_test.answer import Answer, NoAnswer
 from waxstudy.simulation.cache_place import cache_base
 from waxstudy.simulation.threads import ONE_THREAD
+from waxstudy.simulation.workers import die_with_parent
 
 TAIL = 2000  # letters of stderr that are kept of a failure
 INTERRUPTED = tuple(each for name in (signal.SIGINT, signal.SIGTERM) for each in (-name, 128 + name))
 A_MOMENT_S = 2.0  # in which a signal that ended a diagnoser has reached us as well
 # what a process needs to find its interpreter and libraries and to write text; all else stays with us
 KEPT = ("PATH", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "LANG", "LC_ALL", "LC_CTYPE", "TZ", "SYSTEMROOT", "PATHEXT")
-PR_SET_PDEATHSIG = 1
 
 
 class NoProcess(Exception):
@@ -60,33 +56,6 @@ def environment(home: Path) -> dict[str, str]:
     kept = {name: os.environ[name] for name in KEPT if name in os.environ}
     own = {"HOME": str(home), "TMPDIR": str(home), "WAXSTUDY_CACHE": str(cache_base())}
     return {**kept, **own, **ONE_THREAD}
-
-
-def die_with_parent(parent: int) -> None:
-    """Ask the system to end this process when `parent`, which started it, ends; it can be asked on Linux only."""
-    if sys.platform == "linux":
-        LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:  # it ended before we asked
-            os.kill(os.getpid(), signal.SIGKILL)
-
-
-@contextmanager
-def worker_processes(count: int) -> Iterator[ProcessPoolExecutor]:
-    """Give processes for work of our own; they end when we do, and in the midst of it if the block fails."""
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(count, context, initializer=die_with_parent, initargs=(os.getpid(),))
-    try:
-        yield pool
-    except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in multiprocessing.active_children():
-            process.terminate()
-        raise
-    pool.shutdown()
-
-
-# loaded before any process is made: nothing may be loaded between fork and exec
-LIBC: Any = ctypes.CDLL(None) if sys.platform == "linux" else None
 
 
 def _called(command: Sequence[str], folder: Path, timeout_s: float) -> dict[str, Any]:

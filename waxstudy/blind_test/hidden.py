@@ -8,8 +8,8 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import chdir, contextmanager
 
-from waxstudy.blind_test.child import LIBC
 from waxstudy.simulation.cache_place import cache_base
+from waxstudy.simulation.workers import LIBC
 
 PR_SET_DUMPABLE = 4
 

@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from waxstudy.blind_test.box import close_box, open_box
-from waxstudy.blind_test.child import worker_processes
 from waxstudy.blind_test.draw import Case, drawn
 from waxstudy.blind_test.key import Key, KeyProblem
 from waxstudy.blind_test.plan import Plan, Slot
 from waxstudy.blind_test.record import BASELINE, LONG_AGO_S, copy_record, digest_of, set_times, write_record
 from waxstudy.plugin.trial import Staged, Unmakeable, engine_of
 from waxstudy.results.atomic import whole_file, whole_folder
+from waxstudy.simulation.workers import worker_processes
 
 if TYPE_CHECKING:
     from waxstudy.dataset.read import Dataset

@@ -9,12 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from waxstudy.blind_test.child import worker_processes
 from waxstudy.blind_test.draw import Case, Measured
 from waxstudy.blind_test.make import Place, Tick
 from waxstudy.blind_test.marks import Mark
 from waxstudy.plugin.trial import engine_of
 from waxstudy.results.atomic import whole_file
+from waxstudy.simulation.workers import worker_processes
 
 SHORT_DAYS, LEAST_DAYS, LEAST_SHARE = 6, 3, 0.3  # a record from which days are held out; how many, or which share
 
