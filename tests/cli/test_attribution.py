@@ -208,7 +208,7 @@ use = "nzeb"
 use = "tallinn-week"
 month = "january"
 [ensemble]
-members = 4
+members = 2
 [ladder.on-off]
 reference = "wax"
 start = { id = "simple", controller = { use = "on-off" }, valve = { use = "linear" } }

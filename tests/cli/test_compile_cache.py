@@ -11,21 +11,30 @@ from pathlib import Path
 import pytest
 
 from tests.cli.folders import contents
-from tests.conftest import Waxstudy
+from tests.conftest import SMALL, Waxstudy
 
 Same = Callable[[Path], None]
 pytestmark = pytest.mark.slow  # every run compiles
 
 
 @pytest.fixture
-def same(waxstudy: Waxstudy, small_study: Path, finished: Path) -> Same:
-    """Run the small study with a cache and compare with the run that had the usual one."""
+def one_case(tmp_path: Path) -> Path:
+    """A study of one case: there is one chain to compile."""
+    path = tmp_path / "one.toml"
+    path.write_text(SMALL.replace('"O_WM"\n', '"O_0"\n').partition("steps = [")[0])
+    return path
+
+
+@pytest.fixture
+def same(waxstudy: Waxstudy, one_case: Path) -> Same:
+    """Run the study with a cache and compare with the run that had the usual one."""
+    assert waxstudy("run", one_case, "--out", "usual").returncode == 0
 
     def check(cache: Path) -> None:
-        done = waxstudy("run", small_study, "--out", f"run-{random.random()}", env={"WAXSTUDY_CACHE": str(cache)})
+        done = waxstudy("run", one_case, "--out", f"run-{random.random()}", env={"WAXSTUDY_CACHE": str(cache)})
         assert (done.returncode, done.stderr) == (0, "")
-        folder = small_study.parent / done.stdout.splitlines()[-1]
-        assert contents(folder) == contents(finished)
+        folder = one_case.parent / done.stdout.splitlines()[-1]
+        assert contents(folder) == contents(one_case.parent / "usual")
 
     return check
 
@@ -54,11 +63,11 @@ def test_a_cache_that_cannot_be_written_is_done_without(same: Same, tmp_path: Pa
 
 
 def test_code_that_others_planted_in_a_shared_cache_is_not_run(
-    waxstudy: Waxstudy, small_study: Path, tmp_path: Path
+    waxstudy: Waxstudy, one_case: Path, tmp_path: Path
 ) -> None:
     """The cache's index is unpickled, which runs what it says."""
     cache, marker = tmp_path / "cache", tmp_path / "planted"
-    command, environment = ("run", small_study, "--out"), {"WAXSTUDY_CACHE": str(cache)}
+    command, environment = ("run", one_case, "--out"), {"WAXSTUDY_CACHE": str(cache)}
     assert waxstudy(*command, "first", env=environment).returncode == 0
     assert cache.stat().st_mode & 0o777 == 0o700
     damage(cache, "*.nbi", lambda data: pickle.dumps(Planted(marker)))

@@ -32,7 +32,7 @@ use = "nzeb"
 use = "tallinn-week"
 month = "january"
 [ensemble]
-members = 4
+members = 2
 [ladder.on-off]
 reference = "b0.5"
 start = {{ id = "b2.0", controller = {{ use = "on-off" }} }}

@@ -87,7 +87,7 @@ def test_the_resolved_study_gives_the_same_key_figures_byte_for_byte(entry: Entr
 
 @pytest.mark.slow
 def test_interpreted_blocks_give_the_same_key_figures_byte_for_byte(waxstudy: Waxstudy, tmp_path: Path) -> None:
-    (tmp_path / "single.toml").write_text(SINGLE)
+    (tmp_path / "single.toml").write_text(SINGLE.replace('"small"\n', '"small"\nstep_s = 60\n'))
     for name, options in (("compiled", ()), ("interpreted", ("--no-jit",))):
         done = waxstudy("run", "single.toml", "--out", name, *options)
         assert done.returncode == 0, done.stderr
