@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from waxstudy.api.fitting import fit_actuator, fit_valve
     from waxstudy.api.record import Dataset
     from waxstudy.api.running import Results, run
+    from waxstudy.api.sweeping import sweep
     from waxstudy.plugin import (
         Actuator,
         BackendMissing,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from waxstudy.plugin.registry import PluginError
     from waxstudy.results.folder import RunError
     from waxstudy.study.problems import StudyError
+    from waxstudy.sweep.result import Swept
 
 _PLACES = {
     "Actuator": "waxstudy.plugin",
@@ -56,6 +58,7 @@ _PLACES = {
     "Sensor": "waxstudy.plugin",
     "SimulationError": "waxstudy.plugin",
     "StudyError": "waxstudy.study.problems",
+    "Swept": "waxstudy.sweep.result",
     "Valve": "waxstudy.plugin",
     "Weather": "waxstudy.plugin",
     "components": "waxstudy.api.components",
@@ -64,6 +67,7 @@ _PLACES = {
     "fit_valve": "waxstudy.api.fitting",
     "hookimpl": "waxstudy.plugin",
     "run": "waxstudy.api.running",
+    "sweep": "waxstudy.api.sweeping",
 }
 __all__ = [
     "Actuator",
@@ -80,6 +84,7 @@ __all__ = [
     "Sensor",
     "SimulationError",
     "StudyError",
+    "Swept",
     "Valve",
     "Weather",
     "__version__",
@@ -89,6 +94,7 @@ __all__ = [
     "fit_valve",
     "hookimpl",
     "run",
+    "sweep",
 ]
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.errors import BACKEND, FAILED, INVALID, PLUGIN, CommandError
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures, progress, resumable
@@ -33,6 +33,7 @@ WHAT = "What to print  [default: what the suffix of --out says, else table]"
     is_flag=True,
     help="In its place: what each step of a ladder adds, averaged over all orders; computes the cases that this needs.",
 )
+@click.option("--sensitivity", is_flag=True, help="Of a sweep by `sobol`: what the variance of each figure comes from.")
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write to a file instead of printing.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 def command(
@@ -41,6 +42,7 @@ def command(
     as_json: bool,
     against: str | None,
     attribution: bool,
+    sensitivity: bool,
     out: Path | None,
     quiet: bool,
 ) -> None:
@@ -51,7 +53,11 @@ def command(
     form = "json" if as_json else form or _by_suffix(out)
     if attribution and against is not None:
         raise click.UsageError("--attribution stands in place of the comparison and goes with no --against")
-    if attribution:
+    if sensitivity and (attribution or against is not None or form == "html"):
+        raise click.UsageError("--sensitivity goes with --format table, csv, md or json only")
+    if sensitivity:
+        text = render_sensitivity(run_folder, form)
+    elif attribution:
         text = render_attribution(run_folder, form, quiet)
     else:
         text = render(run_folder, form, None if against is None else _folder_or_name(against))
@@ -164,3 +170,19 @@ def _attributed(run: Run, study: Study, quiet: bool) -> OrderFree:
             return attribute(run, study, told)
         except OtherSources as error:
             raise CommandError(str(error), INVALID) from error
+
+
+def render_sensitivity(folder: Path, form: str) -> str:
+    """Return the Sobol indices of a sweep in one of the formats."""
+    from waxstudy.plugin import BackendMissing
+    from waxstudy.report import sensitivity
+    from waxstudy.results.folder import RunError
+    from waxstudy.sweep.result import read_swept
+
+    try:
+        swept = read_swept(folder)
+        return sensitivity.render(sensitivity.indices(swept), swept, form, *terminal())
+    except BackendMissing as error:
+        raise CommandError(str(error), BACKEND) from error
+    except RunError as error:
+        raise CommandError(str(error), INVALID) from error

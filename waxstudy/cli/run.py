@@ -6,10 +6,12 @@ from pathlib import Path
 
 import click
 
+from waxstudy.cli.errors import FAILED, CommandError
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
+from waxstudy.sweep.kinds import KINDS, Kind
 
 
 @click.command("run", cls=Command)
@@ -19,12 +21,38 @@ from waxstudy.cli.study import load_study
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 @click.option("--no-jit", is_flag=True, help="Interpret the blocks instead of compiling them; slow, same results.")
-def command(study_file: Path, out: Path | None, replaces: bool, as_json: bool, quiet: bool, no_jit: bool) -> None:
+@click.option("--sweep", "sweep_file", type=Existing(dir_okay=False), help="Run it at every point of this file.")
+@click.option("--executor", type=click.Choice(KINDS), help="Where a sweep is computed  [default: threads]")
+@click.option("--workers", type=click.IntRange(1), help="Points of a sweep at a time  [default: one for each core]")
+@click.option("--scheduler", metavar="ADDRESS", help="Of dask  [default: a cluster on this machine]")
+def command(
+    study_file: Path,
+    out: Path | None,
+    replaces: bool,
+    as_json: bool,
+    quiet: bool,
+    no_jit: bool,
+    sweep_file: Path | None,
+    executor: Kind | None,
+    workers: int | None,
+    scheduler: str | None,
+) -> None:
     """Run every case of a study and print the comparison.
 
     What is already computed in the run folder for the same inputs is not computed again. The folder belongs to the
     study file that began it: another one's run is refused. The last line printed is the run folder.
+
+    With --sweep the study is run at many values of its parameters, and the folder holds one table of key figures.
     """
+    if sweep_file is None and (executor or workers or scheduler):
+        raise click.UsageError("--executor, --workers and --scheduler are of a sweep: name its file with --sweep")
+    if scheduler and executor != "dask":
+        raise click.UsageError("--scheduler is dask's: add --executor dask")
+    if sweep_file is not None:
+        if replaces or as_json:
+            raise click.UsageError("--replace and --json are of a single run")
+        _sweep(study_file, sweep_file, out, executor or "threads", workers, scheduler, quiet, not no_jit)
+        return
     study = load_study(study_file)
     folder = out or Path("results") / study.name
     with failures(study_file, folder), progress(quiet) as told:
@@ -36,3 +64,27 @@ def command(study_file: Path, out: Path | None, replaces: bool, as_json: bool, q
 
     text = render(results, "json" if as_json else "table", study.against)
     print_out(text if as_json else f"{text}{folder}\n")
+
+
+def _sweep(
+    study_file: Path,
+    sweep_file: Path,
+    out: Path | None,
+    kind: Kind,
+    workers: int | None,
+    scheduler: str | None,
+    quiet: bool,
+    jit: bool,
+) -> None:
+    study = load_study(study_file)
+    folder = out or Path("results") / f"{study.name}-{sweep_file.stem}"
+    with failures(study_file, folder), progress(quiet, "points") as told, resumable():
+        from waxstudy.api.sweeping import sweep
+
+        done = sweep(
+            study_file, sweep_file, folder, executor=kind, workers=workers, scheduler=scheduler, jit=jit, progress=told
+        )
+    count = done.points
+    print_out(f"{count} point{'s' * (count != 1)}, {len(done.failed)} failed: {done.file}\n{folder}\n")
+    if done.failed:
+        raise CommandError(f"{len(done.failed)} of {count} points failed and were left out", FAILED)

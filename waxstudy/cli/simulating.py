@@ -58,7 +58,7 @@ def warn(text: str) -> None:
 
 
 @contextmanager
-def progress(quiet: bool) -> Iterator[Progress]:
+def progress(quiet: bool, of: str = "cases") -> Iterator[Progress]:
     """A bar on stderr, on a terminal only."""
     from waxstudy.simulation.run import Progress
 
@@ -72,5 +72,5 @@ def progress(quiet: bool) -> Iterator[Progress]:
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("preparing", total=None)
-        total: Callable[[int], None] = lambda n: bar.update(task, total=n, description="cases")  # noqa: E731
+        total: Callable[[int], None] = lambda n: bar.update(task, total=n, description=of)  # noqa: E731
         yield Progress(warn=warn, total=total, done=lambda case, computed: bar.advance(task))

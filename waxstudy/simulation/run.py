@@ -53,7 +53,7 @@ class Progress:
 
     warn: Callable[[str], None] = lambda text: None
     total: Callable[[int], None] = lambda n: None
-    done: Callable[[CaseFolder, bool], None] = lambda case, computed: None
+    done: Callable[[CaseFolder | None, bool], None] = lambda case, computed: None
 
 
 @dataclass

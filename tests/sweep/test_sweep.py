@@ -1,0 +1,221 @@
+"""Claims about sweeps: each point is the study at that point, whoever computes it, however often it is interrupted."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pandas as pd
+import psutil
+import pytest
+
+from tests.cli.conftest import Plugin, plugin
+from tests.conftest import WAXSTUDY, Waxstudy
+
+__all__ = ["plugin"]
+
+INVALID, BACKEND, FAILED = 3, 5, 6
+STUDY = """\
+[study]
+name = "two"
+step_s = 60
+[room]
+use = "nzeb"
+[weather.january]
+use = "tallinn-week"
+month = "january"
+[ensemble]
+members = 2
+[ladder.on-off]
+reference = "O_CP"
+start = { id = "O_0", controller = { use = "on-off", dead_band_K = 2.0 }, valve = { use = "linear" } }
+steps = [ { id = "O_CP", controller = { dead_band_K = 0.5 } } ]
+"""
+GRID = """\
+[vary]
+"comfort.setpoint_C" = [20.0, 22.0]
+O_CP.controller.dead_band_K = [0.3, 0.5]
+"""
+SOBOL = """\
+[sweep]
+method = "sobol"
+samples = 8
+[vary]
+room.window_area_m2.south = { low = 2.0, high = 4.0 }
+comfort.setpoint_C = { low = 20.0, high = 22.0 }
+"""
+STICKS = """
+from waxstudy.plugin import Parameters, Valve, hookimpl, parameter
+
+
+class Most(Parameters):
+    most: float = parameter(1.0, unit="1", ge=0, le=1, description="Below 0.8 it breaks.", source="made up")
+
+
+class Sticks(Valve):
+    name = "sticks"
+    Parameters = Most
+
+    @staticmethod
+    def step(p, x, u, t, dt):
+        return u * p.most if p.most > 0.8 else -1.0
+
+
+@hookimpl
+def waxstudy_register(register):
+    register(Sticks)
+"""
+
+
+@pytest.fixture(autouse=True)
+def files(tmp_path: Path) -> None:
+    for name, text in (("two", STUDY), ("grid", GRID), ("sobol", SOBOL)):
+        (tmp_path / f"{name}.toml").write_text(text)
+
+
+def table(folder: Path) -> pd.DataFrame:
+    return pd.read_parquet(folder / "sweep.parquet")
+
+
+def test_each_point_of_a_grid_has_the_figures_of_the_study_that_says_so(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    done = waxstudy("run", "two.toml", "--sweep", "grid.toml")
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "results/two-grid"), done.stderr
+    swept = table(tmp_path / "results" / "two-grid")
+    points = swept.groupby("point")[["comfort.setpoint_C", "O_CP.controller.dead_band_K"]].first()
+    assert points.to_numpy().tolist() == [[20.0, 0.3], [20.0, 0.5], [22.0, 0.3], [22.0, 0.5]]
+    stated = STUDY.replace("dead_band_K = 0.5", "dead_band_K = 0.3") + "[comfort]\nsetpoint_C = 22.0\n"
+    (tmp_path / "one.toml").write_text(stated)
+    assert waxstudy("run", "one.toml", "--out", "one").returncode == 0
+    figures = pd.read_csv(tmp_path / "one" / "kpis.csv")
+    pd.testing.assert_frame_equal(
+        swept[swept["point"] == 2][figures.columns].reset_index(drop=True), figures, check_exact=False, rtol=1e-12
+    )
+
+
+def test_a_table_of_rooms_is_a_sweep_and_its_names_come_along(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    (tmp_path / "rooms.csv").write_text("name,room.window_area_m2.south\nsmall,2\nlarge,4\n")
+    assert waxstudy("run", "two.toml", "--sweep", "rooms.csv", "--out", "rooms").returncode == 0
+    heat = table(tmp_path / "rooms").groupby("name")["heat_corrected_kWh_m2_week"].mean()
+    assert heat["large"] > heat["small"] * 1.02  # more window, and January has little sun
+
+
+def test_a_latin_hypercube_has_a_point_in_each_part_of_every_range(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    text = SOBOL.replace('"sobol"', '"latin-hypercube"').replace("samples = 8", "samples = 4")
+    (tmp_path / "cube.toml").write_text(text)
+    assert waxstudy("run", "two.toml", "--sweep", "cube.toml", "--out", "cube").returncode == 0
+    drawn = table(tmp_path / "cube").groupby("point")["comfort.setpoint_C"].first()
+    assert sorted(int((value - 20.0) / 0.5) for value in drawn) == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        (
+            '"comfort.setpont_C" = [20.0]',
+            "bad.toml:2: comfort.setpont_C: no parameter of this study; did you mean 'comfort.setpoint_C'?",
+        ),
+        ("comfort.setpoint_C = [20.0, 99.0]", "bad.toml:2: comfort.setpoint_C = 99.0: must be at most 40"),
+        ("comfort.setpoint_C = 20.0", "must be a list of values, or a range"),
+        ("comfort.setpoint_C = { low = 22.0, high = 20.0 }", "low must be less than high"),
+        ("comfort.setpoint_C = { low = 20.0, high = 22.0 }", "a grid takes a list of values"),
+    ],
+)
+def test_what_a_sweep_cannot_be_is_told_at_its_line(waxstudy: Waxstudy, tmp_path: Path, line: str, told: str) -> None:
+    (tmp_path / "bad.toml").write_text(f"[vary]\n{line}\n")
+    done = waxstudy("run", "two.toml", "--sweep", "bad.toml")
+    assert done.returncode == INVALID
+    assert told in done.stderr
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_point_that_fails_is_told_and_left_out(waxstudy: Waxstudy, plugin: Plugin, tmp_path: Path) -> None:
+    (tmp_path / "two.toml").write_text(STUDY.replace('"linear"', '"sticks"'))
+    (tmp_path / "points.csv").write_text("valve.most\n1.0\n0.5\n0.9\n")
+    done = waxstudy("run", "two.toml", "--sweep", "points.csv", "--out", "points", env=plugin("stranger", STICKS))
+    assert done.returncode == FAILED
+    assert "warning: point 1: case O_0, january: " in done.stderr
+    assert set(table(tmp_path / "points")["point"]) == {0, 2}
+    assert list(json.loads((tmp_path / "points" / "sweep.json").read_text())["failed"]) == ["1"]
+
+
+def test_a_folder_of_something_else_is_left_alone(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter.txt").write_text("dear")
+    done = waxstudy("run", "two.toml", "--sweep", "grid.toml", "--out", "mine")
+    assert done.returncode == FAILED
+    assert "in use" in done.stderr
+    assert [each.name for each in (tmp_path / "mine").iterdir()] == ["letter.txt"]
+
+
+def test_options_of_a_sweep_without_one_are_told(waxstudy: Waxstudy) -> None:
+    assert "--sweep" in waxstudy("run", "two.toml", "--executor", "processes").stderr
+    assert "--executor dask" in waxstudy("run", "two.toml", "--sweep", "grid.toml", "--scheduler", "a:1").stderr
+
+
+# --- killed ------------------------------------------------------------------------------------------
+
+
+def begun(tmp_path: Path, *options: str) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
+    """Give a sweep at work each time that it has finished another point."""
+    folder = tmp_path / "killed"
+    command = [str(WAXSTUDY), "run", "two.toml", "--sweep", "sobol.toml", "--out", str(folder), *options]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    seen = 0
+    while process.poll() is None:
+        now = len(list((folder / "points").glob("[!.]*.parquet")))
+        if now > seen:
+            yield process, folder
+            seen = now
+        time.sleep(0.02)
+
+
+@pytest.mark.slow
+def test_a_sweep_that_is_killed_loses_no_finished_point(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    for process, _ in begun(tmp_path):
+        process.kill()
+        process.wait()
+    points = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "killed" / "points").glob("[!.]*.parquet")}
+    assert 1 <= len(points) < 32
+    told = waxstudy("report", "killed", "--sensitivity")
+    assert (told.returncode, "has not finished" in told.stderr) == (INVALID, True)
+    assert waxstudy("run", "two.toml", "--sweep", "sobol.toml", "--out", "killed").returncode == 0
+    after = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "killed" / "points").glob("*.parquet")}
+    assert points.items() <= after.items()
+    assert table(tmp_path / "killed")["point"].nunique() == 32
+    shares = json.loads(waxstudy("report", "killed", "--sensitivity", "--format", "json").stdout)["indices"]
+    total = {(each["figure"], each["parameter"]): each["total"] for each in shares if each["case"] == "O_CP"}
+    # at equal comfort the setpoint only moves the shift, and the windows only the heat
+    assert total["heat_corrected_kWh_m2_week", "comfort.setpoint_C"] < 0.05
+    assert total["heat_corrected_kWh_m2_week", "room.window_area_m2.south"] > 0.5
+    assert total["setpoint_shift_K", "room.window_area_m2.south"] < 0.05
+    assert total["setpoint_shift_K", "comfort.setpoint_C"] > 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["processes", "dask"])
+def test_a_worker_that_is_killed_costs_no_point(waxstudy: Waxstudy, tmp_path: Path, kind: str) -> None:
+    (tmp_path / "sobol.toml").write_text(SOBOL.replace("samples = 8", "samples = 2"))
+    killed = 0
+    for process, _ in begun(tmp_path, "--executor", kind, "--workers", "2"):
+        workers = [each for each in psutil.Process(process.pid).children(recursive=True) if is_worker(each)]
+        if not killed and len(workers) == 2:
+            os.kill(workers[0].pid, signal.SIGKILL)
+            killed += 1
+    assert killed == 1
+    assert waxstudy("run", "two.toml", "--sweep", "sobol.toml", "--out", "whole").returncode == 0
+    pd.testing.assert_frame_equal(table(tmp_path / "killed"), table(tmp_path / "whole"))
+
+
+def is_worker(process: psutil.Process) -> bool:
+    return any("spawn_main" in word or word.startswith("dask worker") for word in process.cmdline())
+
+
+def test_a_scheduler_that_does_not_answer_is_told(waxstudy: Waxstudy) -> None:
+    done = waxstudy("run", "two.toml", "--sweep", "grid.toml", "--executor", "dask", "--scheduler", "tcp://127.0.0.1:1")
+    assert done.returncode == BACKEND
+    assert "the dask scheduler at tcp://127.0.0.1:1 does not answer" in done.stderr

@@ -1,0 +1,1 @@
+"""One study at many values of its parameters."""

@@ -1,0 +1,118 @@
+"""A study at one point of a sweep: the file's values with those of the point in their places."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from waxstudy.plugin import Choice, Parameters
+from waxstudy.plugin.registry import did_you_mean, installed, nearest
+from waxstudy.study.model import Comfort, Ensemble, Study
+from waxstudy.study.problems import Problem, StudyError
+from waxstudy.study.read import study_of
+from waxstudy.study.source import Source
+from waxstudy.sweep.axes import Sweep
+
+ALLOWED = "room.KEY, weather.KEY, weather.WEEK.KEY, comfort.KEY, ensemble.KEY, BLOCK.KEY or CASE.BLOCK.KEY"
+TABLES: dict[str, type[Parameters]] = {"comfort": Comfort, "ensemble": Ensemble}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a key of a sweep stands in a study: in a table of its own name, in weeks, or in a block of cases."""
+
+    table: str
+    path: tuple[str, ...]  # within the table, or within the block
+    of: tuple[str, ...] = ()  # weeks or cases
+
+
+def studies(source: Source, study: Study, sweep: Sweep) -> list[Study]:
+    """Return the study at every point; raise `StudyError` with what is wrong with keys or values of the sweep."""
+    known = places(study)
+    wrong = [
+        sweep.problem(key, f"no parameter of this study{did_you_mean(nearest(key, known))} (allowed: {ALLOWED})")
+        for key in sweep.keys
+        if key not in known
+    ]
+    if wrong:
+        raise StudyError(wrong)
+    made: list[Study] = []
+    for number, values in enumerate(sweep.points):
+        try:
+            made.append(study_at(source, known, dict(zip(sweep.keys, values, strict=True))))
+        except StudyError as error:
+            wrong += [_in_sweep(sweep, number, problem) for problem in error.problems]
+    if wrong:
+        raise StudyError(list(dict.fromkeys(wrong)))
+    return made
+
+
+def study_at(source: Source, known: Mapping[str, Place], values: Mapping[str, Any]) -> Study:
+    """Return a study with some values changed; traces are not kept. Raises `StudyError`."""
+    changed: dict[str, Any] = copy.deepcopy(source.values)
+    for key, value in values.items():
+        *way, last = known[key].path
+        for table in _tables(changed, known[key]):
+            for name in way:
+                table = table.setdefault(name, {})
+            table[last] = value
+    changed["output"] = {**changed.get("output", {}), "trace_members": 0}
+    return study_of(replace(source, values=changed), installed())
+
+
+def places(study: Study) -> dict[str, Place]:
+    """Return every key that a sweep of this study may vary, and where it stands."""
+    found = {f"{name}.{key}": Place(name, (key,)) for name, table in TABLES.items() for key in table.model_fields}
+    found |= {_joined("room", path): Place("room", path) for path in _paths(study.room)}
+    for week, choice in study.weeks.items():
+        for path in _paths(choice):
+            _add(found, _joined("weather", path), "weather", path, week)
+            _add(found, _joined(f"weather.{week}", path), "weather", path, week)
+    for case in study.cases.values():
+        for kind, choice in case.blocks.items():
+            for path in _paths(choice):
+                _add(found, _joined(kind, path), kind, path, case.id)
+                _add(found, _joined(f"{case.id}.{kind}", path), kind, path, case.id)
+    return found
+
+
+def _add(found: dict[str, Place], key: str, table: str, path: tuple[str, ...], of: str) -> None:
+    found[key] = Place(table, path, (*(found[key].of if key in found else ()), of))
+
+
+def _joined(place: str, path: tuple[str, ...]) -> str:
+    return ".".join((place, *path))
+
+
+def _paths(choice: Choice) -> Iterator[tuple[str, ...]]:
+    """Give each parameter of a component, and each that a table among them holds."""
+    stated = choice.described()
+    for key in type(choice.parameters).model_fields:
+        yield (key,)
+        inner = stated.get(key)
+        yield from ((key, name) for name in (inner if isinstance(inner, dict) else ()))
+
+
+def _tables(values: dict[str, Any], place: Place) -> Iterator[dict[str, Any]]:
+    """Give each table of the file in which a key is to be set; the cases of a ladder inherit from those before."""
+    if not place.of:
+        yield values.setdefault(place.table, {})
+    elif place.table == "weather":
+        yield from (values["weather"][week] for week in place.of)
+    else:
+        for ladder in values["ladder"].values():
+            for step in (ladder["start"], *ladder.get("steps", [])):
+                if step["id"] in place.of and (place.table in step or len(place.of) == 1):
+                    yield step.setdefault(place.table, {})
+
+
+def _in_sweep(sweep: Sweep, number: int, problem: Problem) -> Problem:
+    """Say of a value that the study cannot take which key of the sweep it is; else at which point it is not taken."""
+    words = set(problem.where.strip("[]").removeprefix("case ").split(".")) | set(problem.key.split("."))
+    own = next((key for key in sweep.keys if key.rsplit(".", 1)[-1] in words), "")
+    if own:
+        value = sweep.points[number][sweep.keys.index(own)]
+        return replace(sweep.problem(own, problem.wrong, number, value), allowed=problem.allowed)
+    return sweep.problem("", f"point {number}: {problem}", number)

@@ -1,0 +1,76 @@
+"""One point of a sweep: every case in every week, without traces."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from waxstudy.plugin import Choice, SimulationError, Stopped
+from waxstudy.plugin.registry import described, installed
+from waxstudy.results.run import CaseFolder
+from waxstudy.simulation.run import InputError, Plan, loop_of, prepare, simulate_case
+from waxstudy.simulation.sources import component_digest, digest, source_digest
+from waxstudy.study.model import Study
+from waxstudy.study.read import study_of
+from waxstudy.study.source import source_of
+
+_one = threading.Lock()  # rooms are built and blocks compiled by one thread at a time; simulated by all
+_at_work: list[Plan] = []  # plans that threads of this process compute
+
+
+def stop() -> None:
+    """Let what threads compute end at its next weather interval."""
+    for plan in _at_work:
+        plan.stop[0] = 1
+
+
+def key_of(study: Study) -> str:
+    """Return a digest of everything that a point's figures depend on: what is stated, files that it names, sources."""
+    choices = list(_choices(study))
+    sources = sorted({component_digest(choice.component) for choice in choices})
+    files = sorted(
+        {value for choice in choices for value in vars(choice.parameters).values() if isinstance(value, Path)}
+    )
+    said = {key: value for key, value in study.described().items() if key not in ("study", "output")}
+    return digest([repr((said, study.step_s)), source_digest(__name__), *sources, *files])
+
+
+def _choices(study: Study) -> Iterator[Choice]:
+    yield study.room
+    yield from study.weeks.values()
+    for case in study.cases.values():
+        yield from case.blocks.values()
+
+
+def computed(stated: Mapping[str, Any], jit: bool) -> pd.DataFrame:
+    """Return the key figures of a resolved study, a row for each case, week and member.
+
+    Raises `SimulationError` with the case and week that failed, or what the room or the weather refused.
+    """
+    with _one:
+        study = study_of(source_of(stated), installed())
+        try:
+            plan = prepare(study, jit)
+        except InputError as error:
+            raise SimulationError(f"[{error.table}]: {error}") from error
+    _at_work.append(plan)
+    try:
+        return pd.concat([_figures(plan, job, jit) for job in plan.jobs()], ignore_index=True)
+    finally:
+        _at_work.remove(plan)
+
+
+def _figures(plan: Plan, job: CaseFolder, jit: bool) -> pd.DataFrame:
+    try:
+        with _one:
+            loop = loop_of(plan.study, plan.study.cases[job.case], plan.driven[job.week], jit)
+        return simulate_case(plan, job, loop, lambda trace: None)[0]
+    except Stopped:
+        raise
+    except Exception as error:
+        reason = str(error) if isinstance(error, SimulationError) else described(error)
+        raise SimulationError(f"case {job.case}, {job.week}: {reason}") from error

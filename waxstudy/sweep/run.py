@@ -1,0 +1,159 @@
+"""Run a sweep: each finished point is kept at once, and a sweep that was interrupted goes on from there.
+
+The folder is read by `waxstudy.sweep.result`; `points/KEY.parquet` holds the key figures of one point, and its key is a
+digest of all that they depend on.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from waxstudy.plugin import SimulationError
+from waxstudy.results.atomic import sole_use, whole_file
+from waxstudy.results.folder import RunError, holds_run
+from waxstudy.simulation.run import Progress
+from waxstudy.study.model import Study
+from waxstudy.sweep.axes import NAME, Sweep
+from waxstudy.sweep.executors import executor
+from waxstudy.sweep.kinds import Kind
+from waxstudy.sweep.point import computed, key_of
+from waxstudy.sweep.result import FORMAT, MANIFEST, POINTS, TABLE
+
+
+@dataclass
+class Where:
+    """Where points are computed."""
+
+    kind: Kind = "threads"
+    workers: int = field(default_factory=lambda: os.cpu_count() or 1)
+    scheduler: str | None = None
+
+
+def run(
+    studies: Sequence[Study], sweep: Sweep, folder: Path, where: Where, told: Progress, jit: bool = True
+) -> dict[int, str]:
+    """Compute the points that the folder does not hold and write its table; return why which points failed.
+
+    Raises `RunError` for a folder that holds something else or is in use, `BackendMissing`, `OSError`, and
+    `KeyboardInterrupt`; what was finished before that is kept.
+    """
+    if folder.is_dir() and any(folder.iterdir()) and not (folder / POINTS).is_dir():
+        held = "a run" if holds_run(folder) else "no sweep"
+        raise RunError(f"{folder}: this folder is in use and holds {held}; choose another with --out")
+    (folder / POINTS).mkdir(parents=True, exist_ok=True)
+    with sole_use(folder) as is_ours:
+        if not is_ours:
+            raise RunError(f"{folder}: another sweep is at work in this folder")
+        keys = [key_of(study) for study in studies]
+        told.total(len(keys))
+        files = [folder / POINTS / f"{key}.parquet" for key in keys]
+        # points that are alike are computed once
+        first = {key: number for number, key in reversed(list(enumerate(keys))) if not _is_whole(files[number])}
+        for _ in range(len(keys) - len(first)):
+            told.done(None, True)
+        todo = {number: studies[number].described() for number in sorted(first.values())}
+        failed = _compute(todo, files, where, told, jit)
+        reasons = {number: failed[first[key]] for number, key in enumerate(keys) if first.get(key, -1) in failed}
+        _finish(folder, studies[0], sweep, files, reasons)
+    return reasons
+
+
+def _is_whole(file: Path) -> bool:
+    try:
+        return len(pd.read_parquet(file)) > 0
+    except (OSError, ValueError):
+        return False
+
+
+def _compute(
+    todo: dict[int, dict[str, Any]], files: Sequence[Path], where: Where, told: Progress, jit: bool
+) -> dict[int, str]:
+    """Compute points until all have ended; those that a dying process had are computed again, one by one."""
+    failed: dict[int, str] = {}
+
+    def ended(number: int, outcome: Future[pd.DataFrame]) -> None:
+        try:
+            _keep(outcome.result(), files[number])
+        except SimulationError as error:
+            failed[number] = str(error)
+            told.warn(f"point {number}: {error}; it is left out")
+        del todo[number]
+        told.done(None, True)
+
+    while todo:
+        lost = _attempt(todo, where, jit, ended)
+        for number in lost:
+            told.warn(f"point {number}: the process that computed it ended; it is computed again alone")
+            if _attempt({number: todo[number]}, Where(where.kind, 1, where.scheduler), jit, ended):
+                failed[number] = "the process that computes it ends before it is done, alone too"
+                told.warn(f"point {number}: {failed[number]}; it is left out")
+                del todo[number]
+                told.done(None, True)
+    return failed
+
+
+def _attempt(
+    todo: Mapping[int, dict[str, Any]], where: Where, jit: bool, ended: Callable[[int, Future[pd.DataFrame]], None]
+) -> list[int]:
+    """Compute what is to be done; return which points were under way when a process died, as far as one did."""
+    running: dict[Future[pd.DataFrame], int] = {}
+    rest = iter(list(todo.items()))
+    with executor(where.kind, where.workers, where.scheduler) as pool:
+        while True:
+            # few at a time: a sweep that is stopped has little to take back
+            for number, stated in islice(rest, 2 * where.workers - len(running)):
+                running[pool.submit(computed, stated, jit)] = number
+            if not running:
+                return []
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                try:
+                    ended(running[future], future)
+                except BrokenProcessPool:
+                    return sorted(running.values())
+                del running[future]
+
+
+def _keep(figures: pd.DataFrame, file: Path) -> None:
+    with whole_file(file) as path:
+        figures.to_parquet(path, index=False)
+
+
+def _finish(folder: Path, study: Study, sweep: Sweep, files: Sequence[Path], failed: dict[int, str]) -> None:
+    with whole_file(folder / TABLE) as path:
+        tidy(sweep, files, failed).to_parquet(path, index=False)
+    said = {
+        "format": FORMAT,
+        "study": study.name,
+        "method": sweep.method,
+        "keys": list(sweep.keys),
+        "ranges": {key: [axis.low, axis.high] for key, axis in (sweep.ranges or {}).items()},
+        "points": len(files),
+        "failed": {str(number): reason for number, reason in failed.items()},
+    }
+    with whole_file(folder / MANIFEST) as path:
+        path.write_text(json.dumps(said, indent=1) + "\n")
+
+
+def tidy(sweep: Sweep, files: Sequence[Path], failed: dict[int, str]) -> pd.DataFrame:
+    """Return a row for each point, case, week and member; parameters first, each in a column of its key."""
+    frames = []
+    for number, values in enumerate(sweep.points):
+        if number in failed:
+            continue
+        stated: dict[str, Any] = {"point": number}
+        if sweep.names:
+            stated[NAME] = sweep.names[number]
+        figures = pd.read_parquet(files[number])
+        stated |= dict(zip(sweep.keys, values, strict=True))
+        frames.append(pd.concat([pd.DataFrame([stated] * len(figures)), figures], axis=1))
+    return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame({"point": []})
