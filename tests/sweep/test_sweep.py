@@ -16,6 +16,7 @@ import pytest
 
 from tests.cli.conftest import Plugin, plugin
 from tests.conftest import WAXSTUDY, Waxstudy
+from tests.results.test_parquet import units_in
 
 __all__ = ["plugin"]
 
@@ -88,6 +89,8 @@ def test_each_point_of_a_grid_has_the_figures_of_the_study_that_says_so(waxstudy
     swept = table(tmp_path / "results" / "two-grid")
     points = swept.groupby("point")[["comfort.setpoint_C", "O_CP.controller.dead_band_K"]].first()
     assert points.to_numpy().tolist() == [[20.0, 0.3], [20.0, 0.5], [22.0, 0.3], [22.0, 0.5]]
+    units = units_in(tmp_path / "results" / "two-grid" / "sweep.parquet")
+    assert (units["comfort.setpoint_C"], units["O_CP.controller.dead_band_K"], units["mae_K"]) == ("C", "K", "K")
     stated = STUDY.replace("dead_band_K = 0.5", "dead_band_K = 0.3") + "[comfort]\nsetpoint_C = 22.0\n"
     (tmp_path / "one.toml").write_text(stated)
     assert waxstudy("run", "one.toml", "--out", "one").returncode == 0

@@ -33,6 +33,30 @@ TRACE_CHANNELS = {
     "water_heat_W_m2": "W/m2",
     "floor_heat_W_m2": "W/m2",
 }
+# of a row of key figures: where it belongs, then what it tells
+FIGURES = {
+    "case": "1",
+    "week": "1",
+    "member": "1",
+    "setpoint_shift_K": "K",
+    "heat_per_K_kWh_m2_week": "kWh/m2 a week",
+    "single_run_shift_K": "K",
+    "hours_below_per_week": "h",
+    "mae_K": "K",
+    "heat_kWh_m2_week": "kWh/m2 a week",
+    "heat_corrected_kWh_m2_week": "kWh/m2 a week",
+    "cycles_per_week": "1",
+    "air_mean_C": "C",
+    "operative_mean_C": "C",
+    "operative_max_C": "C",
+    "over_setpoint_1K_share": "1",
+    "valve_open_h": "h",
+    "flow_mean_L_h": "L/h",
+    "full_flow_L_h": "L/h",
+    "return_mean_C": "C",
+    "starts": "1",
+    "starts_over_300_s": "1",
+}
 MEANS = ("flow_L_h", "opening", "signal", "output", "water_heat_W_m2", "floor_heat_W_m2")
 
 

@@ -25,6 +25,7 @@ class Place:
 
     table: str
     path: tuple[str, ...]  # within the table, or within the block
+    unit: str
     of: tuple[str, ...] = ()  # weeks or cases
 
 
@@ -64,35 +65,40 @@ def study_at(source: Source, known: Mapping[str, Place], values: Mapping[str, An
 
 def places(study: Study) -> dict[str, Place]:
     """Return every key that a sweep of this study may vary, and where it stands."""
-    found = {f"{name}.{key}": Place(name, (key,)) for name, table in TABLES.items() for key in table.model_fields}
-    found |= {_joined("room", path): Place("room", path) for path in _paths(study.room)}
+    found: dict[str, Place] = {}
+
+    def add(before: str, table: str, path: tuple[str, ...], unit: str, of: str) -> None:
+        key = ".".join((before, *path))
+        found[key] = Place(table, path, unit, (*(found[key].of if key in found else ()), of))
+
+    for name, table in TABLES.items():
+        found |= {f"{name}.{key}": Place(name, (key,), _unit(table, key)) for key in table.model_fields}
+    found |= {".".join(("room", *path)): Place("room", path, unit) for path, unit in _paths(study.room)}
     for week, choice in study.weeks.items():
-        for path in _paths(choice):
-            _add(found, _joined("weather", path), "weather", path, week)
-            _add(found, _joined(f"weather.{week}", path), "weather", path, week)
+        for path, unit in _paths(choice):
+            add("weather", "weather", path, unit, week)
+            add(f"weather.{week}", "weather", path, unit, week)
     for case in study.cases.values():
         for kind, choice in case.blocks.items():
-            for path in _paths(choice):
-                _add(found, _joined(kind, path), kind, path, case.id)
-                _add(found, _joined(f"{case.id}.{kind}", path), kind, path, case.id)
+            for path, unit in _paths(choice):
+                add(kind, kind, path, unit, case.id)
+                add(f"{case.id}.{kind}", kind, path, unit, case.id)
     return found
 
 
-def _add(found: dict[str, Place], key: str, table: str, path: tuple[str, ...], of: str) -> None:
-    found[key] = Place(table, path, (*(found[key].of if key in found else ()), of))
+def _paths(choice: Choice) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Give each parameter of a component, and each that a table among them holds, with its unit."""
+    stated, model = choice.described(), type(choice.parameters)
+    for key in model.model_fields:
+        unit, inner = _unit(model, key), stated.get(key)
+        yield (key,), unit
+        yield from (((key, name), unit) for name in (inner if isinstance(inner, dict) else ()))
 
 
-def _joined(place: str, path: tuple[str, ...]) -> str:
-    return ".".join((place, *path))
-
-
-def _paths(choice: Choice) -> Iterator[tuple[str, ...]]:
-    """Give each parameter of a component, and each that a table among them holds."""
-    stated = choice.described()
-    for key in type(choice.parameters).model_fields:
-        yield (key,)
-        inner = stated.get(key)
-        yield from ((key, name) for name in (inner if isinstance(inner, dict) else ()))
+def _unit(model: type[Parameters], key: str) -> str:
+    """Return the unit that a parameter declares; 1 for words and for numbers without one."""
+    declared = model.model_fields[key].json_schema_extra
+    return str(declared.get("unit") or "1") if isinstance(declared, dict) else "1"
 
 
 def _tables(values: dict[str, Any], place: Place) -> Iterator[dict[str, Any]]:

@@ -21,11 +21,14 @@ import pandas as pd
 from waxstudy.plugin import SimulationError
 from waxstudy.results.atomic import sole_use, whole_file
 from waxstudy.results.folder import RunError, holds_run
+from waxstudy.results.kpis import FIGURES
+from waxstudy.results.parquet import write_parquet
 from waxstudy.simulation.run import Progress
 from waxstudy.study.model import Study
 from waxstudy.sweep.axes import NAME, Sweep
 from waxstudy.sweep.executors import executor
 from waxstudy.sweep.kinds import Kind
+from waxstudy.sweep.place import places
 from waxstudy.sweep.point import computed, key_of
 from waxstudy.sweep.result import FORMAT, MANIFEST, POINTS, TABLE
 
@@ -125,12 +128,14 @@ def _attempt(
 
 def _keep(figures: pd.DataFrame, file: Path) -> None:
     with whole_file(file) as path:
-        figures.to_parquet(path, index=False)
+        write_parquet(figures, path, FIGURES)
 
 
 def _finish(folder: Path, study: Study, sweep: Sweep, files: Sequence[Path], failed: dict[int, str]) -> None:
+    places_of = places(study)
+    units = {"point": "1", NAME: "1", **{key: places_of[key].unit for key in sweep.keys}, **FIGURES}
     with whole_file(folder / TABLE) as path:
-        tidy(sweep, files, failed).to_parquet(path, index=False)
+        write_parquet(tidy(sweep, files, failed), path, units)
     said = {
         "format": FORMAT,
         "study": study.name,
