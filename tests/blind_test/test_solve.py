@@ -78,6 +78,15 @@ def test_an_answer_with_a_usual_mistake_is_a_failure_that_says_why(mistake: str)
     assert "cannot be read" in problem
 
 
+@pytest.mark.parametrize("posterior", ["{}", "null"])
+def test_an_answer_may_state_no_probabilities(posterior: str) -> None:
+    answer, problem = _read(f'{{"verdict": "none", "posterior": {posterior}}}', 0)
+    assert answer is not None, problem
+    refused, why = _read('{"verdict": "none", "posterior": {"none": 0.5}}', 0)
+    assert refused is None
+    assert "sum of 1" in why
+
+
 def test_a_diagnoser_may_say_what_is_no_text_and_is_named_as_a_folder(place: Place, waxstudy: Waxstudy) -> None:
     bytes_on_stderr = "import sys; sys.stderr.buffer.write(bytes([255, 254])); sys.exit(3)"
     assert waxstudy("blind-test", "solve", "test", "--", sys.executable, "-c", bytes_on_stderr).returncode == 0
