@@ -43,7 +43,7 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
     table5 = tmp_path / "studies" / "table5.toml"  # fewer members: attribution runs each of them 44 times
     table5.write_text(table5.read_text(encoding="utf-8").replace("members = 16", f"members = {MEMBERS}"))
     windows = tmp_path / "studies" / "sweeps" / "windows.toml"
-    windows.write_text(windows.read_text(encoding="utf-8").replace("samples = 64", "samples = 1"))
+    windows.write_text(windows.read_text(encoding="utf-8").replace("samples = 64", "samples = 2"))
     (thermostat,) = blocks(ROOT / "README.md", "toml")
     (tmp_path / "thermostat.toml").write_text(thermostat)
     (fitted,) = blocks(ROOT / "docs" / "fit.md", "toml")

@@ -51,6 +51,8 @@ def indices(swept: Swept) -> list[Index]:
         raise RunError(f'{swept.folder}: drawn as {swept.method}; indices need method = "sobol" in its [sweep]')
     if swept.failed:
         raise RunError(f"{swept.folder}: {len(swept.failed)} points failed; indices need all {swept.points}")
+    if swept.points < 2 * (len(swept.keys) + 2):
+        raise RunError(f"{swept.folder}: samples = 1 tells no interval; indices need 2 at least, and more to be narrow")
     return list(_indices(swept))
 
 
