@@ -76,15 +76,15 @@ def _sweep(
     quiet: bool,
     jit: bool,
 ) -> None:
-    study = load_study(study_file)
-    folder = out or Path("results") / f"{study.name}-{sweep_file.stem}"
+    folder = out or Path("results") / f"{load_study(study_file).name}-{sweep_file.stem}"
     with failures(study_file, folder), progress(quiet, "points") as told, resumable():
         from waxstudy.api.sweeping import sweep
 
         done = sweep(
             study_file, sweep_file, folder, executor=kind, workers=workers, scheduler=scheduler, jit=jit, progress=told
         )
-    count = done.points
-    print_out(f"{count} point{'s' * (count != 1)}, {len(done.failed)} failed: {done.file}\n{folder}\n")
+    from waxstudy.report.words import counted
+
+    print_out(f"{counted(done.points, 'point')}, {len(done.failed)} failed: {done.file}\n{folder}\n")
     if done.failed:
-        raise CommandError(f"{len(done.failed)} of {count} points failed and were left out", FAILED)
+        raise CommandError(f"{len(done.failed)} of {done.points} points failed and were left out", FAILED)

@@ -18,7 +18,7 @@ from waxstudy.results.folder import RunError
 from waxstudy.sweep.axes import problem, salib
 from waxstudy.sweep.result import Swept
 
-FIGURES = {
+WORDS = {
     "heat_corrected_kWh_m2_week": "corrected heat",
     "heat_kWh_m2_week": "heat",
     "setpoint_shift_K": "shift",
@@ -58,9 +58,9 @@ def indices(swept: Swept) -> list[Index]:
 
 def _indices(swept: Swept) -> Iterator[Index]:
     analyse = salib("SALib.analyze.sobol").analyze
-    means = swept.frame.groupby(["case", "week", "point"], sort=False)[list(FIGURES)].mean()
+    means = swept.frame.groupby(["case", "week", "point"], sort=False)[list(WORDS)].mean()
     for (case, week), group in means.groupby(level=["case", "week"], sort=False):
-        for figure in FIGURES:
+        for figure in WORDS:
             values = group[figure].to_numpy()
             if not np.all(np.isfinite(values)) or np.ptp(values) == 0.0:
                 continue
@@ -91,7 +91,7 @@ def render(found: list[Index], swept: Swept, form: str, width: int = 100, colour
 def _tables(found: list[Index]) -> Iterator[Table[Index]]:
     columns: list[Column[Index]] = [
         text("case"),
-        text("figure", lambda index: FIGURES[index.figure]),
+        text("figure", lambda index: WORDS[index.figure]),
         text("parameter"),
         Column("first", lambda index: _share(index.first, index.first_half_width), heading="alone"),
         Column("total", lambda index: _share(index.total, index.total_half_width), heading="with others"),

@@ -79,7 +79,7 @@ def source_of(values: Mapping[str, Any]) -> Source:
 
 def read_source(path: Path) -> Source:
     """Read a TOML file; raise `StudyError` if it cannot be read or is not TOML."""
-    text = _text(path)
+    text = read_text(path)
     try:
         values = tomllib.loads(text)
         lines = key_lines(text)
@@ -94,8 +94,8 @@ def read_source(path: Path) -> Source:
     return source
 
 
-def _text(path: Path) -> str:
-    """Return the file's text; a byte order mark, which some editors write, is left out."""
+def read_text(path: Path) -> str:
+    """Return the file's text without a byte order mark, which some editors write; raise `StudyError`."""
     try:
         data = read_file(path)
     except IsADirectoryError:

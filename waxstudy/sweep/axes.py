@@ -17,10 +17,9 @@ from typing import Any, Literal
 import numpy as np
 
 from waxstudy.plugin import BackendMissing, FloatArray, Parameters, parameter
-from waxstudy.plugin.files import read_file
 from waxstudy.plugin.parameters import checked
 from waxstudy.study.problems import Problem, StudyError, shown
-from waxstudy.study.source import Source, read_source
+from waxstudy.study.source import Source, read_source, read_text
 
 MOST_POINTS = 100_000  # more rows than that are a mistake rather than a plan
 NAME = "name"  # of a column that names the points of a table
@@ -43,7 +42,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Sweep:
-    """Points in order, each a value for each key; `lines` tells where a point (CSV) or key (TOML) stands."""
+    """Points in order, each a value for each key; `lines` tells where keys stand, and points that have lines."""
 
     file: str
     method: str
@@ -51,13 +50,13 @@ class Sweep:
     points: tuple[tuple[Any, ...], ...]
     names: tuple[str, ...] = ()
     ranges: Mapping[str, Range] | None = None
-    lines: Mapping[str | int, int] | None = None
+    lines: Mapping[str | int | None, int] | None = None
 
-    def problem(self, key: str, wrong: str, point: int = 0, value: object = None, near: str = "") -> Problem:
-        """Return what is wrong with a key, or with its value at a point."""
+    def problem(self, key: str, wrong: str, point: int | None = None, value: object = None) -> Problem:
+        """Return what is wrong with a key, or with its value at a point; points that no file holds have no line."""
         lines = self.lines or {}
-        line = lines.get(key, lines.get(point, 0))
-        return Problem(self.file, line, "", key, "" if value is None else shown(value), wrong, near)
+        line = next((lines[each] for each in (point, key) if each in lines), 0)
+        return Problem(self.file, line, "", key, "" if value is None else shown(value), wrong)
 
 
 class Drawing(Parameters):
@@ -93,7 +92,10 @@ def _of_toml(source: Source) -> Sweep:
         raise _wrong(source, (name,), "unknown table (allowed: sweep, vary)")
     if not isinstance(vary, dict) or not vary:
         raise _wrong(source, ("vary",), 'missing: [vary] with a line for each parameter, as "room.KEY" = [1.0, 2.0]')
-    axes = dict(_axes(source, vary, ("vary",)))
+    stated = list(_axes(source, vary, ("vary",)))
+    axes = dict(stated)
+    if len(axes) < len(stated):
+        raise _wrong(source, ("vary",), "a key is given twice: as one key, and as tables in each other")
     if drawing.method != "grid" and not any(isinstance(axis, Range) for axis in axes.values()):
         raise _wrong(source, ("vary",), f"{drawing.method} needs a range: {{ low = 1.0, high = 2.0 }}")
     for key, axis in axes.items():
@@ -103,7 +105,7 @@ def _of_toml(source: Source) -> Sweep:
             raise _wrong(source, _path(source, key), "sobol takes ranges: { low = 1.0, high = 2.0 }")
     points = tuple(_drawn(drawing, axes, source))
     ranges = {key: axis for key, axis in axes.items() if isinstance(axis, Range)}
-    lines: dict[str | int, int] = {key: source.line(_path(source, key)) for key in axes}
+    lines: dict[str | int | None, int] = {key: source.line(_path(source, key)) for key in axes}
     return Sweep(source.file, drawing.method, tuple(axes), points, ranges=ranges, lines=lines)
 
 
@@ -133,22 +135,26 @@ def _axes(source: Source, table: Mapping[str, Any], path: tuple[str, ...]) -> It
 
 
 def _range(source: Source, at: tuple[str, ...], value: Mapping[str, Any]) -> Range:
-    low, high = value.get("low"), value.get("high")
-    for each in (low, high):
-        if isinstance(each, bool) or not isinstance(each, int | float) or not math.isfinite(each):
-            raise _wrong(source, at, "a range needs two numbers, low and high")
-    assert isinstance(low, int | float)
-    assert isinstance(high, int | float)
+    bounds: list[Any] = [each for each in (value.get("low"), value.get("high")) if _is_finite(each)]
+    if len(bounds) < 2:
+        raise _wrong(source, at, "a range needs two numbers, low and high")
+    low, high = bounds
     if not low < high:
         raise _wrong(source, at, f"low must be less than high, not {low} and {high}")
     return Range(low, high)
 
 
+def _is_finite(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
 def _drawn(drawing: Drawing, axes: Mapping[str, Range | list[Any]], source: Source) -> Iterator[tuple[Any, ...]]:
+    lists = [axis for axis in axes.values() if isinstance(axis, list)]
+    base = drawing.samples * (len(axes) + 2 if drawing.method == "sobol" else 1)
+    count = math.prod(map(len, lists)) if drawing.method == "grid" else base
+    if count > MOST_POINTS:
+        raise _wrong(source, ("vary",), f"{count} points; {MOST_POINTS} at most")
     if drawing.method == "grid":
-        lists = [axis for axis in axes.values() if isinstance(axis, list)]
-        if math.prod(map(len, lists)) > MOST_POINTS:
-            raise _wrong(source, ("vary",), f"a grid of {math.prod(map(len, lists))} points; {MOST_POINTS} at most")
         yield from itertools.product(*lists)
         return
     draw: Callable[[Drawing, Sequence[str]], FloatArray] = _saltelli if drawing.method == "sobol" else _hypercube
@@ -204,38 +210,31 @@ def _wrong(source: Source, path: tuple[str, ...], wrong: str) -> StudyError:
 
 def _of_table(path: Path) -> Sweep:
     """Read a table of points; its first row has the keys, and may have `name`."""
-    rows = [row for row in csv.reader(io.StringIO(_text(path))) if any(cell.strip() for cell in row)]
+    reader = csv.reader(io.StringIO(read_text(path)))
+    rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
 
     def wrong(line: int, text: str) -> StudyError:
         return StudyError([Problem(str(path), line, "", "", "", text)])
 
     if len(rows) < 2:
         raise wrong(0, "a row of keys and at least one row of values are expected")
-    head = [cell.strip() for cell in rows[0]]
+    (first, keys), *rest = rows
+    head = [cell.strip() for cell in keys]
     if len(set(head)) < len(head) or "" in head:
-        raise wrong(1, "every column needs a key of its own")
-    for number, row in enumerate(rows[1:], 2):
+        raise wrong(first, "every column needs a key of its own")
+    for number, row in rest:
         if len(row) != len(head):
             raise wrong(number, f"{len(row)} values where there are {len(head)} keys")
         if "" in map(str.strip, row):
             raise wrong(number, "a value is missing: every point needs one for every key")
-    if len(rows) - 1 > MOST_POINTS:
-        raise wrong(0, f"{len(rows) - 1} points; {MOST_POINTS} at most")
+    if len(rest) > MOST_POINTS:
+        raise wrong(0, f"{len(rest)} points; {MOST_POINTS} at most")
     at = [place for place, key in enumerate(head) if key != NAME]
-    points = tuple(tuple(_number(row[place].strip()) for place in at) for row in rows[1:])
-    names = tuple(row[head.index(NAME)].strip() for row in rows[1:]) if NAME in head else ()
-    lines: dict[str | int, int] = {number: number + 2 for number in range(len(points))}
+    points = tuple(tuple(_number(row[place].strip()) for place in at) for _, row in rest)
+    names = tuple(row[head.index(NAME)].strip() for _, row in rest) if NAME in head else ()
+    lines: dict[str | int | None, int] = dict.fromkeys(head, first)
+    lines |= {point: number for point, (number, _) in enumerate(rest)}
     return Sweep(str(path), "table", tuple(head[place] for place in at), points, names, lines=lines)
-
-
-def _text(path: Path) -> str:
-    try:
-        return read_file(path).decode("utf-8-sig")
-    except OSError as error:
-        wrong = f"cannot be read: {error.strerror or 'input or output failed'}"
-    except UnicodeDecodeError:
-        wrong = "not UTF-8 text: save the file with the encoding UTF-8"
-    raise StudyError([Problem(str(path), 0, "", "", "", wrong)])
 
 
 def _number(cell: str) -> Any:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from waxstudy.plugin import BackendMissing
 from waxstudy.simulation.workers import worker_processes
 from waxstudy.sweep.kinds import Kind
-from waxstudy.sweep.point import stop
+from waxstudy.sweep.point import STOP
 
 ANSWERS_WITHIN_S = 10.0  # a scheduler that is there answers in well under a second
 
@@ -29,12 +29,11 @@ def executor(kind: Kind, workers: int, scheduler: str | None) -> Iterator[Execut
             yield pool
     else:
         threads = ThreadPoolExecutor(workers)
+        STOP[0] = 0
         try:
             yield threads
-        except BaseException:
-            stop()
-            raise
-        finally:
+        finally:  # nothing runs any more where the block has ended well
+            STOP[0] = 1
             threads.shutdown(cancel_futures=True)
 
 

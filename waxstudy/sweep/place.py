@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from waxstudy.plugin import Choice, Parameters
-from waxstudy.plugin.registry import did_you_mean, installed, nearest
+from waxstudy.plugin.registry import installed, nearest
 from waxstudy.study.model import Comfort, Ensemble, Study
 from waxstudy.study.problems import Problem, StudyError
 from waxstudy.study.read import study_of
 from waxstudy.study.source import Source
 from waxstudy.sweep.axes import Sweep
 
-ALLOWED = "room.KEY, weather.KEY, weather.WEEK.KEY, comfort.KEY, ensemble.KEY, BLOCK.KEY or CASE.BLOCK.KEY"
+ALLOWED = "allowed: room.KEY, weather.KEY, weather.WEEK.KEY, comfort.KEY, ensemble.KEY, BLOCK.KEY or CASE.BLOCK.KEY"
 TABLES: dict[str, type[Parameters]] = {"comfort": Comfort, "ensemble": Ensemble}
 
 
@@ -33,7 +33,7 @@ def studies(source: Source, study: Study, sweep: Sweep) -> list[Study]:
     """Return the study at every point; raise `StudyError` with what is wrong with keys or values of the sweep."""
     known = places(study)
     wrong = [
-        sweep.problem(key, f"no parameter of this study{did_you_mean(nearest(key, known))} (allowed: {ALLOWED})")
+        replace(sweep.problem(key, "no parameter of this study"), near=nearest(key, known), allowed=ALLOWED)
         for key in sweep.keys
         if key not in known
     ]

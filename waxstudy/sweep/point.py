@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from waxstudy.plugin import Choice, SimulationError, Stopped
@@ -19,13 +21,7 @@ from waxstudy.study.read import study_of
 from waxstudy.study.source import source_of
 
 _one = threading.Lock()  # rooms are built and blocks compiled by one thread at a time; simulated by all
-_at_work: list[Plan] = []  # plans that threads of this process compute
-
-
-def stop() -> None:
-    """Let what threads compute end at its next weather interval."""
-    for plan in _at_work:
-        plan.stop[0] = 1
+STOP = np.zeros(1, dtype=np.int64)  # 1 ends what threads of this process compute at its next weather interval
 
 
 def key_of(study: Study) -> str:
@@ -54,14 +50,10 @@ def computed(stated: Mapping[str, Any], jit: bool) -> pd.DataFrame:
     with _one:
         study = study_of(source_of(stated), installed())
         try:
-            plan = prepare(study, jit)
+            plan = replace(prepare(study, jit), stop=STOP)
         except InputError as error:
             raise SimulationError(f"[{error.table}]: {error}") from error
-    _at_work.append(plan)
-    try:
-        return pd.concat([_figures(plan, job, jit) for job in plan.jobs()], ignore_index=True)
-    finally:
-        _at_work.remove(plan)
+    return pd.concat([_figures(plan, job, jit) for job in plan.jobs()], ignore_index=True)
 
 
 def _figures(plan: Plan, job: CaseFolder, jit: bool) -> pd.DataFrame:
