@@ -43,6 +43,8 @@ steps = [
 ]
 """
 
+ONE_CASE = SMALL.replace('"O_WM"\n', '"O_0"\n').partition("steps = [")[0]
+
 Waxstudy = Callable[..., "subprocess.CompletedProcess[str]"]
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.folders import contents
-from tests.conftest import SMALL, Waxstudy
+from tests.conftest import ONE_CASE, Waxstudy
 
 Same = Callable[[Path], None]
 pytestmark = pytest.mark.slow  # every run compiles
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow  # every run compiles
 def one_case(tmp_path: Path) -> Path:
     """A study of one case: there is one chain to compile."""
     path = tmp_path / "one.toml"
-    path.write_text(SMALL.replace('"O_WM"\n', '"O_0"\n').partition("steps = [")[0])
+    path.write_text(ONE_CASE)
     return path
 
 

@@ -12,10 +12,10 @@ import pytest
 
 from tests.cli.conftest import Entry
 from tests.cli.folders import computed_at, contents, results
-from tests.conftest import SMALL, WAXSTUDY, Waxstudy
+from tests.conftest import ONE_CASE, SMALL, WAXSTUDY, Waxstudy
 
 CASES = ("O_0", "O_CP", "O_WM")
-SINGLE = SMALL.replace("members = 2", "members = 1").replace('"O_WM"\n', '"O_0"\n').partition("steps = [")[0]
+SINGLE = ONE_CASE.replace("members = 2", "members = 1")
 
 
 def test_a_run_prints_the_comparison_and_last_the_folder_that_it_wrote(waxstudy: Waxstudy, small_study: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -15,28 +16,18 @@ import psutil
 import pytest
 
 from tests.cli.conftest import Plugin, plugin
-from tests.conftest import WAXSTUDY, Waxstudy
+from tests.conftest import ONE_CASE, WAXSTUDY, Waxstudy
 from tests.results.test_parquet import units_in
 
 __all__ = ["plugin"]
 
 INVALID, BACKEND, FAILED = 3, 5, 6
-STUDY = """\
-[study]
-name = "two"
-step_s = 60
-[room]
-use = "nzeb"
-[weather.january]
-use = "tallinn-week"
-month = "january"
-[ensemble]
-members = 2
-[ladder.on-off]
-reference = "O_CP"
-start = { id = "O_0", controller = { use = "on-off", dead_band_K = 2.0 }, valve = { use = "linear" } }
+STUDY = (
+    ONE_CASE.replace('"small"\n', '"two"\nstep_s = 60\n').replace('"O_0"\n', '"O_CP"\n')
+    + """\
 steps = [ { id = "O_CP", controller = { dead_band_K = 0.5 } } ]
 """
+)
 GRID = """\
 [vary]
 "comfort.setpoint_C" = [20.0, 22.0]
@@ -123,6 +114,7 @@ def test_a_latin_hypercube_has_a_point_in_each_part_of_every_range(waxstudy: Wax
             "bad.toml:2: comfort.setpont_C: no parameter of this study; did you mean 'comfort.setpoint_C'?",
         ),
         ("comfort.setpoint_C = [20.0, 99.0]", "bad.toml:2: comfort.setpoint_C = 99.0: must be at most 40"),
+        ('comfort.setpoint_C = [20.0]\n"comfort.setpoint_C" = [21.0]', "a key is given twice"),
         ("comfort.setpoint_C = 20.0", "must be a list of values, or a range"),
         ("comfort.setpoint_C = { low = 22.0, high = 20.0 }", "low must be less than high"),
         ("comfort.setpoint_C = { low = 20.0, high = 22.0 }", "a grid takes a list of values"),
@@ -134,6 +126,24 @@ def test_what_a_sweep_cannot_be_is_told_at_its_line(waxstudy: Waxstudy, tmp_path
     assert done.returncode == INVALID
     assert told in done.stderr
     assert not (tmp_path / "results").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("comfort.setpont_C\n20\n", "bad.csv:1: comfort.setpont_C: no parameter of this study"),
+        ("comfort.setpoint_C\n\n20\n99\n", "bad.csv:4: comfort.setpoint_C = 99: must be at most 40"),
+        ("comfort.setpoint_C\nnan\n", "bad.csv:2: comfort.setpoint_C = nan: must be"),
+        ("comfort.setpoint_C,name\n20\n", "bad.csv:2: 1 values where there are 2 keys"),
+    ],
+)
+def test_what_a_table_of_points_cannot_be_is_told_at_its_line(
+    waxstudy: Waxstudy, tmp_path: Path, text: str, told: str
+) -> None:
+    (tmp_path / "bad.csv").write_text(text)
+    done = waxstudy("run", "two.toml", "--sweep", "bad.csv")
+    assert done.returncode == INVALID
+    assert told in done.stderr
 
 
 def test_a_point_that_fails_is_told_and_left_out(waxstudy: Waxstudy, plugin: Plugin, tmp_path: Path) -> None:
@@ -169,12 +179,16 @@ def begun(tmp_path: Path, *options: str) -> Iterator[tuple[subprocess.Popen[byte
     command = [str(WAXSTUDY), "run", "two.toml", "--sweep", "sobol.toml", "--out", str(folder), *options]
     process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     seen = 0
-    while process.poll() is None:
-        now = len(list((folder / "points").glob("[!.]*.parquet")))
-        if now > seen:
-            yield process, folder
-            seen = now
-        time.sleep(0.02)
+    try:
+        while process.poll() is None:
+            now = len(list((folder / "points").glob("[!.]*.parquet")))
+            if now > seen:
+                yield process, folder
+                seen = now
+            time.sleep(0.02)
+    finally:
+        process.kill()
+        process.wait()
 
 
 @pytest.mark.slow
@@ -215,7 +229,10 @@ def test_a_worker_that_is_killed_costs_no_point(waxstudy: Waxstudy, tmp_path: Pa
 
 
 def is_worker(process: psutil.Process) -> bool:
-    return any("spawn_main" in word or word.startswith("dask worker") for word in process.cmdline())
+    """Whether a process computes points; one that has just ended tells nothing of itself any more."""
+    with contextlib.suppress(psutil.Error):
+        return any("spawn_main" in word or word.startswith("dask worker") for word in process.cmdline())
+    return False
 
 
 def test_a_scheduler_that_does_not_answer_is_told(waxstudy: Waxstudy) -> None:
