@@ -125,7 +125,7 @@ import os, subprocess, sys, time
 begin = time.perf_counter()
 child = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL)
 _, status, usage = os.wait4(child.pid, 0)
-print(time.perf_counter() - begin, usage.ru_maxrss / 1024, os.waitstatus_to_exitcode(status))
+print(time.perf_counter() - begin, usage.ru_maxrss * 1024 / 1e6, os.waitstatus_to_exitcode(status))
 """
 
 

@@ -44,7 +44,7 @@ from waxstudy.study.model import Case, Study, is_multiple
 
 WEEK_H = 168.0
 CLOSE_K = 0.02  # how near the few members' shift is to that of all
-PART_STEPS = 7 * 17_280  # a week at 5 s; longer runs are reduced part by part
+PART_STEPS = 2 * 17_280  # two days at 5 s; longer runs are reduced part by part
 
 
 @dataclass
