@@ -115,7 +115,7 @@ def _read(study: str | Path | Mapping[str, Any]) -> Study:
 
 def _problem(study: Study, error: InputError) -> Problem:
     """Return what only showed in use, at its place in the study."""
-    table = tuple(error.table.split(".", 1))
+    table = error.path
     return problem_at(study.file or Path("study"), table, str(error), error.key, error.value)
 
 

@@ -36,7 +36,7 @@ def failures(study_file: Path, folder: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        problem = problem_at(study_file, tuple(error.table.split(".", 1)), str(error), error.key, error.value)
+        problem = problem_at(study_file, error.path, str(error), error.key, error.value)
         raise CommandError(str(problem), INVALID, label="") from error
     except StudyError as error:
         raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error

@@ -10,8 +10,10 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from waxstudy.plugin import FloatArray
+from waxstudy.report.split import Split
 from waxstudy.report.table import Column
 from waxstudy.report.words import with_spread
+from waxstudy.results.kpis import WEATHER
 from waxstudy.results.run import Run
 from waxstudy.study.model import Ladder
 
@@ -20,12 +22,16 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """Mean over the ensemble, standard deviation of single runs, 95 % interval of the mean (NaN with one member)."""
+    """Mean over the ensemble, standard deviation of single runs, 95 % interval of the mean (NaN with one member).
+
+    `runs` is of how many independent single runs the mean is worth, NaN where that is the number of members.
+    """
 
     mean: float
     sd: float
     low: float
     high: float
+    runs: float = np.nan
 
     @property
     def excludes_zero(self) -> bool:
@@ -47,14 +53,18 @@ class Estimate:
 
 
 def estimate(values: FloatArray, error: float = 0.0) -> Estimate:
-    """Return the estimate from one value per member (Student's t); all NaN where one of the values is.
+    """Return the estimate from one value per member (members,) or (weathers, starts); all NaN where one value is.
 
-    The interval is wider by an error that all members have in common.
+    The interval (Student's t) is wider by an error that all members have in common.
     """
-    n, mean = len(values), float(np.mean(values))
-    if n < 2:
+    mean = float(np.mean(values))
+    if values.size < 2:
         return Estimate(mean, np.nan, np.nan, np.nan)
-    sd = float(np.std(values, ddof=1))
+    if values.ndim == 2:
+        split = Split.of(values)
+        half = float(stdtrit(split.freedom, 0.5 + CONFIDENCE / 2.0)) * split.mean_error + error
+        return Estimate(mean, split.sd, float(mean - half), float(mean + half), split.runs)
+    sd, n = float(np.std(values, ddof=1)), len(values)
     half = float(stdtrit(n - 1, 0.5 + CONFIDENCE / 2.0)) * sd / np.sqrt(n) + error
     return Estimate(mean, sd, float(mean - half), float(mean + half))
 
@@ -63,15 +73,17 @@ def unpaired_interval(a: Estimate, n: int, b: Estimate, m: int) -> tuple[float, 
     """Return the 95 % interval of the difference a - b of two means (Welch's t); NaN where one is of a single member.
 
     Unequal spreads and numbers of members n and m are allowed; degrees of freedom after Welch and Satterthwaite.
-    Where neither spreads, both ends are the difference itself.
+    Members that share their weather count as what their mean is worth. Where neither spreads, both ends are the
+    difference itself.
     """
     if n < 2 or m < 2:
         return np.nan, np.nan
-    own, other = a.sd**2 / n, b.sd**2 / m
+    of_n, of_m = (count if np.isnan(each.runs) else each.runs for each, count in ((a, n), (b, m)))
+    own, other = a.sd**2 / of_n, b.sd**2 / of_m
     difference, variance = a.mean - b.mean, own + other
     if variance == 0.0:
         return difference, difference
-    freedom = variance**2 / (own**2 / (n - 1) + other**2 / (m - 1))
+    freedom = variance**2 / (own**2 / max(of_n - 1.0, 1.0) + other**2 / max(of_m - 1.0, 1.0))
     half = float(stdtrit(freedom, 0.5 + CONFIDENCE / 2.0)) * float(np.sqrt(variance))
     return difference - half, difference + half
 
@@ -127,9 +139,14 @@ def comparison(run: Run) -> list[Row]:
 
 
 def member_values(kpis: pd.DataFrame, case: str, week: str, column: str) -> FloatArray:
-    """Return one KPI of a case in a week, in the order of the members."""
+    """Return one KPI of a case in a week, in the order of the members (members,).
+
+    Where the week has several weathers, (weathers, starts).
+    """
     rows = kpis[(kpis["case"] == case) & (kpis["week"] == week)].sort_values("member")
-    return rows[column].to_numpy(dtype=float)
+    values = rows[column].to_numpy(dtype=float)
+    several = WEATHER in rows and rows[WEATHER].nunique() > 1
+    return values.reshape(rows[WEATHER].nunique(), -1) if several else values
 
 
 def differences_percent(kpis: pd.DataFrame, case: str, reference: str, week: str, column: str = HEAT) -> FloatArray:
@@ -169,7 +186,7 @@ def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
     def of(column: str) -> Estimate:
         return estimate(member_values(kpis, case, week, column))
 
-    shift = float(member_values(kpis, case, week, "setpoint_shift_K")[0])
+    shift = float(member_values(kpis, case, week, "setpoint_shift_K").flat[0])
     singles = of("single_run_shift_K")
     is_reference = case == ladder.reference
     error = solver_error_percent(kpis, case, ladder.reference, week)

@@ -13,6 +13,8 @@ from waxstudy.report.activation import Activation, activations
 from waxstudy.report.against import Against, published
 from waxstudy.report.comparison import Row, comparison, member_values
 from waxstudy.report.other_run import other_run
+from waxstudy.report.spread import Spread, spreads
+from waxstudy.report.words import counted
 from waxstudy.results.run import Run
 from waxstudy.simulation.shift import LIMIT_K
 from waxstudy.study.model import Study
@@ -46,6 +48,13 @@ class Content:
     starts: Sequence[Starts] = ()
     against: Against | None = None
     notes: Sequence[str] = ()
+    spreads: Sequence[Spread] = ()
+
+    def members_told(self, week: str) -> str:
+        """Return the number of members of a week, and the starts and weathers that they are."""
+        weathers, starts = len(self.study.weathers(week)), self.study.ensemble.members
+        told = counted(weathers * starts, "member")
+        return f"{told} ({counted(starts, 'start')} in each of {weathers} weathers)" if weathers > 1 else told
 
 
 def gather(run: Run, study: Study, against: str | Run | None = None) -> Content:
@@ -65,6 +74,7 @@ def gather(run: Run, study: Study, against: str | Run | None = None) -> Content:
         starts=starts(run),
         against=None if against is None else _against(run, rows, members, against),
         notes=_notes(study, rows, members),
+        spreads=spreads(run),
     )
 
 
@@ -104,7 +114,8 @@ def _notes(study: Study, rows: Sequence[Row], members: int) -> list[str]:
         notes.append(f"all members meet in one course, so that their interval says nothing: {', '.join(alike)}")
     weak = [f"{row.case} ({row.week})" for row in rows if row.resolved is False]
     if weak:
-        notes.append(f"differences that {members} members do not resolve: {', '.join(weak)}")
+        told = "the" if study.drawn else members
+        notes.append(f"differences that {told} members do not resolve: {', '.join(weak)}")
     return notes
 
 

@@ -35,10 +35,18 @@ def summary(content: Content) -> list[str]:
     sentences = [
         f"{counted(cases, 'case')} in {counted(len(run.ladders), 'ladder')} "
         f"({', '.join(ladder.name for ladder in run.ladders)}) over {counted(len(run.weeks), 'week')} "
-        f"({', '.join(run.weeks)}), with {counted(content.members, 'member')} per case.",
+        f"({', '.join(run.weeks)}), with {_members(content)} per case.",
         _resolved(content),
     ]
     return [*sentences, content.against.summary] if content.against else sentences
+
+
+def _members(content: Content) -> str:
+    """The members of a case, week by week where they are not as many in each."""
+    by_week = {week: content.members_told(week) for week in content.run.weeks}
+    if len(set(by_week.values())) == 1:
+        return next(iter(by_week.values()))
+    return ", ".join(f"{told} in {week}" for week, told in by_week.items())
 
 
 def _resolved(content: Content) -> str:

@@ -14,9 +14,11 @@ from waxstudy.report.against import Against
 from waxstudy.report.comparison import CORRECTED_FIGURES, FIGURES, Row
 from waxstudy.report.content import Content, Starts
 from waxstudy.report.formats import csv_text, json_text, markdown, terminal
+from waxstudy.report.spread import Spread
 from waxstudy.report.table import Column, Table, text
-from waxstudy.report.words import MEAN_DECIDES, SINGLE_RUN, counted, percent, yes_or_no
+from waxstudy.report.words import MEAN_DECIDES, SINGLE_RUN, percent, yes_or_no
 
+OF_SPREAD = ("start", "weather", "rest")
 PICKED_MIN = (1.0, 5.0, 15.0, 30.0, 45.0, 120.0)  # of the times off
 
 
@@ -26,14 +28,18 @@ def tables(content: Content) -> list[Table[Any]]:
     return [*comparison_tables(content), *against, *activation_tables(content)]
 
 
-def comparison_tables(content: Content) -> list[Table[Row]]:
-    """Two tables for each week: the figures of Table 5, and heat without what the room stores."""
-    return [table for week in content.run.weeks for table in (_table_5(content, week), _corrected_table(content, week))]
+def comparison_tables(content: Content) -> list[Table[Any]]:
+    """Two tables for each week: the figures of Table 5, and heat without what the room stores.
+
+    A third where the week has several weathers: what its single runs differ by.
+    """
+    made = (_table_5, _corrected_table, _spread_table)
+    return [table for week in content.run.weeks for make in made if (table := make(content, week)).rows]
 
 
 def _table_5(content: Content, week: str) -> Table[Row]:
     spread = "mean ± standard deviation of single runs" if content.members > 1 else "one run"
-    title = f"{week}: {counted(content.members, 'member')}, {spread}; heat and cycles per week"
+    title = f"{week}: {content.members_told(week)}, {spread}; heat and cycles per week"
     cycles: Column[Row] = Column("cycles", attrgetter("cycles_per_week.mean"), ".1f")
     return _comparison_table(content, week, title, FIGURES, [*VERDICTS, cycles])
 
@@ -41,6 +47,23 @@ def _table_5(content: Content, week: str) -> Table[Row]:
 def _corrected_table(content: Content, week: str) -> Table[Row]:
     title = f"{week}: heat per week, corrected by what the room holds more or less at its end"
     return _comparison_table(content, week, title, CORRECTED_FIGURES, CORRECTED_VERDICTS)
+
+
+def _spread_table(content: Content, week: str) -> Table[Spread]:
+    return Table(
+        f"{week}: what single runs differ by, as shares of their variance; the rest is of start and weather together",
+        [
+            text("case"),
+            text("figure"),
+            Column("sd", lambda of: f"{of.split.sd:.3g} {of.unit}", heading="standard deviation"),
+            *(Column(name, partial(_share, name)) for name in OF_SPREAD),
+        ],
+        [spread for spread in content.spreads if spread.week == week],
+    )
+
+
+def _share(name: str, of: Spread) -> str:
+    return percent(of.split.share(name))
 
 
 def _comparison_table(
@@ -130,6 +153,11 @@ def _csv_verdicts(of: str) -> list[Column[Row]]:
     return [Column(f"{of}resolved", lambda row: yes_or_no(resolved(row))), Column(f"{of}single_run_share", form=".4g")]
 
 
+def _described(spread: Spread) -> dict[str, Any]:
+    shares = {f"{name}_share": spread.split.share(name) for name in OF_SPREAD}
+    return {key: value for key, value in asdict(spread).items() if key != "split"} | {"sd": spread.split.sd, **shares}
+
+
 def as_json(content: Content) -> str:
     """The whole report."""
     data = {
@@ -138,6 +166,7 @@ def as_json(content: Content) -> str:
         "members": content.members,
         "rows": [asdict(row) for row in content.rows],
         "starts": [{**asdict(s), "share": s.share} for s in content.starts],
+        "spread": [_described(spread) for spread in content.spreads],
         "activation": [
             {
                 "actuator": a.actuator,

@@ -34,10 +34,12 @@ TRACE_CHANNELS = {
     "floor_heat_W_m2": "W/m2",
 }
 # of a row of key figures: where it belongs, then what it tells
+WEATHER = "weather"  # of a member, counted from 0, where a week has several
 FIGURES = {
     "case": "1",
     "week": "1",
     "member": "1",
+    WEATHER: "1",
     "setpoint_shift_K": "K",
     "heat_per_K_kWh_m2_week": "kWh/m2 a week",
     "single_run_shift_K": "K",

@@ -10,6 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.metadata import version
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,7 @@ from waxstudy.plugin import (
 from waxstudy.plugin.registry import PluginError, described, installed, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.folder import run_folder
-from waxstudy.results.kpis import Figures, MemberWeek, thinned
+from waxstudy.results.kpis import WEATHER, Figures, MemberWeek, thinned
 from waxstudy.results.run import CaseFolder, damaged, finish, what_is_wrong, writing_case
 from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.budget import Needs, free_disk, free_memory
@@ -40,7 +41,7 @@ from waxstudy.simulation.engine import DAY_S, Loop, Part, Start
 from waxstudy.simulation.modes import DrivenRoom, drive
 from waxstudy.simulation.outside import OutsideLoop, engine_of, given_to
 from waxstudy.simulation.sources import component_digest, digest, source_digest
-from waxstudy.study.model import Case, Study, is_multiple
+from waxstudy.study.model import Case, Choice, Study, is_multiple
 
 WEEK_H = 168.0
 CLOSE_K = 0.02  # how near the few members' shift is to that of all
@@ -62,7 +63,8 @@ class Plan:
 
     study: Study
     jit: bool
-    driven: dict[str, DrivenRoom] = field(default_factory=dict)
+    driven: dict[str, DrivenRoom] = field(default_factory=dict)  # under the first weather of each week
+    others: dict[str, list[DrivenRoom]] = field(default_factory=dict)  # under the others that it is drawn from
     starts: list[Start] = field(default_factory=list)
     stop: np.ndarray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
 
@@ -72,17 +74,21 @@ class Plan:
 
     def key(self, case: Case, week: str) -> str:
         """Digest of everything that the figures of a case depend on."""
-        study, driven = self.study, self.driven[week]
+        study, (driven, *others) = self.study, self.weathers(week)
         blocks = {kind: choice.described() for kind, choice in case.blocks.items()}
         said = (study.step_s, study.comfort, study.ensemble, study.output, blocks, study.room.described())
         used = [*case.blocks.values(), study.room]
         sources = sorted({component_digest(choice.component) for choice in used})
-        numbers = [value for value in vars(driven).values() if isinstance(value, np.ndarray)]
+        numbers = [v for each in (driven, *others) for v in vars(each).values() if isinstance(v, np.ndarray)]
         room = (driven.room.floor_area_m2, driven.room.full_flow_L_h, driven.room.water_J_L_K)
-        calendar = (driven.weather.interval_s, driven.weather.first_day)
-        parts = [repr((said, room, calendar)), source_digest(__name__), *sources]
-        outside = given_to(driven) if driven.engine else ()
+        calendar = [(each.weather.interval_s, each.weather.first_day) for each in (driven, *others)]
+        parts = [repr((said, room, *calendar)), source_digest(__name__), *sources]
+        outside = [part for each in (driven, *others) if each.engine for part in given_to(each)]
         return digest([*parts, *(array.tobytes() for array in numbers), *outside])
+
+    def weathers(self, week: str) -> list[DrivenRoom]:
+        """Return the room under every weather of a week."""
+        return [self.driven[week], *self.others.get(week, [])]
 
 
 def prepare(study: Study, jit: bool = True) -> Plan:
@@ -97,12 +103,15 @@ def prepare(study: Study, jit: bool = True) -> Plan:
     _keeps_its_contract("room", physics_problems(room))
     plan = Plan(study, jit, starts=ensemble.starts(study.ensemble))
     for week in study.weeks:
-        plan.driven[week] = _driven(study, room, week)
+        table = f"weather.{week}" if week not in study.drawn else f"ensemble.weather.{week}"
+        plan.driven[week], *plan.others[week] = (_driven(study, room, week, one, table) for one in study.weathers(week))
+        spans = {(each.weather.interval_s, each.weather.duration_s) for each in plan.weathers(week)}
+        if len(spans) > 1:
+            raise InputError(table, "its weathers are not equally long, or of different intervals")
     return plan
 
 
-def _driven(study: Study, room: LinearRoom, week: str) -> DrivenRoom:
-    choice, table = study.weeks[week], f"weather.{week}"
+def _driven(study: Study, room: LinearRoom, week: str, choice: Choice, table: str) -> DrivenRoom:
     weather_class = choice.component
     assert issubclass(weather_class, Weather)
     record = _named(table, partial(weather_class.load, choice.parameters, room.facades))
@@ -134,6 +143,11 @@ class InputError(ValueError):
     def __init__(self, table: str, reason: str, key: str = "", value: object = None) -> None:
         super().__init__(reason)
         self.table, self.key, self.value = table, key, value
+
+    @property
+    def path(self) -> tuple[str, ...]:
+        """The table as keys of the file; the name of a week, which comes last, may hold a point."""
+        return tuple(self.table.split(".", 2 if self.table.startswith("ensemble.") else 1))
 
 
 def _named(table: str, load: Callable[[], Any], week: str = "") -> Any:
@@ -188,12 +202,12 @@ def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Pro
             names: dict[Future[None], CaseFolder] = {}
             warned: set[str] = set()
             for job in jobs:
-                loop = _loop(plan, job)  # compiles here, so that threads only compute
-                for warning in loop.warnings:
+                loops = loops_of(plan, job)  # compiles here, so that threads only compute
+                for warning in loops[0].warnings:
                     if warning not in warned:
                         progress.warn(warning)
                     warned.add(warning)
-                names[pool.submit(_job, plan, job, loop, folder)] = job
+                names[pool.submit(_job, plan, job, loops, folder)] = job
             pending: set[Future[None]] = set(names)
             while pending:
                 ended, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
@@ -206,8 +220,10 @@ def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Pro
             raise
 
 
-def _loop(plan: Plan, job: CaseFolder) -> Loop | OutsideLoop:
-    return loop_of(plan.study, plan.study.cases[job.case], plan.driven[job.week], plan.jit)
+def loops_of(plan: Plan, job: CaseFolder) -> list[Loop | OutsideLoop]:
+    """Return a job's case closed over the study's room, under every weather of the week."""
+    case = plan.study.cases[job.case]
+    return [loop_of(plan.study, case, driven, plan.jit) for driven in plan.weathers(job.week)]
 
 
 def loop_of(study: Study, case: Case, driven: DrivenRoom, jit: bool = True) -> Loop | OutsideLoop:
@@ -216,7 +232,7 @@ def loop_of(study: Study, case: Case, driven: DrivenRoom, jit: bool = True) -> L
     return OutsideLoop(study.room, case, fast) if issubclass(study.room.component, OutsideRoom) else fast
 
 
-def _job(plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop, folder: Path) -> None:
+def _job(plan: Plan, job: CaseFolder, loops: Sequence[Loop | OutsideLoop], folder: Path) -> None:
     with writing_case(folder, job) as case:
 
         def keep(trace: pd.DataFrame) -> None:
@@ -226,7 +242,7 @@ def _job(plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop, folder: Path) ->
                 raise _NotWritten(error) from error
 
         try:
-            told = simulate_case(plan, job, loop, keep)
+            told = simulate_case(plan, job, loops, keep)
         except _NotWritten as error:
             raise error.reason from None
         except (Stopped, BackendMissing, PluginError):
@@ -245,43 +261,49 @@ class _NotWritten(Exception):
 
 
 def simulate_case(
-    plan: Plan, job: CaseFolder, loop: Loop | OutsideLoop, keep: Callable[[pd.DataFrame], None]
+    plan: Plan, job: CaseFolder, loops: Sequence[Loop | OutsideLoop], keep: Callable[[pd.DataFrame], None]
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Solve the setpoint shift on the ensemble, then simulate every member at it.
+    """Solve the setpoint shift on the ensemble, then simulate every member at it: every start in every weather.
 
     Returns key figures and durations; traces go to `keep`, part by part.
     """
-    comfort = plan.study.comfort
-    per_week = WEEK_H * 3600.0 / loop.driven.weather.duration_s
+    comfort, driven = plan.study.comfort, loops[0].driven
+    per_week = WEEK_H * 3600.0 / driven.weather.duration_s
 
-    def hours_at(of: Loop | OutsideLoop, starts: Sequence[Start], shift_K: float) -> FloatArray:
-        weeks = of.weeks(comfort.setpoint_C + shift_K, starts, stop=plan.stop)
+    def hours_at(of: Sequence[Loop | OutsideLoop], starts: Sequence[Start], shift_K: float) -> FloatArray:
+        weeks = (week for each in of for week in each.weeks(comfort.setpoint_C + shift_K, starts, stop=plan.stop))
         return np.array([week.hours_below for week in weeks]) * per_week
 
     target_h = comfort.hours_below_per_week
     # a few members, or the room that stands in, find the neighbourhood at a fraction of the cost
-    quick, few = _quick(loop, plan.starts)
+    quick, few = _quick(loops, plan.starts)
     found = near = shift.solve(partial(hours_at, quick, few), target_h)
-    if quick is not loop or len(few) < len(plan.starts):
-        found = shift.solve(partial(hours_at, loop, plan.starts), target_h, near.shift_K, CLOSE_K)
+    if quick is not loops or len(few) < len(plan.starts):
+        found = shift.solve(partial(hours_at, loops, plan.starts), target_h, near.shift_K, CLOSE_K)
     single_K = found.single_run_shifts_K(target_h)
     kpis, spans = [], []
-    for member in range(len(plan.starts)):
-        figures = _simulate_member(plan, loop, member, comfort.setpoint_C + found.shift_K, keep)
+    for member, (number, start) in enumerate(product(range(len(loops)), range(len(plan.starts)))):
+        figures = _simulate_member(plan, loops[number], member, start, comfort.setpoint_C + found.shift_K, keep)
         row = {"case": job.case, "week": job.week, "member": member, "setpoint_shift_K": found.shift_K}
-        row["heat_per_K_kWh_m2_week"] = loop.driven.heat_W_K * WEEK_H / 1000.0 / loop.driven.room.floor_area_m2
+        row |= {WEATHER: number} if len(loops) > 1 else {}
+        row["heat_per_K_kWh_m2_week"] = driven.heat_W_K * WEEK_H / 1000.0 / driven.room.floor_area_m2
         kpis.append({**row, "single_run_shift_K": float(single_K[member]), **figures.key_figures()})
         spans.append(figures.durations().assign(member=member))
     return pd.DataFrame(kpis), pd.concat(spans, ignore_index=True)
 
 
 def _simulate_member(
-    plan: Plan, loop: Loop | OutsideLoop, member: int, setpoint_C: float, keep: Callable[[pd.DataFrame], None]
+    plan: Plan,
+    loop: Loop | OutsideLoop,
+    member: int,
+    start: int,
+    setpoint_C: float,
+    keep: Callable[[pd.DataFrame], None],
 ) -> Figures:
     """Simulate a member part by part; a member without a trace gives one of no rows, for its columns."""
     output, driven, figures, rows = plan.study.output, loop.driven, Figures(), 0
     intervals = part_intervals(driven, output.trace_interval_s)
-    for number, simulated in enumerate(loop.parts(setpoint_C, plan.starts[member], intervals, plan.stop)):
+    for number, simulated in enumerate(loop.parts(setpoint_C, plan.starts[start], intervals, plan.stop)):
         part = member_week(loop, simulated, setpoint_C, plan.study, number * intervals)
         figures.add(part)
         if member < output.trace_members or member == number == 0:
@@ -298,8 +320,11 @@ def part_intervals(driven: DrivenRoom, trace_interval_s: float) -> int:
     return max(1, PART_STEPS // steps // whole) * whole
 
 
-def _quick(loop: Loop | OutsideLoop, starts: Sequence[Start]) -> tuple[Loop, Sequence[Start]]:
-    return (loop.stand_in, starts) if isinstance(loop, OutsideLoop) else (loop, starts[: -(-len(starts) // 4)])
+def _quick(
+    loops: Sequence[Loop | OutsideLoop], starts: Sequence[Start]
+) -> tuple[Sequence[Loop | OutsideLoop], Sequence[Start]]:
+    stand_ins = [loop.stand_in for loop in loops if isinstance(loop, OutsideLoop)]
+    return (stand_ins, starts) if stand_ins else (loops, starts[: -(-len(starts) // 4)])
 
 
 def member_week(

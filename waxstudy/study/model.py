@@ -42,6 +42,18 @@ class Case:
 
 
 @dataclass(frozen=True)
+class Drawn:
+    """The weathers of a week that the ensemble is drawn over, and the parameters in which they differ."""
+
+    keys: Sequence[str]
+    choices: Sequence[Choice]
+
+    def described(self) -> dict[str, object]:
+        stated = [choice.described() for choice in self.choices]
+        return {key: [each.get(key) for each in stated] for key in self.keys}
+
+
+@dataclass(frozen=True)
 class Ladder:
     """Case ids in the order of the file, and the case that the others are compared with."""
 
@@ -115,7 +127,7 @@ class Comfort(Parameters):
 
 
 class Ensemble(Parameters):
-    """`[ensemble]`: initial states shared by all cases."""
+    """`[ensemble]`: initial states shared by all cases; `[ensemble.weather.WEEK]` is in `Study.drawn`."""
 
     members: int = parameter(
         16, unit="1", description="initial states; 1 gives a single run", source="chosen", ge=1, le=1000
@@ -142,7 +154,8 @@ class Study:
     """Everything a run needs. Weeks and cases keep the order of the file.
 
     `fragments` are the files that blocks were taken from, with their hashes; the blocks hold what they said.
-    `file` is the study's own, None of a study that was made otherwise.
+    `file` is the study's own, None of a study that was made otherwise. `drawn` has the weeks of which the ensemble
+    has several weathers.
     """
 
     name: str
@@ -157,6 +170,11 @@ class Study:
     cases: Mapping[str, Case]
     fragments: Mapping[str, str] = field(default_factory=dict)
     file: Path | None = field(default=None, compare=False)
+    drawn: Mapping[str, Drawn] = field(default_factory=dict)
+
+    def weathers(self, week: str) -> Sequence[Choice]:
+        """Return what a week is drawn from: the weather that its table states, where nothing else is said."""
+        return self.drawn[week].choices if week in self.drawn else (self.weeks[week],)
 
     def described(self) -> dict[str, Any]:
         """The resolved study in the study file's words; reading it again gives the same study."""
@@ -166,10 +184,13 @@ class Study:
             "room": self.room.described(),
             "weather": {week: choice.described() for week, choice in self.weeks.items()},
             "comfort": self.comfort.model_dump(),
-            "ensemble": self.ensemble.model_dump(),
+            "ensemble": {**self.ensemble.model_dump(), **self._drawn()},
             "output": self.output.model_dump(),
             "ladder": {name: self._ladder(ladder) for name, ladder in self.ladders.items()},
         }
+
+    def _drawn(self) -> dict[str, object]:
+        return {"weather": {week: drawn.described() for week, drawn in self.drawn.items()}} if self.drawn else {}
 
     def _ladder(self, ladder: Ladder) -> dict[str, object]:
         start, *steps = [self.cases[id].described() for id in ladder.cases]

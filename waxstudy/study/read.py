@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from pathlib import Path
 from typing import TypeVar
 
 from waxstudy.plugin import Parameters
 from waxstudy.plugin.registry import Registry
 from waxstudy.study.check import Check
+from waxstudy.study.drawn import read_drawn
 from waxstudy.study.fragment import table_of
 from waxstudy.study.ladder import RawLadder, read_ladder
 from waxstudy.study.lines import KeyPath
@@ -51,17 +53,18 @@ def study_of(source: Source, registry: Registry, file: Path | None = None, *, ne
     study, comfort = _part(check, "study", StudyTable), _part(check, "comfort", Comfort)
     if study and study.against is not None:
         check.reference(Spot.table("study").at("against"), study.against)
-    ensemble = _part(check, "ensemble", Ensemble)
+    ensemble = _part(check, "ensemble", Ensemble, apart=("weather",))
     output = _output(check, study, ensemble)
     room = _room(check)
     weeks = _weeks(check)
+    drawn = read_drawn(check, weeks)
     ladders = [read_ladder(check, name) for name in _names(check, "ladder")]
     cases = _cases(check, ladders)
     if check.problems or not (study and comfort and ensemble and output and room):
         raise StudyError(check.problems)
     named = {ladder.name: Ladder(ladder.name, ladder.reference, [c.id for c in ladder.cases]) for ladder in ladders}
     tables = (study.name, study.step_s, study.against, room, weeks, comfort, ensemble, output)
-    return Study(*tables, named, cases, check.fragments, file)
+    return Study(*tables, named, cases, check.fragments, file, drawn)
 
 
 def problem_at(path: Path, table: KeyPath, wrong: str, key: str = "", value: object = None) -> Problem:
@@ -74,10 +77,14 @@ def problem_at(path: Path, table: KeyPath, wrong: str, key: str = "", value: obj
     return Problem(str(path), line, spot.where, spot.key, "" if value is None else shown(value), wrong)
 
 
-def _part(check: Check, name: str, model: type[P]) -> P | None:
+def _part(check: Check, name: str, model: type[P], apart: Collection[str] = ()) -> P | None:
+    """Return a table's parameters but for the tables in it that are read apart."""
     spot = Spot.table(name)
     values = check.table(spot)
-    return None if values is None else check.parameters(model, RawTable.of(values, spot))
+    if values is None:
+        return None
+    own = {key: value for key, value in values.items() if key not in apart}
+    return check.parameters(model, RawTable.of(own, spot))
 
 
 def _room(check: Check) -> Choice | None:

@@ -18,6 +18,7 @@ from pydantic_core import core_schema
 
 from waxstudy.plugin import CHAIN, Component
 from waxstudy.plugin.registry import Registry
+from waxstudy.study.drawn import MOST_WEATHERS
 from waxstudy.study.fragment import FROM
 from waxstudy.study.model import NAME_PATTERN, NAME_RULE, Comfort, Ensemble, Output, StudyTable
 
@@ -45,7 +46,7 @@ def schema(registry: Registry) -> Json:
             "room": ref("room"),
             "weather": _named("Weeks, or other periods, that every case is run under.", ref("weather")),
             "comfort": parameters(Comfort),
-            "ensemble": parameters(Ensemble),
+            "ensemble": _ensemble(),
             "output": parameters(Output),
             "ladder": _named("Ladders: cases that grow step by step.", LADDER),
         },
@@ -80,6 +81,15 @@ def _named(description: str, inner: Json) -> Json:
     """Return the tables `[parent.NAME]`."""
     made = {"type": "object", "minProperties": 1, "propertyNames": {"pattern": NAME}, "additionalProperties": inner}
     return {"description": f"{description} A name {NAME_RULE}."} | made
+
+
+def _ensemble() -> Json:
+    lists = {"type": "array", "minItems": 2, "maxItems": MOST_WEATHERS}
+    values = "A parameter of this week's weather: one value for each of its weathers."
+    week = table("Weathers of this week.") | {"additionalProperties": {"description": values, **lists}}
+    made = parameters(Ensemble)
+    made["properties"]["weather"] = _named("Weeks that have several weathers.", week)
+    return made
 
 
 def _name(description: str) -> Json:

@@ -14,7 +14,7 @@ import pandas as pd
 from waxstudy.plugin import Choice, SimulationError, Stopped
 from waxstudy.plugin.registry import described, installed
 from waxstudy.results.run import CaseFolder
-from waxstudy.simulation.run import InputError, Plan, loop_of, prepare, simulate_case
+from waxstudy.simulation.run import InputError, Plan, loops_of, prepare, simulate_case
 from waxstudy.simulation.sources import component_digest, digest, source_digest
 from waxstudy.study.model import Study
 from waxstudy.study.read import study_of
@@ -37,7 +37,8 @@ def key_of(study: Study) -> str:
 
 def _choices(study: Study) -> Iterator[Choice]:
     yield study.room
-    yield from study.weeks.values()
+    for week in study.weeks:
+        yield from study.weathers(week)
     for case in study.cases.values():
         yield from case.blocks.values()
 
@@ -53,14 +54,14 @@ def computed(stated: Mapping[str, Any], jit: bool) -> pd.DataFrame:
             plan = replace(prepare(study, jit), stop=STOP)
         except InputError as error:
             raise SimulationError(f"[{error.table}]: {error}") from error
-    return pd.concat([_figures(plan, job, jit) for job in plan.jobs()], ignore_index=True)
+    return pd.concat([_figures(plan, job) for job in plan.jobs()], ignore_index=True)
 
 
-def _figures(plan: Plan, job: CaseFolder, jit: bool) -> pd.DataFrame:
+def _figures(plan: Plan, job: CaseFolder) -> pd.DataFrame:
     try:
         with _one:
-            loop = loop_of(plan.study, plan.study.cases[job.case], plan.driven[job.week], jit)
-        return simulate_case(plan, job, loop, lambda trace: None)[0]
+            loops = loops_of(plan, job)
+        return simulate_case(plan, job, loops, lambda trace: None)[0]
     except Stopped:
         raise
     except Exception as error:

@@ -52,8 +52,8 @@ class Check:
     @property
     def estimate(self) -> Estimate:
         """Mean and its 95 % interval; values that are all the same, of several members, have none."""
-        same = len(self.values) > 1 and np.ptp(self.values) == 0.0
-        value = float(self.values[0])
+        same = self.values.size > 1 and np.ptp(self.values) == 0.0
+        value = float(self.values.flat[0])
         return Estimate(value, 0.0, value, value) if same and not self.error else estimate(self.values, self.error)
 
     @property
@@ -65,7 +65,7 @@ class Check:
 
     @property
     def holds(self) -> np.ndarray:
-        """(members,) whether it holds in each single run."""
+        """Whether it holds in each single run: (members,), or (weathers, starts) where weeks have several weathers."""
         return (self.low <= self.values) & (self.values <= self.high)
 
     def __str__(self) -> str:
@@ -122,7 +122,8 @@ class Figures:
         """Share of the time that a channel spends between two values, for each member."""
         spans = self.run.durations(case, week)
         groups = [group[channel].to_numpy() for _, group in spans.groupby("member")]
-        return np.array([np.mean((values >= low) & (values <= high)) for values in groups])
+        shares = np.array([np.mean((values >= low) & (values <= high)) for values in groups])
+        return shares.reshape(self.of(case, week, "mae_K").shape)
 
 
 def findings(run: FinishedRun) -> Sequence[Finding]:
@@ -149,10 +150,10 @@ def _judged(checks: Sequence[Check]) -> tuple[str, str, float]:
     judged = list(zip(checks, verdicts, strict=True))
     telling = [str(check) for check, verdict in judged if verdict == worst]
     others = [f"{check} ({verdict})" for check, verdict in judged if verdict != worst]
-    members = max(len(check.values) for check in checks)
+    members = max(check.values.size for check in checks)
     holds = np.ones(members, dtype=bool)
     for check in checks:  # a figure that no ensemble scatters holds in all members or in none
-        holds &= check.holds if len(check.values) == members else check.holds.all()
+        holds &= check.holds.ravel() if check.values.size == members else check.holds.all()
     return worst, "; ".join([*telling, *others]), float(np.mean(holds))
 
 
@@ -250,7 +251,7 @@ def quick_opening(f: Figures) -> Iterable[Check]:
 
 def load_dynamics(f: Figures) -> Iterable[Check]:
     """Mostly: more than half of the time within 10 points of a quarter; binary: at most 10 % between the ends."""
-    full = float(f.of("O_CP", "january", "full_flow_L_h")[0])
+    full = float(f.of("O_CP", "january", "full_flow_L_h").flat[0])
 
     def between(case: str, low: float = 0.05, high: float = 0.95) -> FloatArray:
         return f.share_of_time(case, "january", "flow_L_h", low * full, high * full)

@@ -88,6 +88,14 @@ class TallinnWeekParameters(SunParameters):
         max_length=DAYS,
         strict=False,
     )
+    sunny_days_seed: int | None = parameter(
+        None,
+        unit="1",
+        description="draws the days that `sun_by_day` falls on; by default they are as written",
+        source="chosen: the paper does not say which days were sunny",
+        ge=0,
+        le=2**63 - 1,
+    )
     seed: int = parameter(
         1, unit="1", description="seed of the temperature's noise", source="chosen: any will do", ge=0, le=2**63 - 1
     )
@@ -250,6 +258,8 @@ class _Skies(NamedTuple):
     def clear_share(self, p: TallinnWeekParameters) -> FloatArray:
         """Scale `sun_by_day` to the gain, which is linear in the scale."""
         relative = np.array(p.sun_by_day)
+        if p.sunny_days_seed is not None:
+            relative = np.random.default_rng(p.sunny_days_seed).permutation(relative)
         overcast, sunny = (p.counted_share * self.gain_kWh_m2(days) for days in (0.0 * relative, relative))
         share: FloatArray = relative * ((p.solar_gain_kWh_m2_week - overcast) / (sunny - overcast))
         wanted = f"{p.month}: a solar gain of {p.solar_gain_kWh_m2_week:g} kWh/m2"

@@ -66,8 +66,8 @@ def cumulative(content: Content, case: str, week: str) -> pd.DataFrame:
 
 def setpoint_C(content: Content, case: str, week: str) -> float:
     """The shifted setpoint."""
-    shift_K = member_values(content.run.kpis, case, week, "setpoint_shift_K")[0]
-    return content.study.comfort.setpoint_C + float(shift_K)
+    shift_K = member_values(content.run.kpis, case, week, "setpoint_shift_K")
+    return content.study.comfort.setpoint_C + float(shift_K.flat[0])
 
 
 def hours(frame: pd.DataFrame, start_s: float = 0.0) -> FloatArray:
