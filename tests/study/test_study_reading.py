@@ -194,6 +194,6 @@ def test_the_reference_page_names_the_components_that_come_along() -> None:
 
 def test_the_study_on_the_reference_page_reads(tmp_path: Path) -> None:
     page = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
-    [text] = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    [text] = [each for each in re.findall(r"```toml\n(.*?)```", page, re.DOTALL) if each.startswith("[study]")]
     (tmp_path / "x.toml").write_text(text)
     assert list(read_study(tmp_path / "x.toml", installed()).cases) == ["O_0", "O_CP", "O_D"]
