@@ -181,11 +181,11 @@ def test_a_box_is_its_record_s_and_opens_for_no_other(key: Key) -> None:
         open_box(key, "y", close_box(key, "x", {"causes": []}))
 
 
-def test_a_box_that_was_moved_to_another_record_is_told(answered: Path) -> None:
+def test_a_box_that_was_moved_to_another_record_is_told(answered: Path, scored: Scored) -> None:
     place = Place(answered)
     first, second = place.names()[:2]
     shutil.copy(place.box(first), place.box(second))
-    code, said = scored(answered, "--key-file", "key")
+    code, said = scored("--key-file", "key")
     assert (code, f"{second}: the sealed truth of {second} does not open" in said) == (1, True)
 
 

@@ -18,7 +18,7 @@ from waxstudy.diagnosis.calibration import told
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
 from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
 from waxstudy.diagnosis.consequence.times import when
-from waxstudy.diagnosis.diagnose import QUICK, record_of
+from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.record import Record
@@ -51,7 +51,7 @@ def of_room() -> tuple[Calibration, Belief]:
     keep |= {"solar_gain_W", "internal_gain_W"}
     built = planted(segment, record, believed, PUT_IN)
     alone = replace(built, values={name: each for name, each in built.values.items() if name in keep})
-    return calibrate(alone, believed, list(EFFECTS.values()), QUICK), believed
+    return calibrate(alone, believed, list(EFFECTS.values())), believed
 
 
 @cache
@@ -64,7 +64,7 @@ def of_chain() -> tuple[Calibration, Belief]:
     for segment in segments(record, believed):
         if segment.name in CHAIN:
             record = planted(segment, record, believed, CHAIN[segment.name])
-    return calibrate(record, believed, list(EFFECTS.values()), QUICK), believed
+    return calibrate(record, believed, list(EFFECTS.values())), believed
 
 
 def named(of: tuple[Calibration, Belief]) -> dict[str, Calibrated]:
