@@ -17,7 +17,6 @@ from waxstudy.diagnosis.consequence.closed_loop import closed_loop, distance, fr
 from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.regimes import LONG_PAUSE_S, PHASES, of_chain, of_room, regimes
 from waxstudy.diagnosis.criteria import Question, limit, meets
-from waxstudy.diagnosis.diagnose import QUICK
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.model.travel import opening, tolerated_s, travel
@@ -53,7 +52,7 @@ def segment_at(stage: str, cut: Sequence[Segment]) -> Segment:
 
 
 def searched(segment: Segment, seen: Record, believed: Belief, names: Sequence[str] = ()) -> Selection:
-    return select(estimator(segment, seen, believed, QUICK), [EFFECTS[name] for name in names], 1, lambda name: None)
+    return select(estimator(segment, seen, believed), [EFFECTS[name] for name in names], 1, lambda name: None)
 
 
 # --- what stays ------------------------------------------------------------------------------------------
