@@ -2,17 +2,18 @@ PYTHON ?= python3
 BIN := .venv/bin
 # the matrices are small: threads of the linear algebra library would only wait for each other
 export OPENBLAS_NUM_THREADS = 1
+# modules are compiled to bytecode when they are first imported and kept, not all of them at the installation
+unexport PYTHONDONTWRITEBYTECODE
+PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 
 .PHONY: run test golden characterise attack mutate bench dist clean
 
 run: .venv/installed  ## set up, run the paper's study, print its Table 5
 	$(BIN)/waxstudy run studies/table5.toml
 
-test: .venv/installed-dev  ## set up, check style, types and imports, run every test
+test: .venv/installed-dev  ## set up, check style, run every test; that of types and imports is one of them
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
-	$(BIN)/lint-imports
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 golden: .venv/installed-dev  ## compute the golden results, the study file's schema, the tables of judged runs and of checks again
@@ -39,15 +40,16 @@ dist: .venv/installed-dev  ## build the wheel and the source archive
 
 .venv/installed: pyproject.toml
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(PIP_INSTALL) --editable .
 	touch $@
 
-.venv/installed-dev: .venv/installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[dev]" --editable plugins/waxstudy-enthalpy
-	touch $@
+.venv/installed-dev: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(PIP_INSTALL) --editable ".[dev]" --editable plugins/waxstudy-enthalpy
+	touch .venv/installed $@
 
 .venv/installed-mutate: .venv/installed-dev
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[mutate]"
+	$(PIP_INSTALL) --editable ".[mutate]"
 	touch $@
 
 clean:

@@ -46,11 +46,12 @@ class Reader:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.activation = ""
-        outside = {"PYTHONPATH", "VIRTUAL_ENV", "PYTEST_ADDOPTS"}
+        outside = {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE", "VIRTUAL_ENV", "PYTEST_ADDOPTS"}
         self.environment = {name: value for name, value in os.environ.items() if name not in outside}
         self.environment |= {
             "PATH": f"{sys.base_prefix}/bin:/usr/bin:/bin",
             "COLUMNS": "120",
+            "PIP_COMPILE": "0",  # only what is imported, when it is: a fraction of what is installed
             "WAXSTUDY_CACHE": str(folder / "cache"),
         }
 

@@ -8,9 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.conftest import entry
 from tests.conftest import call
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import Place
+
+__all__ = ["entry"]
 
 CASES = 4
 # no secret, so that the same records are made every time, and none of them in EnergyPlus, installed or not
@@ -32,8 +35,21 @@ def finished_test(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def small_test(finished_test: Path, tmp_path: Path) -> Path:
     """A copy of the folder `test`, its key beside it."""
-    shutil.copy(finished_test / "key", tmp_path / "key")
-    return shutil.copytree(finished_test / "test", tmp_path / "test")
+    return copied(finished_test, tmp_path)
+
+
+def copied(made: Path, place: Path) -> Path:
+    """Copy the folder `test` and its key; return the copy of `test`."""
+    shutil.copy(made / "key", place / "key")
+    return shutil.copytree(made / "test", place / "test")
+
+
+def answered_by(made: Path, place: Path, name: str, text: str) -> Path:
+    """Copy the folder `test` and let a diagnoser answer that says the same of every record; return the place."""
+    copied(made, place)
+    done = call(place, "blind-test", "solve", "test", "--name", name, "--", *answering(place, text))
+    assert done.returncode == 0, done.stderr
+    return place
 
 
 @pytest.fixture
@@ -42,8 +58,9 @@ def place(small_test: Path) -> Place:
 
 
 @pytest.fixture
-def key(small_test: Path) -> Key:
-    return Key.read(small_test.with_name("key").read_text())
+def key() -> Key:
+    """The key of every copy of the small test."""
+    return KEY
 
 
 def answering(folder: Path, text: str) -> list[str]:

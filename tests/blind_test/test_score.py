@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.blind_test.conftest import CASES, answering
-from tests.conftest import Waxstudy
+from tests.blind_test.conftest import CASES, answered_by, copied
+from tests.cli.conftest import Entry
 from waxstudy.blind_test.box import open_box
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import Place
@@ -17,17 +17,20 @@ from waxstudy.plugin.trial import engine_of
 CONSTANT = json.dumps({"verdict": "effect", "effects": [{"name": "let-by", "stage": "valve", "group": ["let-by"]}]})
 
 
+@pytest.fixture(scope="module")
+def constant_once(finished_test: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return answered_by(finished_test, tmp_path_factory.mktemp("constant"), "constant", CONSTANT)
+
+
 @pytest.fixture
-def constant(small_test: Path, waxstudy: Waxstudy) -> Path:
+def constant(constant_once: Path, tmp_path: Path) -> Path:
     """The small test, answered by one who always says the same."""
-    command = answering(small_test.parent, CONSTANT)
-    assert waxstudy("blind-test", "solve", "test", "--name", "constant", "--", *command).returncode == 0
-    return small_test
+    return copied(constant_once, tmp_path)
 
 
-def test_a_diagnoser_that_always_says_the_same_scores_as_such(constant: Path, waxstudy: Waxstudy, key: Key) -> None:
-    done = waxstudy("blind-test", "score", "test", "--key-file", "key", "--json")
-    assert done.returncode == 0, done.stderr
+def test_a_diagnoser_that_always_says_the_same_scores_as_such(constant: Path, entry: Entry, key: Key) -> None:
+    done = entry("blind-test", "score", "test", "--key-file", "key", "--json")
+    assert done.code == 0, done.stderr
     place = Place(constant)
     truths = [open_box(key, name, place.box(name).read_bytes()) for name in place.names()]
     own = json.loads(done.stdout)["diagnosers"]["constant"]["all"]
@@ -40,9 +43,9 @@ def test_a_diagnoser_that_always_says_the_same_scores_as_such(constant: Path, wa
     assert own["detection"]["of"] == len(truths) - len(nulls)
 
 
-def test_the_table_fits_a_screen_and_page_and_json_are_written(constant: Path, waxstudy: Waxstudy) -> None:
-    done = waxstudy("blind-test", "score", "test", "--key-file", "key")
-    assert done.returncode == 0, done.stderr
+def test_the_table_fits_a_screen_and_page_and_json_are_written(constant: Path, entry: Entry) -> None:
+    done = entry("blind-test", "score", "test", "--key-file", "key")
+    assert done.code == 0, done.stderr
     lines = done.stdout.splitlines()
     assert lines[0].startswith(f"{CASES} records (")
     assert lines[0].endswith("all seals whole")
@@ -56,6 +59,6 @@ def test_the_table_fits_a_screen_and_page_and_json_are_written(constant: Path, w
     assert "http" not in page.replace("http://www.w3.org", "")
 
 
-def test_without_answers_there_is_nothing_to_score(small_test: Path, waxstudy: Waxstudy) -> None:
-    done = waxstudy("blind-test", "score", "test", "--key-file", "key")
-    assert (done.returncode, "nobody has answered" in done.stderr) == (2, True)
+def test_without_answers_there_is_nothing_to_score(small_test: Path, entry: Entry) -> None:
+    done = entry("blind-test", "score", "test", "--key-file", "key")
+    assert (done.code, "nobody has answered" in done.stderr) == (2, True)

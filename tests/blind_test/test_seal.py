@@ -9,14 +9,16 @@ import shutil
 import subprocess
 import sys
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.blind_test.conftest import CASES, NONE, answering
-from tests.conftest import Waxstudy, call
+from tests.blind_test.conftest import CASES, NONE, answered_by, copied
+from tests.cli.conftest import Entry
+from tests.conftest import call
 from waxstudy.blind_test import make, truth
 from waxstudy.blind_test.box import BOX_BYTES, MAGIC, OVERHEAD_BYTES, close_box, open_box
 from waxstudy.blind_test.draw import Case, drawn
@@ -25,6 +27,8 @@ from waxstudy.blind_test.make import Place
 from waxstudy.blind_test.plan import Plan, Slot, available
 from waxstudy.blind_test.record import FILES, PAGE_BYTES, WIDTH, digest_of
 from waxstudy.plugin.trial import Unmakeable
+
+Scored = Callable[..., tuple[int, str]]
 
 DRAWS = 500
 STAMP = len("2021-01-01T00:01:00")
@@ -177,11 +181,11 @@ def test_a_box_is_its_record_s_and_opens_for_no_other(key: Key) -> None:
         open_box(key, "y", close_box(key, "x", {"causes": []}))
 
 
-def test_a_box_that_was_moved_to_another_record_is_told(answered: Path) -> None:
+def test_a_box_that_was_moved_to_another_record_is_told(answered: Path, scored: Scored) -> None:
     place = Place(answered)
     first, second = place.names()[:2]
     shutil.copy(place.box(first), place.box(second))
-    code, said = scored(answered, "--key-file", "key")
+    code, said = scored("--key-file", "key")
     assert (code, f"{second}: the sealed truth of {second} does not open" in said) == (1, True)
 
 
@@ -212,19 +216,29 @@ def test_a_box_of_the_first_format_opens_still(key: Key) -> None:
         open_box(old, "x", box[:-1] + b"!")
 
 
-def scored(folder: Path, *more: str) -> tuple[int, str]:
-    done = call(folder.parent, "blind-test", "score", folder.name, *more)
-    return done.returncode, done.stdout + done.stderr
+@pytest.fixture
+def scored(entry: Entry) -> Scored:
+    """Score the test in the present folder; return the exit code and what was said."""
+
+    def score(*more: str) -> tuple[int, str]:
+        done = entry("blind-test", "score", "test", *more)
+        return done.code, done.stdout + done.stderr
+
+    return score
+
+
+@pytest.fixture(scope="module")
+def answered_once(finished_test: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return answered_by(finished_test, tmp_path_factory.mktemp("answered"), "external", NONE)
 
 
 @pytest.fixture
-def answered(small_test: Path, waxstudy: Waxstudy) -> Path:
-    command = answering(small_test.parent, NONE)
-    assert waxstudy("blind-test", "solve", small_test, "--", *command).returncode == 0
-    return small_test
+def answered(answered_once: Path, tmp_path: Path) -> Path:
+    """The small test, answered by one who finds nothing; its key lies beside it."""
+    return copied(answered_once, tmp_path)
 
 
-def test_a_changed_record_and_a_changed_truth_are_told(answered: Path, key: Key) -> None:
+def test_a_changed_record_and_a_changed_truth_are_told(answered: Path, scored: Scored, key: Key) -> None:
     place = Place(answered)
     first, second, third = place.names()[:3]
     data = place.record(first) / "data.csv"
@@ -235,55 +249,57 @@ def test_a_changed_record_and_a_changed_truth_are_told(answered: Path, key: Key)
     truth = open_box(key, second, place.box(second).read_bytes())
     place.box(second).write_bytes(close_box(key, second, {**truth, "attempt": 99}))
     place.box(third).write_bytes(b"nothing")
-    code, said = scored(answered, "--key-file", "key")
+    code, said = scored("--key-file", "key")
     assert code == 1
     assert f"{first}: its files are not those that were sealed" in said
     assert f"{second}: its truth is not the one that was sealed" in said
     assert f"{third}: the sealed truth of {third} does not open" in said
 
 
-def test_a_wrong_key_and_none_are_told(answered: Path, key: Key) -> None:
+def test_a_wrong_key_and_none_are_told(answered: Path, scored: Scored, key: Key) -> None:
     for text, said in (
         (str(Key(key.seed, "0" * 32)), "this is not the key of these records"),
         ("abc", "this is no key"),
     ):
         answered.with_name("other").write_text(text)
-        code, told = scored(answered, "--key-file", "other")
+        code, told = scored("--key-file", "other")
         assert (code, told.startswith(f"error: {said}")) == (2, True)
     answered.with_name("noise").write_bytes(bytes(range(256)))
-    assert scored(answered, "--key-file", "noise")[1].startswith("error: this is no key")
-    assert "needs --key-file" in scored(answered)[1]
+    assert scored("--key-file", "noise")[1].startswith("error: this is no key")
+    assert "needs --key-file" in scored()[1]
 
 
-def test_a_key_is_never_an_argument_and_never_below_the_set(answered: Path, key: Key) -> None:
+def test_a_key_is_never_an_argument_and_never_below_the_set(
+    answered: Path, entry: Entry, scored: Scored, key: Key
+) -> None:
     """Arguments are seen by every process of the machine, and what lies with the records by whoever gets them."""
     for command in ("make", "solve", "score"):
-        told = call(answered.parent, "blind-test", command, "--help").stdout
+        told = entry("blind-test", command, "--help").stdout
         assert "--key-file" in told
         assert "--key " not in told
-    code, said = scored(answered, "--key", str(key))
+    code, said = scored("--key", str(key))
     assert (code, said.endswith("Did you mean '--key-file'?\n")) == (2, True)
     (answered / "records" / "key").write_text(str(key))
-    code, said = scored(answered, "--key-file", "test/records/key")
+    code, said = scored("--key-file", "test/records/key")
     assert (code, said) == (2, "error: test/records/key: a key does not lie with what it seals: move it out of test\n")
     (answered / "link").symlink_to(answered.with_name("key"))
-    assert scored(answered, "--key-file", "test/link")[0] == 2
-    done = call(answered.parent, "blind-test", "make", "--cases", "1", "--out", "new", "--key-file", "new/key")
-    assert (done.returncode, (answered.parent / "new").exists()) == (2, False)
+    assert scored("--key-file", "test/link")[0] == 2
+    done = entry("blind-test", "make", "--cases", "1", "--out", "new", "--key-file", "new/key")
+    assert (done.code, (answered.parent / "new").exists()) == (2, False)
     done = call(answered.parent, "blind-test", "score", "test", "--key-file", "-", "--quiet", input=f"{key}\n")
     assert done.returncode == 0
 
 
-def test_a_test_that_is_not_made_to_the_end_is_told(answered: Path) -> None:
+def test_a_test_that_is_not_made_to_the_end_is_told(answered: Path, scored: Scored) -> None:
     (answered / "sealed.json").unlink()
-    code, said = scored(answered, "--key-file", "key")
+    code, said = scored("--key-file", "key")
     assert (code, "not all records are made" in said) == (2, True)
 
 
-def test_going_on_needs_the_key_and_the_same_plan(small_test: Path) -> None:
+def test_going_on_needs_the_key_and_the_same_plan(small_test: Path, entry: Entry) -> None:
     def made(*more: object) -> tuple[int, str]:
-        done = call(small_test.parent, "blind-test", "make", "--out", "test", *more)
-        return done.returncode, done.stderr
+        done = entry("blind-test", "make", "--out", "test", *more)
+        return done.code, done.stderr
 
     assert "give their --key-file" in made("--cases", CASES)[1]
     assert "another plan" in made("--cases", CASES + 1, "--key-file", "key")[1]

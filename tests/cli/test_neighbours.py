@@ -13,7 +13,7 @@ from tests.diagnosis.test_neighbours import written
 def test_the_command_names_the_room_on_summary_page_and_in_json(tmp_path: Path) -> None:
     event = Event(2, [(100.0, 108.0)], outside_W_K=30.0)
     folder, out = written(tmp_path / "house", made(0, days=8, events=[event]), 5), tmp_path / "out"
-    result = call(tmp_path, "diagnose", str(folder), "--out", str(out), "--quiet")
+    result = call(tmp_path, "diagnose", str(folder), "--out", str(out), "--quick", "--quiet")
     assert result.returncode == 0, result.stderr
     assert "a room departs from its neighbours" in result.stdout
     assert "room2, 15 Jan 04:00 to 12:00: colder" in " ".join(result.stdout.split())

@@ -109,12 +109,12 @@ def test_a_record_that_holds_too_little_is_said_to_be_untestable(poor: Callable[
 @pytest.mark.slow
 def test_an_effect_is_not_joined_by_those_that_only_it_makes_possible():
     """A modulation that nobody believes in has a period and a shortest pulse of its own."""
-    diagnosis = diagnose(dataset(rows("PWM", days=6), "PI"))
+    diagnosis = diagnose(dataset(rows("PWM", days=6), "PI"), quick=True)
     assert [effect.name for effect in diagnosis.effects] == ["modulation"]
 
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes():
-    data = rows("LATE", days=6)
+    data = rows("LATE", days=3)
     texts = [json.dumps(diagnose(dataset(data, "IDEAL"), quick=True).described(), default=float) for _ in range(2)]
     assert texts[0] == texts[1]

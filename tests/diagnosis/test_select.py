@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, estimator, planted, record
 from waxstudy.diagnosis.assembly import _alternative
 from waxstudy.diagnosis.criteria import Question, limit
+from waxstudy.diagnosis.diagnose import QUICK
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
 from waxstudy.diagnosis.observations.record import Record
@@ -45,7 +46,7 @@ def searched(
     segment: Segment, seen: Record, believed: Belief, more: Sequence[type[Effect]] = (), seed: int = 1
 ) -> Selection:
     tried = [effect for effect in (*EFFECTS.values(), *more) if effect.stage in segment.stages]
-    return select(estimator(segment, seen, believed), tried, seed, lambda name: None)
+    return select(estimator(segment, seen, believed, QUICK), tried, seed, lambda name: None)
 
 
 @cache
@@ -195,7 +196,7 @@ def test_a_room_departs_only_so_far_and_what_needs_more_is_claimed() -> None:
 
     def of_sun(factor: float) -> Selection:
         made = planted(segment, seen, believed, effects(solar_factor={"factor": factor}))
-        return select(estimator(segment, made, believed), tried, 1, lambda name: None)
+        return select(estimator(segment, made, believed, QUICK), tried, 1, lambda name: None)
 
     half = of_sun(0.5)
     assert ["solar-factor" in found.group for found in half.found] == [True]
@@ -262,7 +263,9 @@ def test_what_explains_less_than_half_of_a_room_over_the_whole_record_is_not_cla
     odd = {name: warm.values[name] + other_K for name in ("air_temperature_C", "operative_temperature_C")}
     for values, is_claimed in ((warm.values, True), ({**warm.values, **odd}, False)):
         tried = [EFFECTS["supply-offset"]]
-        selection = select(estimator(segment, replace(warm, values=values), believed), tried, 1, lambda name: None)
+        selection = select(
+            estimator(segment, replace(warm, values=values), believed, QUICK), tried, 1, lambda name: None
+        )
         named = selection.found if is_claimed else distrusted(selection)
         assert [each.effect.name for each in named] == ["supply-offset"]
         assert bool(selection.found) is is_claimed
@@ -280,7 +283,7 @@ def test_a_form_of_several_parameters_is_claimed_only_where_little_else_is_left(
     wave = 0.3 * np.sin(2.0 * np.pi * np.arange(len(seen)) / 60.0) * (parts_of(seen) == FIT)
     for values, is_claimed in ((flow, True), (flow * (1.0 + wave), not is_form)):
         record = replace(seen, values={**seen.values, "flow_L_h": values})
-        selection = select(estimator(segment, record, believed), [EFFECTS[name]], 1, lambda name: None)
+        selection = select(estimator(segment, record, believed, QUICK), [EFFECTS[name]], 1, lambda name: None)
         assert [each.effect.name for each in (selection.found if is_claimed else distrusted(selection))] == [name]
         assert bool(selection.found) is is_claimed
 

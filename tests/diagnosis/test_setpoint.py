@@ -15,7 +15,7 @@ CASES = ["LATE", pytest.param("PWM", marks=pytest.mark.slow)]  # an on-off contr
 
 def told(case: str, put_in: Effects, without: str = "") -> Diagnosis:
     data = rows(case, 7, put_in)[AROUND_CONTROLLER].drop(columns=without or [])
-    return diagnose(dataset(data, case))
+    return diagnose(dataset(data, case), quick=True)
 
 
 @pytest.mark.parametrize("case", CASES)

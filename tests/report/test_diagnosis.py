@@ -91,6 +91,16 @@ def untraced(text: str, data: Any) -> list[str]:
     return [token for token in FIGURE.findall(counted) if token not in told and not is_traced(token, data)]
 
 
+drawn: dict[int, str] = {}
+
+
+def page_of(diagnosis: Diagnosis) -> str:
+    """The page of one of the diagnoses of these tests, drawn once: they never change, and it takes a second."""
+    if id(diagnosis) not in drawn:
+        drawn[id(diagnosis)] = as_html(diagnosis)
+    return drawn[id(diagnosis)]
+
+
 def page_text(text: str) -> str:
     """The words of the page but for the last section, which explains it and has figures of its own."""
     words = " ".join(Page(text[: text.index('<section id="reading">')] + "</main></body></html>").words)
@@ -106,7 +116,7 @@ def test_every_figure_of_the_summary_is_in_the_json(diagnosis: Diagnosis) -> Non
 
 @VERDICTS
 def test_every_figure_of_the_page_is_in_the_json(diagnosis: Diagnosis) -> None:
-    text = page_text(as_html(diagnosis))
+    text = page_text(page_of(diagnosis))
     assert len(FIGURE.findall(text)) > 3
     assert untraced(text, described(diagnosis)) == []
 
@@ -191,13 +201,13 @@ def test_with_a_baseline_it_says_what_changed_since_how_likely_and_when() -> Non
 
 def test_with_a_baseline_nothing_is_told_by_a_p() -> None:
     assert "p = " not in flat(CHANGED)
-    text = page_text(as_html(CHANGED))
+    text = page_text(page_of(CHANGED))
     assert "p = " not in text
     assert "found again" not in text
 
 
 def test_the_page_has_the_baseline_with_its_fit_and_what_was_so_from_the_start() -> None:
-    page = Page(as_html(CHANGED))
+    page = Page(page_of(CHANGED))
     rows = [tuple(row) for row in page.texts]
     assert "Baseline" in page.headings
     assert ("air temperature", "0.175 K", "0.80 %", "0.09 %") in rows
@@ -205,7 +215,7 @@ def test_the_page_has_the_baseline_with_its_fit_and_what_was_so_from_the_start()
     delay = ("sensor-delay delay", "chain", "120 s", "65 s", "The controller reads the temperature of 65 s ago.")
     assert delay in rows
     assert ("let-by and something unknown", "3 %") in rows
-    assert "Baseline" not in Page(as_html(EFFECT)).headings
+    assert "Baseline" not in Page(page_of(EFFECT)).headings
 
 
 def test_members_of_a_group_are_told_as_such() -> None:
@@ -215,10 +225,10 @@ def test_members_of_a_group_are_told_as_such() -> None:
     )
     assert "(fitted: opening 0.0321)." in flat(GROUP)
     assert "This record cannot tell it from constant-times." in flat(GROUP)
-    assert "let-by or stuck-open" in Page(as_html(GROUP)).headings
-    rows = [tuple(row) for row in Page(as_html(GROUP)).texts]
+    assert "let-by or stuck-open" in Page(page_of(GROUP)).headings
+    rows = [tuple(row) for row in Page(page_of(GROUP)).texts]
     assert ("stuck-open", "opening", "0.0321") in rows
-    assert "only of let-by intervals were looked for" in page_text(as_html(GROUP))
+    assert "only of let-by intervals were looked for" in page_text(page_of(GROUP))
 
 
 def test_every_member_of_a_group_has_its_say_and_of_a_long_one_the_first_three() -> None:
@@ -227,7 +237,7 @@ def test_every_member_of_a_group_has_its_say_and_of_a_long_one_the_first_three()
         "Either the valve lets 7.1 % of its flow through when it is closed, or the valve never closes beyond 3.2 % of"
     )
     assert group_sentence(together) == f"{both} its travel."
-    assert both in page_text(as_html(GROUP))
+    assert both in page_text(page_of(GROUP))
     more = [replace(STUCK, name=name, sentence=f"PI {name}.") for name in ("b", "c", "d", "e")]
     long = replace(together, group=("let-by", *(each.name for each in more)), alternatives=more)
     assert group_sentence(long).endswith("when it is closed, or PI b, or PI c, or one of: d, e.")
@@ -240,7 +250,7 @@ def test_a_quick_look_says_so_before_anything_else_and_where_the_cause_is_told()
     assert "quick look" not in dict(lines(EFFECT))
     (label, text), *_ = lines(quick)
     assert (label, "not all alternatives were compared" in text) == ("quick look", True)
-    assert "compared" not in page_text(as_html(EFFECT))
+    assert "compared" not in page_text(page_of(EFFECT))
     cause = as_html(quick).partition('<section id="cause">')[2].partition("</section>")[0]
     assert "Not all alternatives were compared" in cause
 
@@ -264,7 +274,7 @@ def test_the_form_of_the_room_s_model_is_no_finding() -> None:
 def test_what_could_not_be_judged_is_not_called_free_of_gaps() -> None:
     assert "not testable with this record" in flat(UNTESTABLE)
     assert "nothing that stands out" not in flat(UNTESTABLE)
-    assert "No gap is left" not in page_text(as_html(UNTESTABLE))
+    assert "No gap is left" not in page_text(page_of(UNTESTABLE))
     assert "nothing that stands out of the noise" in flat(replace(NONE, unexplained=()))
 
 
@@ -348,7 +358,7 @@ def test_a_line_is_broken_where_nothing_is_known_and_goes_on_between_rare_sample
 
 @VERDICTS
 def test_the_page_has_its_parts_in_the_order_that_a_reader_needs(diagnosis: Diagnosis) -> None:
-    headings = Page(as_html(diagnosis)).headings
+    headings = Page(page_of(diagnosis)).headings
     order = ("Diagnosis of", "Where", "Cause", "How far", "What stays open", "Measure next", "Record", "How to read")
     places = [next(i for i, heading in enumerate(headings) if heading.startswith(start)) for start in order]
     assert places == sorted(places)
@@ -356,7 +366,7 @@ def test_the_page_has_its_parts_in_the_order_that_a_reader_needs(diagnosis: Diag
 
 @VERDICTS
 def test_nothing_of_the_page_is_fetched_or_executed_and_every_id_is_its_own(diagnosis: Diagnosis) -> None:
-    text = as_html(diagnosis)
+    text = page_of(diagnosis)
     page = Page(text)
     assert "http" not in text
     assert {tag for tag, _, _ in page.attributes} & {"script", "link", "iframe", "object", "img"} == set()
@@ -372,14 +382,14 @@ DRAWN = {"effect": 5, "group": 5, "unknown": 4, "none": 4, "untestable": 0}
 
 @VERDICTS
 def test_what_can_be_drawn_is_drawn_and_the_rest_gives_its_reason(diagnosis: Diagnosis) -> None:
-    text = as_html(diagnosis)
-    drawn = DRAWN[diagnosis.verdict] + bool(diagnosis.posterior)
-    assert text.count("<svg") == drawn
-    assert len(re.findall(r"Not drawn: [a-z][^<]+\.</p>", text)) == 5 + bool(diagnosis.posterior) - drawn
+    text = page_of(diagnosis)
+    shown = DRAWN[diagnosis.verdict] + bool(diagnosis.posterior)
+    assert text.count("<svg") == shown
+    assert len(re.findall(r"Not drawn: [a-z][^<]+\.</p>", text)) == 5 + bool(diagnosis.posterior) - shown
 
 
 def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
-    rows = [tuple(row) for row in Page(as_html(GROUP)).texts]
+    rows = [tuple(row) for row in Page(page_of(GROUP)).texts]
     assert ("valve", "flow", "5.23 L/h", "1.08 L/h", "4.8", "1.32 L/h", "+6.8 %", "0.23 K", "0.97") in rows
     assert ("valve", "flow", "undercool", "16.9 L/h", "16", "83 %") in rows
     assert ("let-by", "fraction", "0.0712 (0.0688 to 0.0741)") in rows
@@ -405,7 +415,7 @@ def test_the_ranking_says_why_an_effect_is_not_named_and_of_one_that_stands_twic
 
 
 def test_merged_stages_name_the_channel_that_would_tell_them_apart() -> None:
-    told = " ".join(page_text(as_html(EFFECT)).split())
+    told = " ".join(page_text(page_of(EFFECT)).split())
     assert "Sensor and controller are judged as one." in told
     assert "What would tell them apart is not in the record: control_output" in told
 
@@ -420,7 +430,7 @@ def test_foreign_words_are_shown_and_never_become_markup() -> None:
 
 
 def test_the_page_is_small_and_the_same_every_time() -> None:
-    text = as_html(GROUP)
+    text = page_of(GROUP)
     assert as_html(GROUP) == text
     assert len(text.encode()) < 2_000_000
 
@@ -442,7 +452,7 @@ def test_without_traces_the_page_is_drawn_but_for_the_days(frame: pd.DataFrame) 
 def test_the_page_never_scrolls_sideways(width: int, tmp_path: Path) -> None:
     script = "<script>document.title = [document.documentElement.scrollWidth, window.innerWidth].join(' ')</script>"
     copy = tmp_path / "copy.html"
-    copy.write_text(as_html(GROUP).replace("</body>", script + "</body>"), encoding="utf-8")
+    copy.write_text(page_of(GROUP).replace("</body>", script + "</body>"), encoding="utf-8")
     found = re.search(r"<title>(\d+) (\d+)</title>", browse(tmp_path, copy, width, "--dump-dom"))
     assert found
     assert int(found[1]) <= int(found[2]) == width
@@ -509,7 +519,7 @@ def test_missing_heat_is_drawn_by_its_drivers_with_and_without_effects() -> None
 
 
 def test_without_a_room_nothing_is_said_of_heat() -> None:
-    assert "Missing heat" not in page_text(as_html(EFFECT))
+    assert "Missing heat" not in page_text(page_of(EFFECT))
     assert described(EFFECT)["missing_heat"]["before"] == []
     with pytest.raises(Lacking):
         figure_missing_heat(EFFECT)

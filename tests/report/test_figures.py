@@ -33,13 +33,14 @@ from waxstudy.report.score import cells, scores
 
 UNITS = {"min", "h", "days", "%", "K", "°C", "L/h", "W/m²", "–"}
 CASES = ["rough", "precise", "usual", "pulsed", "motor"]
-ALL = pytest.mark.parametrize("drawing", [figure_overview, *PAPER_FIGURES], ids=lambda drawing: drawing.name)
 
 
-def laid_out(drawing: Drawing[Content], content: Content) -> Any:
-    figure = drawing(content)
+@pytest.fixture(scope="module", params=[figure_overview, *PAPER_FIGURES], ids=lambda drawing: drawing.name)
+def drawn(request: pytest.FixtureRequest, small: Content) -> tuple[Drawing[Content], Any]:
+    """A drawing and its figure of the small run, laid out once for all claims."""
+    figure = request.param(small)
     figure.draw_without_rendering()
-    return figure
+    return request.param, figure
 
 
 def line(axes: Any, label: str) -> Any:
@@ -51,11 +52,11 @@ def legend_texts(figure: Any) -> list[str]:
     return [text.get_text() for legend in legends for text in legend.get_texts()]
 
 
-@ALL
 def test_every_axis_has_a_label_that_ends_in_its_unit_or_shares_one_that_has(
-    drawing: Drawing[Content], small: Content
+    drawn: tuple[Drawing[Content], Any],
 ) -> None:
-    for axes in drawing(small).axes:
+    drawing, figure = drawn
+    for axes in figure.axes:
         for get, shared in (
             ("get_xlabel", axes.get_shared_x_axes()),
             ("get_ylabel", axes.get_shared_y_axes()),
@@ -67,19 +68,17 @@ def test_every_axis_has_a_label_that_ends_in_its_unit_or_shares_one_that_has(
             assert all(label.split(",")[-1].strip() in UNITS for label in said)
 
 
-@ALL
-def test_all_text_is_at_least_9_points_on_a_page_1100_pixels_wide(drawing: Drawing[Content], small: Content) -> None:
+def test_all_text_is_at_least_9_points_on_a_page_1100_pixels_wide(drawn: tuple[Drawing[Content], Any]) -> None:
     from matplotlib.text import Text
 
-    figure = laid_out(drawing, small)
+    _, figure = drawn
     sizes = [text.get_fontsize() for text in figure.findobj(Text) if text.get_text()]
     assert min(sizes) >= 9.0
     assert figure.get_figwidth() * 96 <= 1100
 
 
-@ALL
-def test_legends_lie_inside_the_figure_and_beside_the_data(drawing: Drawing[Content], small: Content) -> None:
-    figure = laid_out(drawing, small)
+def test_legends_lie_inside_the_figure_and_beside_the_data(drawn: tuple[Drawing[Content], Any]) -> None:
+    _, figure = drawn
     legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
     for legend in legends:
         box = legend.get_window_extent()

@@ -15,11 +15,11 @@ import pandas as pd
 import psutil
 import pytest
 
-from tests.cli.conftest import Plugin, plugin
+from tests.cli.conftest import Entry, Plugin, entry, plugin
 from tests.conftest import ONE_CASE, WAXSTUDY, Waxstudy
 from tests.results.test_parquet import units_in
 
-__all__ = ["plugin"]
+__all__ = ["entry", "plugin"]
 
 INVALID, BACKEND, FAILED = 3, 5, 6
 STUDY = (
@@ -120,10 +120,10 @@ def test_a_latin_hypercube_has_a_point_in_each_part_of_every_range(waxstudy: Wax
         ("comfort.setpoint_C = { low = 20.0, high = 22.0 }", "a grid takes a list of values"),
     ],
 )
-def test_what_a_sweep_cannot_be_is_told_at_its_line(waxstudy: Waxstudy, tmp_path: Path, line: str, told: str) -> None:
+def test_what_a_sweep_cannot_be_is_told_at_its_line(entry: Entry, tmp_path: Path, line: str, told: str) -> None:
     (tmp_path / "bad.toml").write_text(f"[vary]\n{line}\n")
-    done = waxstudy("run", "two.toml", "--sweep", "bad.toml")
-    assert done.returncode == INVALID
+    done = entry("run", "two.toml", "--sweep", "bad.toml")
+    assert done.code == INVALID
     assert told in done.stderr
     assert not (tmp_path / "results").exists()
 
@@ -138,11 +138,11 @@ def test_what_a_sweep_cannot_be_is_told_at_its_line(waxstudy: Waxstudy, tmp_path
     ],
 )
 def test_what_a_table_of_points_cannot_be_is_told_at_its_line(
-    waxstudy: Waxstudy, tmp_path: Path, text: str, told: str
+    entry: Entry, tmp_path: Path, text: str, told: str
 ) -> None:
     (tmp_path / "bad.csv").write_text(text)
-    done = waxstudy("run", "two.toml", "--sweep", "bad.csv")
-    assert done.returncode == INVALID
+    done = entry("run", "two.toml", "--sweep", "bad.csv")
+    assert done.code == INVALID
     assert told in done.stderr
 
 
@@ -156,18 +156,18 @@ def test_a_point_that_fails_is_told_and_left_out(waxstudy: Waxstudy, plugin: Plu
     assert list(json.loads((tmp_path / "points" / "sweep.json").read_text())["failed"]) == ["1"]
 
 
-def test_a_folder_of_something_else_is_left_alone(waxstudy: Waxstudy, tmp_path: Path) -> None:
+def test_a_folder_of_something_else_is_left_alone(entry: Entry, tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
-    done = waxstudy("run", "two.toml", "--sweep", "grid.toml", "--out", "mine")
-    assert done.returncode == FAILED
+    done = entry("run", "two.toml", "--sweep", "grid.toml", "--out", "mine")
+    assert done.code == FAILED
     assert "in use" in done.stderr
     assert [each.name for each in (tmp_path / "mine").iterdir()] == ["letter.txt"]
 
 
-def test_options_of_a_sweep_without_one_are_told(waxstudy: Waxstudy) -> None:
-    assert "--sweep" in waxstudy("run", "two.toml", "--executor", "processes").stderr
-    assert "--executor dask" in waxstudy("run", "two.toml", "--sweep", "grid.toml", "--scheduler", "a:1").stderr
+def test_options_of_a_sweep_without_one_are_told(entry: Entry) -> None:
+    assert "--sweep" in entry("run", "two.toml", "--executor", "processes").stderr
+    assert "--executor dask" in entry("run", "two.toml", "--sweep", "grid.toml", "--scheduler", "a:1").stderr
 
 
 # --- killed ------------------------------------------------------------------------------------------
