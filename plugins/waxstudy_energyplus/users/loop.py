@@ -12,7 +12,8 @@ from waxstudy.simulation.engine import DAY_S
 from waxstudy_energyplus.chain import CHAIN_ROW, FLOW, through
 from waxstudy_energyplus.library import AFTER_REPORTING, BEFORE_PREDICTOR, EnergyPlusError, Engine
 from waxstudy_energyplus.record import MINUTE
-from waxstudy_energyplus.users.zones import ACTUATORS, CONSTANT, VARIABLE
+from waxstudy_energyplus.users.takeover import ALWAYS_WARM_C, AVAILABLE
+from waxstudy_energyplus.users.zones import ACTUATORS, CONSTANT, RADIANT, VARIABLE
 
 HOT_WATER_KG_M3 = 983.2  # with which EnergyPlus makes a mass flow of a design flow
 # what the engine calls the full flow -> kg/s in one of its unit
@@ -24,11 +25,6 @@ OF_ZONE = {
     "air_C": "Zone Air Temperature",
     "radiant_C": "Zone Mean Radiant Temperature",
     "operative_C": "Zone Operative Temperature",
-}
-OF_UNIT = {
-    "water_heat_W": "Zone Radiant HVAC Heating Rate",
-    "supply_C": "Zone Radiant HVAC Inlet Temperature",
-    "return_C": "Zone Radiant HVAC Outlet Temperature",
 }
 OF_SURFACE = {
     "floor_surface_C": "Surface Inside Face Temperature",
@@ -47,7 +43,9 @@ class Job:
     zone: str
     kind: str
     unit: str
-    surfaces: Mapping[str, float]  # with the shares of their areas
+    of_unit: Mapping[str, tuple[str, str]]  # heat and temperatures of its water: variable and key
+    surfaces: Mapping[str, float]  # with the shares of their areas; none of a baseboard
+    floor_area_m2: float
     sensed: str  # of the zone's temperatures, what the sensor is exposed to
     advance: Advance
     step_s: float
@@ -78,8 +76,7 @@ class Loop:
     engine: Engine
     time_s: float = 0.0
     sensed_C: list[float] = field(default_factory=list)  # at the end of the last two steps
-    full_flow_kg_s: float = 0.0
-    set_flow: Callable[[float], None] | None = None
+    set_share: Callable[[float], None] | None = None  # of the full flow
     readers: dict[str, Callable[[], float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -95,26 +92,23 @@ class Loop:
     def _variables(self) -> dict[str, tuple[str, str]]:
         job = self.job
         of_surfaces = {(name, key): (what, key) for name, what in OF_SURFACE.items() for key in job.surfaces}
-        return {
-            **{name: (what, job.zone) for name, what in OF_ZONE.items()},
-            **{name: (what, job.unit) for name, what in OF_UNIT.items()},
-            **{f"{name} of {key}": value for (name, key), value in of_surfaces.items()},
-        }
+        names = {**{name: (what, job.zone) for name, what in OF_ZONE.items()}, **job.of_unit}
+        return names | {f"{name} of {key}": value for (name, key), value in of_surfaces.items()}
 
     def drive(self) -> None:
         """Before the predictor: let the chain run through the step, and set its mean flow."""
         if not self.engine.in_weather:
             return
-        if self.set_flow is None:
+        if self.set_share is None:
             self._find_handles()
-        assert self.set_flow is not None
+        assert self.set_share is not None
         if self.engine.warming_up or not self.sensed_C:
             is_cold = not self.sensed_C or self.sensed_C[-1] < self.job.start_C
-            self.set_flow(self.full_flow_kg_s if is_cold else 0.0)
+            self.set_share(1.0 if is_cold else 0.0)
             return
         job = self.job
         rows = through(job.advance, self.sensed_C, self.time_s, job.step_s, job.engine_step_s)
-        self.set_flow(float(rows[:, FLOW].mean()) * self.full_flow_kg_s)
+        self.set_share(float(rows[:, FLOW].mean()))
         first = self._step * job.chain_steps
         if 0 <= first < len(self.chain):
             self.chain[first : first + len(rows)] = rows
@@ -133,17 +127,47 @@ class Loop:
         if self.engine.warming_up:
             return
         if 0 <= self._step < len(self.minutes):
-            for name in OF_SURFACE:
-                value[name] = sum(share * value[f"{name} of {key}"] for key, share in self.job.surfaces.items())
-            value["floor_heat_W_m2"] = -sum(value[name] for name in LOST)
+            self._add_surfaces(value)
             self.minutes[self._step] = [value[name] for name in MINUTE]
         self.time_s += self.job.engine_step_s
 
+    def _add_surfaces(self, value: dict[str, float]) -> None:
+        """Add what the heated surfaces are; where there are none, what stands for it."""
+        shares = self.job.surfaces
+        for name in OF_SURFACE if shares else ():
+            value[name] = sum(share * value[f"{name} of {key}"] for key, share in shares.items())
+        if shares:
+            value["floor_heat_W_m2"] = -sum(value[name] for name in LOST)
+        else:
+            value |= dict.fromkeys(("floor_surface_C", "layer_C"), value["operative_C"])
+            value["floor_heat_W_m2"] = value["water_heat_W"] / self.job.floor_area_m2
+
     def _find_handles(self) -> None:
-        job = self.job
-        name, factor = FULL_FLOW[job.kind]
-        self.full_flow_kg_s = factor * self.engine.known(name, job.unit)
-        if not self.full_flow_kg_s > 0.0:
-            raise EnergyPlusError(f"EnergyPlus has a full flow of {self.full_flow_kg_s:g} kg/s for {job.unit}")
-        self.set_flow = self.engine.actuator(ACTUATORS[job.kind], "Water Mass Flow Rate", job.unit)
-        self.readers = {each: self.engine.variable(*names) for each, names in self._variables().items()}
+        find, job = self.engine, self.job
+        if job.kind in RADIANT:
+            name, factor = FULL_FLOW[job.kind]
+            full_kg_s = factor * find.known(name, job.unit)
+            if not full_kg_s > 0.0:
+                raise EnergyPlusError(f"EnergyPlus has a full flow of {full_kg_s:g} kg/s for {job.unit}")
+            set_flow = find.actuator(ACTUATORS[job.kind], "Water Mass Flow Rate", job.unit)
+            self.set_share = lambda share: set_flow(share * full_kg_s)
+        else:
+            wanted = find.actuator("Zone Temperature Control", "Heating Setpoint", job.zone)
+            self.set_share = WholeSteps(find.actuator("Schedule:Constant", "Schedule Value", AVAILABLE), wanted)
+        self.readers = {each: find.variable(*names) for each, names in self._variables().items()}
+
+
+@dataclass
+class WholeSteps:
+    """Sets a unit that flows fully or not at all in a step: what a step has too much or too little is carried on."""
+
+    set_available: Callable[[float], None]
+    set_wanted_C: Callable[[float], None]
+    owed: float = 0.0
+
+    def __call__(self, share: float) -> None:
+        self.owed += share
+        is_on = self.owed >= 0.5
+        self.owed -= is_on
+        self.set_wanted_C(ALWAYS_WARM_C)
+        self.set_available(float(is_on))

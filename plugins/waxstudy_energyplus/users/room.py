@@ -27,7 +27,7 @@ from waxstudy_energyplus.run import asked
 from waxstudy_energyplus.users.file import UsersModel, read_model
 from waxstudy_energyplus.users.loop import Job
 from waxstudy_energyplus.users.takeover import first_day, steps_per_hour, taken_over
-from waxstudy_energyplus.users.zones import Unit, Zone, surfaces, unit_of, zones
+from waxstudy_energyplus.users.zones import Unit, Zone, of_unit, surfaces, unit_of, zones
 from waxstudy_paper.room import NzebRoom
 from waxstudy_paper.room.scaled import scaled
 
@@ -83,10 +83,13 @@ class EnergyPlusModelRoom(OutsideRoom):
     @classmethod
     def build(cls, p: ModelParameters) -> LinearRoom:
         _, zone, _ = _found(p)
-        floor_area_m2 = p.floor_area_m2 or zone.floor_area_m2
-        if floor_area_m2 <= 0.0:
+        return scaled(NzebRoom.build(NzebRoom.Parameters()), cls._area_m2(p, zone))
+
+    @classmethod
+    def _area_m2(cls, p: ModelParameters, zone: Zone) -> float:
+        if (floor_area_m2 := p.floor_area_m2 or zone.floor_area_m2) <= 0.0:
             raise Refused("room.zone", p.zone, "has no floor whose area the model tells: give floor_area_m2")
-        return scaled(NzebRoom.build(NzebRoom.Parameters()), floor_area_m2)
+        return floor_area_m2
 
     @classmethod
     def contents(cls, path: Path) -> Sequence[Mapping[str, str]]:
@@ -134,7 +137,9 @@ class EnergyPlusModelRoom(OutsideRoom):
             zone.name,
             unit.kind,
             unit.name,
+            of_unit(unit),
             surfaces(model, unit),
+            cls._area_m2(p, zone),
             _sensed(model, unit),
             advance,
             step_s,

@@ -10,22 +10,27 @@ from typing import Any
 
 from waxstudy_energyplus.model import UNWANTED, Model
 from waxstudy_energyplus.users.file import UsersModel
-from waxstudy_energyplus.users.zones import VARIABLE, Unit
+from waxstudy_energyplus.users.zones import BASEBOARDS, VARIABLE, Unit
 
 OURS = "waxstudy"
 # outside all that a room comes to, so that the unit asks for heat always and never cools
 ALWAYS_WARM_C, STILL_WARMER_C, NEVER_C = 98.0, 99.0, 199.0
 WARM, WARMER, NEVER = f"{OURS} always", f"{OURS} always above", f"{OURS} never"
+AVAILABLE = f"{OURS} availability"
 OUTDOORS = "outdoor"  # in the name of a control temperature: then the schedules are a heating curve
 WEEKDAYS = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
 NO_DAY_YEAR = 2017  # EnergyPlus' own for a model that names neither year nor day of the week
 
 
 def taken_over(model: UsersModel, unit: Unit, first: date, days: int, steps_per_hour: int) -> Model:
-    """Return the model for so many days from a day on, with a unit that does what the runtime API says.
+    """Return the model for so many days from a day on, with a unit that does what the runtime API says."""
+    objects = of_days(model, first, days, steps_per_hour)
+    _take_control(objects, model, unit)
+    return objects
 
-    Reports, which do not change a result, are left out: nobody sees them.
-    """
+
+def of_days(model: UsersModel, first: date, days: int, steps_per_hour: int) -> Model:
+    """Return the model for so many days from a day on, without its reports, which change no result."""
     objects = {
         kind: {name: copy.deepcopy(dict(fields)) for name, fields in named.items()}
         for kind, named in model.objects.items()
@@ -40,7 +45,6 @@ def taken_over(model: UsersModel, unit: Unit, first: date, days: int, steps_per_
     }
     objects["Timestep"] = {"step": {"number_of_timesteps_per_hour": steps_per_hour}}
     objects["RunPeriod"] = {f"{OURS} days": _period(model, first, days)}
-    _take_control(objects, model, unit)
     return objects
 
 
@@ -70,8 +74,15 @@ def _period(model: UsersModel, first: date, days: int) -> dict[str, Any]:
 
 
 def _take_control(objects: Model, model: UsersModel, unit: Unit) -> None:
-    """Give the unit a design object and schedules of its own, with which it always asks for heat."""
+    """Give the unit a design object and schedules of its own, with which it always asks for heat.
+
+    A baseboard takes the zone's thermostat for that, and an availability of its own, which the run sets.
+    """
     fields = objects[unit.kind][unit.name]
+    if unit.kind in BASEBOARDS:
+        objects.setdefault("Schedule:Constant", {})[AVAILABLE] = {"hourly_value": 1.0}
+        fields["availability_schedule_name"] = AVAILABLE
+        return
     found = model.named(f"{unit.kind}:Design", fields["design_object"])
     design = copy.deepcopy(dict(found[1])) if found is not None else {}
     values = {WARM: ALWAYS_WARM_C, WARMER: STILL_WARMER_C, NEVER: NEVER_C}

@@ -72,18 +72,34 @@ def unit_of(model: UsersModel, zone: str, unit: str | None) -> tuple[Zone, Unit]
     chosen = next((each for each in found.units if each.name.upper() == unit.upper()), None)
     if chosen is None:
         raise Refused("room.unit", unit, f"does not heat {found.name}; it has {_listed([u.name for u in found.units])}")
-    if against := _against(model, chosen):
+    if against := _against(model, chosen) or _against_baseboard(model, found.name, chosen, _rest(found, chosen)):
         raise Refused("room.unit", unit, against)
     return found, chosen
 
 
 def surfaces(model: UsersModel, unit: Unit) -> dict[str, float]:
-    """Return the surfaces that a radiant unit heats, with the shares of their areas."""
+    """Return the surfaces that a unit heats, with the shares of their areas; none of a baseboard."""
+    if unit.kind in BASEBOARDS:
+        return {}
     name = unit.fields.get("surface_name_or_radiant_surface_group_name", "")
     group = model.named("ZoneHVAC:LowTemperatureRadiant:SurfaceGroup", name)
     names = [str(name)] if group is None else [str(each["surface_name"]) for each in group[1]["surface_fractions"]]
     areas = {each: _area_m2(model, each) or 1.0 for each in names}
     return {each: area_m2 / sum(areas.values()) for each, area_m2 in areas.items()}
+
+
+def of_unit(unit: Unit) -> dict[str, tuple[str, str]]:
+    """Return the output variables of a unit's water, with their keys."""
+    if unit.kind in RADIANT:
+        names = {"water_heat_W": "Heating Rate", "supply_C": "Inlet Temperature", "return_C": "Outlet Temperature"}
+        return {name: (f"Zone Radiant HVAC {what}", unit.name) for name, what in names.items()}
+    nodes = {"supply_C": str(unit.fields["inlet_node_name"]), "return_C": str(unit.fields["outlet_node_name"])}
+    heat = {"water_heat_W": ("Baseboard Total Heating Rate", unit.name)}
+    return heat | {name: ("System Node Temperature", node) for name, node in nodes.items()}
+
+
+def _rest(zone: Zone, unit: Unit) -> list[str]:
+    return [*zone.others, *(str(each) for each in zone.units if each != unit)]
 
 
 def _listed(names: list[str]) -> str:
@@ -103,7 +119,7 @@ def _zone(model: UsersModel, name: str) -> Zone:
     if len(units) > 1:
         against = f"{len(units)} units heat it with water: say which by unit"
     elif units:
-        against = _against(model, units[0])
+        against = _against(model, units[0]) or _against_baseboard(model, name, units[0], others)
     return Zone(name, tuple(units), tuple(others), _floor_area_m2(model, name), against)
 
 
@@ -122,15 +138,29 @@ def _equipment(model: UsersModel, zone: str) -> Iterator[tuple[str, str]]:
 def _against(model: UsersModel, unit: Unit) -> str:
     """Return what keeps a unit from being driven, "" if nothing."""
     if unit.kind in BASEBOARDS:
-        return (
-            f"is heated by {unit}, whose flow EnergyPlus lets nobody set; floors and ceilings with pipes can be driven"
-        )
+        return ""
     if not unit.fields.get("heating_water_inlet_node_name"):
         return f"{unit} has no hot water: it only cools"
     for name, actuator in model.each("EnergyManagementSystem:Actuator"):
         same = str(actuator.get("actuated_component_unique_name", "")).upper() == unit.name.upper()
         if same and str(actuator.get("actuated_component_type", "")).upper() == ACTUATORS[unit.kind].upper():
             return f"the model's own EnergyManagementSystem:Actuator '{name}' sets the flow of {unit} already"
+    return ""
+
+
+def _against_baseboard(model: UsersModel, zone: str, unit: Unit, others: list[str]) -> str:
+    """Return what keeps a baseboard from being driven: it is asked for heat by the thermostat of its zone."""
+    if unit.kind in RADIANT:
+        return ""
+    if others:
+        return f"{unit} is driven through the zone's thermostat, which {', '.join(others)} would follow"
+    controlled = [
+        str(each.get("zone_or_zonelist_name", "")).upper() for _, each in model.each("ZoneControl:Thermostat")
+    ]
+    lists = (fields for name, fields in model.each("ZoneList") if name.upper() in controlled)
+    within = [str(each.get("zone_name", "")).upper() for fields in lists for each in fields.get("zones", [])]
+    if zone.upper() not in (*controlled, *within):
+        return f"{unit} is driven through the zone's thermostat, and it has none"
     return ""
 
 
