@@ -1,6 +1,6 @@
 """A chain in a user's model: `python -m benchmarks.energyplus_model MODEL ZONE WEATHER.epw [STEPS_PER_HOUR]`.
 
-Seconds of processor of two months, beside EnergyPlus alone with the same model, days and time step.
+Seconds of processor of five weeks, beside EnergyPlus alone with the same model, days and time step.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import tempfile
 from datetime import date, timedelta
 from pathlib import Path
 
-from benchmarks.energyplus import processor_s
+from benchmarks.timing import processor_s
 from waxstudy.plugin import Choice, WeatherRecord
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.advance import ChainAdvance
@@ -22,7 +22,7 @@ from waxstudy_energyplus.users.file import read_model
 from waxstudy_energyplus.users.room import EnergyPlusModelRoom
 from waxstudy_energyplus.users.takeover import first_day, of_days, steps_per_hour
 
-DAYS, SETPOINT_C, STEP_S = 60, 21.0, 5.0
+DAYS, SETPOINT_C, STEP_S = 28, 21.0, 5.0
 CHAIN = {
     "sensor": ("delay", {"delay_s": 120.0}),
     "controller": ("on-off", {"dead_band_K": 0.5}),

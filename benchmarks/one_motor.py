@@ -27,8 +27,10 @@ from waxstudy_energyplus import objects
 ROOT = Path(__file__).parents[1]
 STEP_S, MINUTE_S, SETPOINT_C, FULL_KG_S = 5.0, 60.0, 21.0, 0.034
 PER_MINUTE = round(MINUTE_S / STEP_S)
-FIRST_HOUR, LAST_HOUR = 24.0, 36.0  # after the day of warm-up
-SMALLEST = 1e-17  # so that no difference shows on a logarithmic axis
+FIRST_MINUTE = 24 * 60  # after the day of warm-up
+BEFORE_MIN, SHOWN_MIN = 2, 14  # of a switch
+# colour, marker and its size of each program: rings in rings, as they lie on each other
+STYLES = [(COLOURS[0], "o", 11), (COLOURS[1], "s", 7), (COLOURS[2], "x", 5)]
 
 
 def in_energyplus(folder: Path) -> tuple[FloatArray, FloatArray]:
@@ -75,29 +77,31 @@ def by_minute(values: FloatArray) -> FloatArray:
     return np.asarray(values.reshape(-1, PER_MINUTE).mean(axis=1))
 
 
-def draw(air_C: FloatArray, openings: dict[str, FloatArray], path: Path) -> None:
-    hours = np.arange(len(air_C)) / 60.0
-    shown = (hours >= FIRST_HOUR) & (hours < LAST_HOUR)
-    figure, (air, above, below) = plt.subplots(
-        3, 1, figsize=(8.0, 6.0), sharex=True, height_ratios=(1, 2, 1.3), layout="constrained"
+def draw(air_C: FloatArray, signal: FloatArray, openings: dict[str, FloatArray], path: Path) -> None:
+    """Draw the first opening and the first closing after the warm-up: temperature, opening, differences."""
+    switched = np.flatnonzero(np.diff(signal)) // PER_MINUTE + 1
+    first, second = switched[switched >= FIRST_MINUTE][:2]
+    figure, rows = plt.subplots(
+        3, 2, figsize=(8.0, 6.2), sharex="col", sharey="row", height_ratios=(1, 2, 1.2), layout="constrained"
     )
-    air.plot(hours[shown], air_C[shown], color="black")
-    air.set_ylabel("air [°C]")
-    styles = {"waxstudy": ("-", 4.5), "FMPy": ("-", 2.2), "EnergyPlus": ((0, (3, 3)), 1.4)}
-    for colour, (name, opening) in zip(COLOURS, openings.items(), strict=False):
-        line, width = styles[name]
-        above.plot(hours[shown], opening[shown], color=colour, linestyle=line, linewidth=width, label=name)
-        if name != "waxstudy":
-            off = np.maximum(np.abs(opening - openings["waxstudy"]), SMALLEST)[shown]
-            below.semilogy(hours[shown], off, color=colour, marker=".", linestyle="", label=f"{name} less waxstudy")
-    above.set_ylabel("opening, mean of a minute [1]")
-    below.set_ylabel("|difference| [1]")
-    below.axhline(1e-9, color="black", linewidth=0.8)
-    below.annotate("1e-9", (LAST_HOUR, 1e-9), ha="right", va="top")
-    below.set_ylim(SMALLEST / 2.0, 1e-7)
-    below.set_xlabel(f"hours since the start of the run; differences below {SMALLEST:g} are drawn there")
-    above.legend(loc="center right")
-    below.legend(loc="upper left", ncols=2)
+    for column, begin in enumerate((first - BEFORE_MIN, second - BEFORE_MIN)):
+        place = slice(begin, begin + SHOWN_MIN)
+        minutes = np.arange(SHOWN_MIN) - BEFORE_MIN
+        air, above, below = rows[:, column]
+        air.plot(minutes, air_C[place], color="black")
+        for (name, opening), (colour, marker, size) in zip(openings.items(), STYLES, strict=True):
+            look = {"color": colour, "marker": marker, "markersize": size, "fillstyle": "none"}
+            above.plot(minutes, opening[place], linewidth=0.8, label=name, **look)
+            if name != "waxstudy":
+                off = (opening - openings["waxstudy"])[place] * 1e16
+                below.plot(minutes, off, linestyle="", label=f"{name} less waxstudy", **look)
+        below.set_xlabel("minutes since the thermostat switched")
+    rows[0, 0].set_ylabel("air [°C]")
+    rows[1, 0].set_ylabel("opening, mean of a minute [1]")
+    rows[2, 0].set_ylabel("difference [$10^{-16}$]")
+    rows[2, 0].set_ylim(-4.0, 4.0)
+    rows[1, 0].legend(loc="center right")
+    rows[2, 1].legend(loc="upper right")
     figure.savefig(path)
 
 
@@ -112,7 +116,7 @@ def main() -> None:
     openings = {"waxstudy": ours, "FMPy": theirs, "EnergyPlus": opening}
     for other, values in list(openings.items())[1:]:
         print(f"largest difference of {other}: {np.abs(values - ours).max():.1e} over {len(ours) / 60:.0f} h")
-    draw(air_C, openings, out)
+    draw(air_C, signal, openings, out)
 
 
 if __name__ == "__main__":

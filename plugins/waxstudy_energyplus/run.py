@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import pickle
 from collections.abc import Callable, Mapping
@@ -11,17 +10,15 @@ from pathlib import Path
 from waxstudy.plugin import Advance, FloatArray, Refused, WeatherRecord
 from waxstudy.results.atomic import scratch_folder
 from waxstudy.simulation.engine import START, WARM_UP_DAYS, Start
-from waxstudy.simulation.own_process import PRINTED, ask
+from waxstudy.simulation.own_process import ask
 from waxstudy.study.model import is_multiple
+from waxstudy_energyplus.error_file import error_file
 from waxstudy_energyplus.library import MODEL, WEATHER, EnergyPlusError, installed_version
 from waxstudy_energyplus.loop import MINUTE_S, Job
 from waxstudy_energyplus.model import Model, model
 from waxstudy_energyplus.record import Simulated
 from waxstudy_energyplus.weather_file import still_year
 from waxstudy_paper.room.description import RoomDescription
-
-ERROR_LINES = 40
-HARMLESS = "CheckWarmupConvergence"  # the engine's own warm-up is cut short on purpose
 
 
 def refuse_times(weather: WeatherRecord, step_s: float) -> None:
@@ -95,15 +92,3 @@ def _understood(answer: bytes, code: int, folder: Path) -> tuple[FloatArray, Flo
     if error is not None:
         raise error from _Remote(text)
     return result
-
-
-def error_file(folder: Path) -> str:
-    """Return what the engine's error file says from its first severe line on, or else what was printed."""
-    for name, first in (("eplusout.err", "** Severe"), ("eplusout.err", "**  Fatal"), (PRINTED, "")):
-        with contextlib.suppress(OSError):
-            lines = (folder / name).read_text(encoding="utf-8", errors="replace").splitlines()
-            found = [n for n, line in enumerate(lines) if first in line and HARMLESS not in line]
-            if found:
-                shown = lines[found[0] : found[0] + ERROR_LINES]
-                return "\n".join([f"; {name}:", *(f"  {line.strip()}" for line in shown)])
-    return ""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.cli.conftest import Entry
 from tests.energyplus.house import FLOW_M3_S, SUPPLY_C, Model, house
 from waxstudy.plugin import TRACE, FloatArray, Refused, WeatherRecord
 from waxstudy.plugin.registry import installed
@@ -202,6 +203,20 @@ def test_what_is_no_model_is_told(tmp_path: Path, name: str, text: str) -> None:
         read_model(tmp_path / name)
 
 
+def test_a_command_lists_the_zones_and_what_stands_against_each(written: Callable[..., Path], entry: Entry) -> None:
+    path = written(house())
+    done = entry("plugins", "show", "energyplus-model", path, "--json")
+    assert done.code == 0, done.stderr
+    against = {row["zone"]: row["stands against it"] for row in json.loads(done.stdout)}
+    assert {zone for zone, told in against.items() if told == "nothing"} == {"Living", "Bedroom", "Bath"}
+    assert against["Store"].startswith("nothing in it is heated by water")
+    assert "Living floor heating" in entry("plugins", "show", "energyplus-model", path).stdout
+    lost = entry("plugins", "show", "energyplus-model", "nowhere.idf")
+    assert lost.code == 3
+    assert "nowhere.idf: cannot be read" in lost.stderr
+    assert entry("plugins", "show", "nzeb", path).code == 2
+
+
 def test_weather_of_another_kind_is_refused(written: Callable[..., Path]) -> None:
     p = EnergyPlusModelRoom.Parameters.model_validate({"path": str(written(house())), "zone": "Living"})
     made = WeatherRecord(3600.0, "2021-01-01", np.zeros(24), {})
@@ -213,7 +228,7 @@ def test_what_energyplus_finds_wrong_ends_the_run_with_its_own_words(written: Ca
     model = house()
     model["Zone"]["Attic"] = {}
     del model["Construction"]["roof"]
-    with pytest.raises(EnergyPlusError, match=r"(?s)code 1.*roof"):
+    with pytest.raises(EnergyPlusError, match=r"(?is)code 1.*roof"):
         simulated(written(model), 0.5)
     assert not list(Path(written(model)).parent.glob("waxstudy-*"))
 

@@ -15,9 +15,9 @@ from typing import Any
 from waxstudy.plugin import BackendMissing, Refused
 from waxstudy.plugin.files import read_file, why
 from waxstudy.results.atomic import scratch_folder
+from waxstudy_energyplus.error_file import error_file
 from waxstudy_energyplus.library import installed_version, payload
 from waxstudy_energyplus.model import VERSION, Model
-from waxstudy_energyplus.run import error_file
 
 KEY = "room.path"
 LARGEST_BYTES = 200_000_000  # whole campuses
@@ -99,15 +99,14 @@ def _converted(path: Path, data: bytes) -> bytes:
         (folder / "model.idf").write_bytes(data)
         words = [str(found[0]), "--convert-only", "-d", str(folder), str(folder / "model.idf")]
         try:
-            subprocess.run(words, cwd=folder, capture_output=True, timeout=LONGEST_CONVERSION_S, check=False)
+            done = subprocess.run(words, cwd=folder, capture_output=True, timeout=LONGEST_CONVERSION_S, check=False)
         except subprocess.TimeoutExpired:
             raise Refused(KEY, str(path), f"EnergyPlus did not read it within {LONGEST_CONVERSION_S:g} s") from None
         except OSError as error:
             raise BackendMissing(f"EnergyPlus is installed but cannot be started: {why(error)}") from error
-        try:
-            return (folder / "model.epJSON").read_bytes()
-        except OSError:
-            raise Refused(KEY, str(path), f"is no IDF that EnergyPlus can read{error_file(folder)}") from None
+        if done.returncode:
+            raise Refused(KEY, str(path), f"is no IDF that EnergyPlus can read{error_file(folder)}")
+        return (folder / "model.epJSON").read_bytes()
 
 
 def _loaded(path: Path, data: bytes) -> Model:

@@ -16,10 +16,10 @@ from waxstudy_energyplus.users.takeover import ALWAYS_WARM_C, AVAILABLE
 from waxstudy_energyplus.users.zones import ACTUATORS, CONSTANT, RADIANT, VARIABLE
 
 HOT_WATER_KG_M3 = 983.2  # with which EnergyPlus makes a mass flow of a design flow
-# what the engine calls the full flow -> kg/s in one of its unit
+# what the engine calls the full flow, in m3/s: of constant flow too, whatever its name says
 FULL_FLOW = {
-    VARIABLE: ("Hydronic Low Temp Radiant Design Water Volume Flow Rate for Heating", HOT_WATER_KG_M3),
-    CONSTANT: ("Constant Flow Low Temp Radiant Design Water Mass Flow Rate", 1.0),
+    VARIABLE: "Hydronic Low Temp Radiant Design Water Volume Flow Rate for Heating",
+    CONSTANT: "Constant Flow Low Temp Radiant Design Water Mass Flow Rate",
 }
 OF_ZONE = {
     "air_C": "Zone Air Temperature",
@@ -145,8 +145,7 @@ class Loop:
     def _find_handles(self) -> None:
         find, job = self.engine, self.job
         if job.kind in RADIANT:
-            name, factor = FULL_FLOW[job.kind]
-            full_kg_s = factor * find.known(name, job.unit)
+            full_kg_s = HOT_WATER_KG_M3 * find.known(FULL_FLOW[job.kind], job.unit)
             if not full_kg_s > 0.0:
                 raise EnergyPlusError(f"EnergyPlus has a full flow of {full_kg_s:g} kg/s for {job.unit}")
             set_flow = find.actuator(ACTUATORS[job.kind], "Water Mass Flow Rate", job.unit)

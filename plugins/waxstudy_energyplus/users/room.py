@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from datetime import date, timedelta
 from pathlib import Path
 
 from waxstudy.plugin import (
@@ -18,16 +17,11 @@ from waxstudy.plugin import (
     parameter,
 )
 from waxstudy.plugin.files import DATA_BYTES, read_file, why
-from waxstudy.simulation.engine import WARM_UP_DAYS
 from waxstudy.study.model import is_multiple
-from waxstudy_energyplus.library import installed_version
-from waxstudy_energyplus.loop import LONGEST_SILENCE_S
-from waxstudy_energyplus.record import Simulated
-from waxstudy_energyplus.run import asked
+from waxstudy_energyplus.library import LONGEST_SILENCE_S, installed_version
 from waxstudy_energyplus.users.file import UsersModel, read_model
-from waxstudy_energyplus.users.loop import Job
-from waxstudy_energyplus.users.takeover import first_day, steps_per_hour, taken_over
-from waxstudy_energyplus.users.zones import Unit, Zone, of_unit, surfaces, unit_of, zones
+from waxstudy_energyplus.users.takeover import steps_per_hour
+from waxstudy_energyplus.users.zones import Unit, Zone, unit_of, zones
 from waxstudy_paper.room import NzebRoom
 from waxstudy_paper.room.scaled import scaled
 
@@ -131,31 +125,24 @@ class EnergyPlusModelRoom(OutsideRoom):
         slab_K: float,
         stop: Callable[[], bool],
     ) -> FloatArray:
+        from waxstudy_energyplus.users.run import simulate  # the engine of the fast room comes with it
+
         model, zone, unit = _found(p)
-        engine_step_s = _engine_step_s(p, model)
-        job = Job(
-            zone.name,
-            unit.kind,
-            unit.name,
-            of_unit(unit),
-            surfaces(model, unit),
-            cls._area_m2(p, zone),
-            _sensed(model, unit),
+        return simulate(
+            model,
+            zone,
+            unit,
+            weather,
+            _weather_file(weather),
             advance,
-            step_s,
-            engine_step_s,
-            weather.duration_s,
-            WARM_UP_DAYS,
-            setpoint_C + air_K,
-            p.longest_silence_s,
+            sensed=_sensed(model, unit),
+            floor_area_m2=cls._area_m2(p, zone),
+            step_s=step_s,
+            engine_step_s=_engine_step_s(p, model),
+            start_C=setpoint_C + air_K,
+            longest_silence_s=p.longest_silence_s,
+            stop=stop,
         )
-        begin = date.fromisoformat(weather.first_day)
-        first = first_day(model, begin.month, begin.day) - timedelta(days=WARM_UP_DAYS)
-        days = WARM_UP_DAYS + round(weather.duration_s / 86400.0)
-        objects = taken_over(model, unit, first, days, round(3600.0 / engine_step_s))
-        # place names may be in any encoding, and this one has a letter for every byte
-        text = _weather_file(weather).decode("latin-1")
-        return Simulated(*asked(job, objects, text, stop, "latin-1"), step_s, engine_step_s).trace()
 
 
 def _found(p: ModelParameters) -> tuple[UsersModel, Zone, Unit]:
