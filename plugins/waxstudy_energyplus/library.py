@@ -139,8 +139,12 @@ class Engine:
         return float(self._library.getInternalVariableValue(self._state, handle))
 
     def _waits_for(self, engine: str | None) -> None:
-        if self._watch is not None:
-            self._watch.end() if engine is None else self._watch.begin(engine)
+        if self._watch is None:
+            return
+        if engine is None:
+            self._watch.end()
+        else:
+            self._watch.begin(engine)
 
     def _handle(self, what: str, find: Callable[..., int], *names: str) -> int:
         handle = find(self._state, *(name.encode() for name in names))

@@ -43,6 +43,10 @@ class UsersModel:
         """Yield name and fields of the objects of a kind."""
         yield from self.objects.get(kind, {}).items()
 
+    def first(self, kind: str) -> Mapping[str, Any]:
+        """Return the fields of the first object of a kind, none where there is none."""
+        return next(iter(self.objects.get(kind, {}).values()), {})
+
     def named(self, kind: str, name: object) -> tuple[str, Mapping[str, Any]] | None:
         """Return the object of a kind that a field names, whatever its capitals."""
         return next(((n, fields) for n, fields in self.each(kind) if n.upper() == str(name).upper()), None)

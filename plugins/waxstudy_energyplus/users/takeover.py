@@ -19,6 +19,7 @@ WARM, WARMER, NEVER = f"{OURS} always", f"{OURS} always above", f"{OURS} never"
 AVAILABLE = f"{OURS} availability"
 OUTDOORS = "outdoor"  # in the name of a control temperature: then the schedules are a heating curve
 WEEKDAYS = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
+OWN_STEPS_PER_HOUR = 6  # EnergyPlus' own, for a model that does not say
 NO_DAY_YEAR = 2017  # EnergyPlus' own for a model that names neither year nor day of the week
 
 
@@ -38,7 +39,7 @@ def of_days(model: UsersModel, first: date, days: int, steps_per_hour: int) -> M
     }
     _resolve_files(objects, model.path.parent)
     objects["OutputControl:Files"] = {"files": {f"output_{name}": "No" for name in UNWANTED}}
-    control = next(iter(objects.get("SimulationControl", {}).values()), {})
+    control = model.first("SimulationControl")
     periods = {"run_simulation_for_sizing_periods": "No", "run_simulation_for_weather_file_run_periods": "Yes"}
     objects["SimulationControl"] = {
         "control": {**control, **periods, "do_hvac_sizing_simulation_for_sizing_periods": "No"}
@@ -50,12 +51,12 @@ def of_days(model: UsersModel, first: date, days: int, steps_per_hour: int) -> M
 
 def steps_per_hour(model: UsersModel) -> int:
     """Return the model's own zone time steps per hour."""
-    return next((int(fields.get("number_of_timesteps_per_hour", 6)) for _, fields in model.each("Timestep")), 6)
+    return int(model.first("Timestep").get("number_of_timesteps_per_hour", OWN_STEPS_PER_HOUR))
 
 
 def first_day(model: UsersModel, month: int, day: int) -> date:
     """Return a day of the year in a year whose weekdays are those of the model's own run period."""
-    period = next((fields for _, fields in model.each("RunPeriod")), {})
+    period = model.first("RunPeriod")
     weekday, year = period.get("day_of_week_for_start_day"), period.get("begin_year")
     if weekday and not year:
         begin = (int(period["begin_month"]), int(period["begin_day_of_month"]))
@@ -65,7 +66,7 @@ def first_day(model: UsersModel, month: int, day: int) -> date:
 
 def _period(model: UsersModel, first: date, days: int) -> dict[str, Any]:
     """Return the run period; holidays, rain and snow as the model's own has them."""
-    own = next((dict(fields) for _, fields in model.each("RunPeriod")), {})
+    own = dict(model.first("RunPeriod"))
     own.pop("day_of_week_for_start_day", None)
     last = first + timedelta(days=days - 1)
     for side, day in (("begin", first), ("end", last)):

@@ -108,7 +108,8 @@ def _listed(names: list[str]) -> str:
 
 def _zone(model: UsersModel, name: str) -> Zone:
     equipment = list(_equipment(model, name))
-    units, others = [], []
+    units: list[Unit] = []
+    others: list[str] = []
     for kind, item in equipment:
         found = model.named(kind, item) if kind in HYDRONIC else None
         if found is None:

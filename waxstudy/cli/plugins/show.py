@@ -45,21 +45,9 @@ def command(name: str, file: Path | None, as_json: bool) -> None:
 
 def _show_contents(entries: Sequence[Registered], file: Path, as_json: bool) -> None:
     """Print what a file holds for the component that reads such files."""
-    from waxstudy.plugin import BackendMissing, Component
-    from waxstudy.plugin.registry import PluginError, one_line, told
-
-    readers = [e.component for e in entries if e.component.contents.__func__ is not Component.contents.__func__]  # type: ignore[attr-defined]
-    if not readers:
+    rows = next((rows for rows in (_contents(entry, file) for entry in entries) if rows is not None), None)
+    if rows is None:
         raise CommandError(f"'{entries[0].component.name}' reads no file that could be shown", USAGE)
-    try:
-        with told(f"{readers[0].name}", ValueError, BackendMissing):
-            rows = readers[0].contents(file)
-    except BackendMissing as error:
-        raise CommandError(str(error), BACKEND) from error
-    except PluginError as error:
-        raise CommandError(str(error), PLUGIN) from error
-    except ValueError as error:
-        raise CommandError(f"{file}: {one_line(str(error))}", INVALID) from error
     if as_json:
         print_json([dict(row) for row in rows])
         return
@@ -67,6 +55,24 @@ def _show_contents(entries: Sequence[Registered], file: Path, as_json: bool) -> 
     for row in rows:
         shown.add_row(*row.values())
     print_tables(shown)
+
+
+def _contents(entry: Registered, file: Path) -> Sequence[Mapping[str, str]] | None:
+    """Return what a file holds for a component, None for one that reads none."""
+    from waxstudy.plugin import BackendMissing
+    from waxstudy.plugin.registry import PluginError, one_line, told
+
+    try:
+        with told(entry.component.name, NotImplementedError, ValueError, BackendMissing):
+            return entry.component.contents(file)
+    except NotImplementedError:
+        return None
+    except BackendMissing as error:
+        raise CommandError(str(error), BACKEND) from error
+    except PluginError as error:
+        raise CommandError(str(error), PLUGIN) from error
+    except ValueError as error:
+        raise CommandError(f"{file}: {one_line(str(error))}", INVALID) from error
 
 
 def _described(entry: Registered) -> dict[str, Any]:
