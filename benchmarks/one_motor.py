@@ -101,7 +101,7 @@ def draw(air_C: FloatArray, signal: FloatArray, openings: dict[str, FloatArray],
     rows[2, 0].set_ylabel("difference [$10^{-16}$]")
     rows[2, 0].set_ylim(-4.0, 4.0)
     rows[1, 0].legend(loc="center right")
-    rows[2, 1].legend(loc="upper right")
+    rows[2, 1].legend(loc="lower right")
     figure.savefig(path)
 
 
