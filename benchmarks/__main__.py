@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from benchmarks.energyplus_model import house_figure
 from benchmarks.fmu import fmu_figures
 from benchmarks.house import write_year
 from benchmarks.timing import best_s
@@ -220,6 +221,7 @@ def main() -> None:
     folder = Path(tempfile.mkdtemp())
     try:
         fmu_figures(folder)
+        house_figure(folder)
         command_figures(folder)
         import_figures(folder)
         long_figures(folder)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
@@ -50,6 +51,14 @@ class Component:
     examples: ClassVar[Mapping[str, Mapping[str, Any]]] = {"default": {}}
     # conformance stages that cannot hold for this component -> why
     exemptions: ClassVar[Mapping[str, str]] = {}
+
+    @classmethod
+    def contents(cls, path: Path) -> Sequence[Mapping[str, str]]:
+        """Return what a file that `path` names holds for this component: a row per choice, the same columns in each.
+
+        For `plugins show NAME FILE`. Raises `ValueError` with a one-line reason, or `BackendMissing`.
+        """
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -170,6 +179,7 @@ class WeatherRecord:
     outdoor_C: FloatArray  # (n,) mean of each interval
     irradiance_W_m2: Mapping[str, FloatArray]  # facade name -> (n,) global on the facade, mean of each interval
     sky_C: FloatArray | None = None  # (n,) temperature at which the sky radiates; None where nobody knows it
+    file: str = ""  # the EPW file that it comes from, for an engine that reads one itself
 
     @property
     def duration_s(self) -> float:
