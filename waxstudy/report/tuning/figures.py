@@ -8,10 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 from waxstudy.report.figures.plot import Lacking, drawing, one_panel, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, GREY, MARKERS, legend_of, name_rows
+from waxstudy.report.tuning.tables import unit_beside
 from waxstudy.tuning.space import Axis
 from waxstudy.tuning.tune import Setting, Tuned
 
@@ -42,14 +44,15 @@ def _map(found: Tuned) -> Figure:
         raise Lacking("too few settings could be had")
     # triangles between the places as they are seen, on a logarithmic scale where that is so
     triangles = Triangulation(*places).triangles
-    levels = np.linspace(float(score.min()), float(score.max()), LEVELS + 1) if np.ptp(score) > 0.0 else LEVELS
+    levels = MaxNLocator(LEVELS).tick_values(float(score.min()), float(score.max()) + 1e-6)
     drawn = panel.tricontourf(x, y, triangles, score, levels=levels, cmap="Greys")
+    panel.tricontour(x, y, triangles, score, levels=[1.0], colors=BLACK, linestyles="dashed", linewidths=1.2)
     panel.plot(x, y, ".", color=COLOURS[4], markersize=4)
     lost = [each for each in found.seen if each.reason]
     panel.plot(
         [e.values[across.key] for e in lost], [e.values[up.key] for e in lost], "x", color=COLOURS[5], markersize=6
     )
-    bar = figure.colorbar(drawn, ax=panel, label=f"score ({found.goal.words}), 1", format="%.2f")
+    bar = figure.colorbar(drawn, ax=panel, label=f"score ({found.goal.words}), 1; dashed: 1", format="%.2f")
     bar.ax.grid(visible=False)
     handles = [_mark(panel, setting, place, across, up) for place, setting in enumerate(found.settings)]
     _scaled(panel, across, up)
@@ -74,13 +77,17 @@ def _mark(panel: Axes, setting: Setting, place: int, across: Axis, up: Axis) -> 
     return drawn
 
 
+def _label(axis: Axis) -> str:
+    return ", ".join(filter(None, (axis.name, unit_beside(axis))))
+
+
 def _scaled(panel: Axes, across: Axis, up: Axis) -> None:
     for axis, set_scale, set_label in (
         (across, panel.set_xscale, panel.set_xlabel),
         (up, panel.set_yscale, panel.set_ylabel),
     ):
         set_scale("log" if axis.is_log else "linear")
-        set_label(f"{axis.name}, {axis.unit}")
+        set_label(_label(axis))
 
 
 def _curve(found: Tuned) -> Figure:
@@ -95,7 +102,7 @@ def _curve(found: Tuned) -> Figure:
         look = {**_look(place), "linestyle": "none", "markeredgecolor": BLACK, "zorder": 4.0}
         handles += panel.plot([setting.values[axis.key]], [setting.score], label=setting.name, **look)
     panel.set_xscale("log" if axis.is_log else "linear")
-    panel.set(xlabel=f"{axis.name}, {axis.unit}", ylabel=f"score ({found.goal.words}), 1")
+    panel.set(xlabel=_label(axis), ylabel=f"score ({found.goal.words}), 1")
     legend_of(figure, handles)
     return figure
 

@@ -40,7 +40,7 @@ def _table(
 
 
 def _parameter(axis: Axis) -> Column[Setting]:
-    return Column(axis.name, lambda setting: setting.values[axis.key], ".4g", unit=_unit(axis.unit))
+    return Column(axis.name, lambda setting: setting.values[axis.key], "g", unit=unit_beside(axis))
 
 
 def _objective(name: str, figures: Callable[[Setting], pd.DataFrame | None]) -> Column[Setting]:
@@ -48,8 +48,9 @@ def _objective(name: str, figures: Callable[[Setting], pd.DataFrame | None]) -> 
     return Column(name, lambda setting: _told(figures(setting), name), heading=HEADINGS[name], unit=unit)
 
 
-def _unit(unit: str) -> str:
-    return "" if unit == "1" else unit
+def unit_beside(axis: Axis) -> str:
+    """Return a parameter's unit, as far as its name does not tell it."""
+    return "" if axis.unit == "1" or axis.name.endswith(f"_{axis.unit}") else axis.unit
 
 
 def _told(figures: pd.DataFrame | None, name: str) -> str:
@@ -72,7 +73,7 @@ def notes(found: Tuned) -> list[str]:
 def verdict(found: Tuned) -> str:
     """What was found, in one sentence."""
     values = ", ".join(
-        f"{axis.name} {found.chosen.values[axis.key]:.4g} {_unit(axis.unit)}".rstrip() for axis in found.axes
+        f"{axis.name} {found.chosen.values[axis.key]:g} {unit_beside(axis)}".rstrip() for axis in found.axes
     )
     gained = f"{100.0 * (1.0 - found.chosen.score):.0f} % less of {found.goal.words} than the case {STANDS}"
     if found.chosen.tested is None:
