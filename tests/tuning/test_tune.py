@@ -77,7 +77,8 @@ def test_a_killed_tuning_goes_on_finds_better_settings_and_tests_them(killed: tu
     found = json.loads(done.stdout)
     assert found == json.loads((folder / "tuned" / "tuning.json").read_text())
     stands, tuned, *others = found["settings"]
-    assert [each["name"] for each in others] == ["Ziegler-Nichols", "SIMC", "lambda"]
+    assert stands["name"] == "as it stands (Table 4, adapted)"
+    assert [each["name"] for each in others] == ["default", "Ziegler-Nichols", "SIMC", "lambda"]
     assert stands["values"] == {"controller.gain": 18.0, "controller.integration_time_s": 2300.0}
     # the paper's setting is far from what suits a modulated signal
     assert tuned["score"] == min(each["score"] for each in found["evaluations"]) < 0.6

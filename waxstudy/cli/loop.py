@@ -12,8 +12,7 @@ from waxstudy.cli.errors import FAILED, USAGE, CommandError
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures, progress
-from waxstudy.cli.study import load_study
-from waxstudy.cli.tune import known
+from waxstudy.cli.study import known, load_study
 
 
 @click.command("loop", cls=Command)

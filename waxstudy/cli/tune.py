@@ -14,7 +14,7 @@ from waxstudy.cli.errors import USAGE, CommandError
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures, progress, resumable
-from waxstudy.cli.study import load_study
+from waxstudy.cli.study import known, load_study
 
 if TYPE_CHECKING:
     from waxstudy.tuning.tune import Tuned
@@ -129,16 +129,6 @@ def command(
                 raise CommandError(str(error), USAGE) from error
         _write(found, folder)
     print_out(_json(found) if as_json else f"{_summary(found)}{folder}\n")
-
-
-def known(option: str, given: Sequence[str], allowed: Sequence[str]) -> None:
-    """Refuse a name that is none of those allowed, with the nearest of them."""
-    from waxstudy.plugin.registry import hint
-
-    for name in given:
-        if name not in allowed:
-            told = f"{option} {name}: there is none{hint(name, allowed)} (allowed: {', '.join(allowed)})"
-            raise CommandError(told, USAGE)
 
 
 def _write(found: Tuned, folder: Path) -> None:

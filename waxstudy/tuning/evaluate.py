@@ -48,6 +48,12 @@ class Evaluator:
     folder: Path
     workers: int
     told: Progress
+    expected: int = 0
+
+    def expect(self, count: int) -> None:
+        """Tell that so many more settings are to be evaluated."""
+        self.expected += count
+        self.told.total(self.expected)
 
     def figures(self, weather: Weather, settings: Sequence[Settings]) -> list[pd.DataFrame | str]:
         """Return a row for each week and member of every settings, or why there is none."""
@@ -70,9 +76,10 @@ class Evaluator:
                 todo[number] = changed
         work = partial(_computed, weather)
         failed = compute_points(todo, files, Where("threads", self.workers), self.told, work, UNITS)
+        reasons = {files[number]: reason for number, reason in failed.items()}
         for number, file in enumerate(files):
             if not found[number]:
-                found[number] = failed[number] if number in failed else pd.read_parquet(file)
+                found[number] = reasons[file] if file in reasons else pd.read_parquet(file)
         return found
 
     def _file(self, study: Study, weather: Weather) -> Path:

@@ -12,7 +12,7 @@ import pandas as pd
 from waxstudy.loop.linear import linearised
 from waxstudy.loop.response import NotLinear
 from waxstudy.loop.rules import textbook_rules
-from waxstudy.plugin import FloatArray, SimulationError
+from waxstudy.plugin import Choice, FloatArray, SimulationError
 from waxstudy.simulation.run import Progress
 from waxstudy.study.model import Case, Study
 from waxstudy.sweep.run import points_folder
@@ -121,7 +121,7 @@ class _Tuning:
     def run(self, divided: Split, count: int) -> Tuned:
         self.weather = Weather.of(divided.tuned, self.jit)
         budget = Budget.of(count, len(self.axes))
-        self.evaluator.told.total(1 + budget.side ** min(2, len(self.axes)) + budget.generation * budget.generations)
+        self.evaluator.expect(1 + budget.side ** min(2, len(self.axes)) + budget.generation * budget.generations)
         self.start = self._as_it_stands(self.weather)
         self.goal.refuse(self.start)
         self.scores([self.stands, *landscape(self.axes, self.stands, budget.side)])
@@ -184,7 +184,7 @@ class _Tuning:
         controller = self.case.blocks["controller"]
         for label, values in controller.component.examples.items():
             try:
-                example = controller.changed(**values).parameters
+                example = Choice.of(controller.component, values).parameters
             except ValueError:
                 continue
             yield label, self._set({axis.name: getattr(example, axis.name) for axis in self._of_controller()})
@@ -211,7 +211,7 @@ class _Tuning:
 
     def _settings(self, named: Sequence[tuple[str, Settings]]) -> Iterator[Setting]:
         named = list(_each_once(named))
-        self.evaluator.told.total(len(named))
+        self.evaluator.expect(len(named))
         found = self.evaluator.figures(self.weather, [values for _, values in named])
         for (name, values), figures in zip(named, found, strict=True):
             if isinstance(figures, str):
@@ -223,7 +223,7 @@ class _Tuning:
             yield Setting(name, values, self.goal.score(figures, self.start), figures)
 
     def _tested(self, settings: Sequence[Setting], weather: Weather) -> Iterator[Setting]:
-        self.evaluator.told.total(len(settings))
+        self.evaluator.expect(1 + len(settings))
         start = self._as_it_stands(weather)
         found = self.evaluator.figures(weather, [each.values for each in settings])
         for setting, figures in zip(settings, found, strict=True):
@@ -239,12 +239,13 @@ class _Tuning:
 
 
 def _each_once(named: Sequence[tuple[str, Settings]]) -> Iterator[tuple[str, Settings]]:
-    """Put names of the same settings together; the first two stay apart."""
+    """Put names of the same settings together; those of the case as it stands stand behind it."""
+    (first, stands), tuned, *others = named
     names: dict[tuple[float, ...], list[str]] = {}
-    for name, values in named[2:]:
+    for name, values in others:
         names.setdefault(tuple(values.values()), []).append(name)
-    by_key = {tuple(values.values()): values for _, values in named[2:]}
-    yield from named[:2]
-    for key, of in names.items():
-        if key != tuple(named[0][1].values()):
-            yield ", ".join(of), by_key[key]
+    same = names.pop(tuple(stands.values()), [])
+    yield (f"{first} ({', '.join(same)})" if same else first), stands
+    yield tuned
+    by_key = {tuple(values.values()): values for _, values in others}
+    yield from ((", ".join(of), by_key[key]) for key, of in names.items())
