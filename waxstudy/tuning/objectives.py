@@ -78,4 +78,5 @@ def misses_comfort(figures: pd.DataFrame, target_h: float) -> str:
     off = (hours - target_h).abs()
     if (off <= WITHIN_H).all():
         return ""
-    return f"not at equal comfort: {hours[off.idxmax()]:.1f} h below the limit in {off.idxmax()}, not {target_h:g}"
+    worst = str(off.idxmax())
+    return f"not at equal comfort: {hours[worst]:.1f} h below the limit in {worst}, not {target_h:g}"
