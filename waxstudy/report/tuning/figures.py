@@ -18,6 +18,7 @@ from waxstudy.tuning.space import Axis
 from waxstudy.tuning.tune import Setting, Tuned
 
 LEVELS = 12
+MOST_IN_A_ROW = 3  # of a legend: names of settings may be long
 WORST = 1.5  # scores above are drawn alike: what is far worse than the case as it stands needs no detail
 
 
@@ -56,9 +57,7 @@ def _map(found: Tuned) -> Figure:
     bar.ax.grid(visible=False)
     handles = [_mark(panel, setting, place, across, up) for place, setting in enumerate(found.settings)]
     _scaled(panel, across, up)
-    legend_of(figure, handles) if len(handles) < 6 else figure.legend(
-        handles=handles, loc="outside lower center", ncols=(len(handles) + 1) // 2
-    )
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), MOST_IN_A_ROW))
     return figure
 
 
@@ -103,7 +102,7 @@ def _curve(found: Tuned) -> Figure:
         handles += panel.plot([setting.values[axis.key]], [setting.score], label=setting.name, **look)
     panel.set_xscale("log" if axis.is_log else "linear")
     panel.set(xlabel=_label(axis), ylabel=f"score ({found.goal.words}), 1")
-    legend_of(figure, handles)
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), MOST_IN_A_ROW))
     return figure
 
 
