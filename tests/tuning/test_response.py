@@ -7,8 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
+from waxstudy.conformance.declaration import documentation
+from waxstudy.conformance.stage import Subject
 from waxstudy.loop.response import Emitter, NotLinear, Response, controller_response, sensor_response
-from waxstudy.plugin import Choice
+from waxstudy.plugin import Choice, Controller, Parameters, Tunable, parameter
 from waxstudy.plugin.registry import installed
 
 STEP_S = 5.0
@@ -63,3 +65,21 @@ def test_what_switches_has_no_linear_form() -> None:
 def test_a_response_ends_in_its_slope() -> None:
     ramp = Response(np.arange(10.0), slope=1.0).at(Z)
     assert ramp == pytest.approx(1.0 / Z / (1.0 - 1.0 / Z), rel=1e-9)
+
+
+class GainParameters(Parameters):
+    gain: float = parameter(1.0, unit="1/K", ge=0.0, le=9.0, description="Gain.", source="chosen for a test")
+
+
+def test_a_plugin_that_tunes_what_it_has_not_is_told() -> None:
+    class Wrong(Controller):
+        name = "wrong"
+        Parameters = GainParameters
+        gain = "gian"
+        tuned = {"gain": Tunable(0.0, 5.0, is_log=True)}
+
+    first, second = documentation(Subject(Wrong, {}))
+    assert (
+        first == "gian is said to be tuned, or set by rules: it is no parameter that is a float; did you mean 'gain'?"
+    )
+    assert second.startswith("gain is tuned from 0 to 5: low < high is needed")

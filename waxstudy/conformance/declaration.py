@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from waxstudy.conformance.stage import Problems, Subject
-from waxstudy.plugin import Block, Component
+from waxstudy.plugin import Block, Component, Controller, Tunable
 from waxstudy.plugin.registry import described, hint
 from waxstudy.plugin.structure import structure_problems
 
@@ -76,12 +76,14 @@ def documentation(subject: Subject) -> Problems:
 def _untunable(block: type[Block]) -> Problems:
     """What is wrong with the parameters that are said to be tuned, or to be what textbook rules set."""
     fields = block.Parameters.model_fields
-    named = [getattr(block, role, "") for role in ("gain", "integration_time", "period")]
+    named = [block.gain, block.integration_time] if issubclass(block, Controller) else []
     for name in (*block.tuned, *filter(None, named)):
         if name not in fields or fields[name].annotation is not float:
             yield f"{name} is said to be tuned, or set by rules: it is no parameter that is a float{hint(name, fields)}"
     for name, where in block.tuned.items():
-        if not where.low < where.high or (where.is_log and where.low <= 0.0):
+        if not isinstance(where, Tunable):
+            yield f"{name} is tuned in {where!r:.60}: write Tunable(low, high, is_log=...)"
+        elif not where.low < where.high or (where.is_log and where.low <= 0.0):
             yield f"{name} is tuned from {where.low:g} to {where.high:g}: low < high is needed, and above 0 if is_log"
 
 
