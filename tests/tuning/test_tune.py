@@ -109,7 +109,7 @@ def test_a_killed_tuning_goes_on_finds_better_settings_and_tests_them(killed: tu
         (
             ["--vary", "controller.gain=20..30"],
             INVALID,
-            "tiny.toml:20: case P_MC: controller.gain = 18.0: lies outside the bounds 20 to 30",
+            "tiny.toml:21: case P_MC: controller.gain = 18.0: lies outside the bounds 20 to 30",
         ),
         (
             ["--vary", "controller.gian=1..30"],

@@ -8,9 +8,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.optimize import differential_evolution
+from scipy.optimize import Bounds, differential_evolution
 from scipy.stats import qmc
 
 from waxstudy.plugin import FloatArray
@@ -74,9 +75,10 @@ def search(
     drawn = qmc.LatinHypercube(len(axes), rng=seed).random(budget.generation)
     spread = np.clip(middle + reach * (2.0 * drawn - 1.0), 0.0, 1.0)
     spread[0] = middle
+    scores_of: Any = at  # vectorised: one for each column, of which the library's types know nothing
     differential_evolution(
-        at,
-        bounds=[(0.0, 1.0)] * len(axes),
+        scores_of,
+        bounds=Bounds(np.zeros(len(axes)), np.ones(len(axes))),
         init=spread,
         maxiter=budget.generations - 1,
         tol=ALIKE,

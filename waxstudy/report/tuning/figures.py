@@ -44,10 +44,10 @@ def _map(found: Tuned) -> Figure:
     if len(counted) < 3 or np.linalg.matrix_rank(np.column_stack([p - p[0] for p in places])) < 2:
         raise Lacking("too few settings could be had")
     # triangles between the places as they are seen, on a logarithmic scale where that is so
-    triangles = Triangulation(*places).triangles
+    mesh = Triangulation(x, y, Triangulation(*places).triangles)
     levels = MaxNLocator(LEVELS).tick_values(float(score.min()), float(score.max()) + 1e-6)
-    drawn = panel.tricontourf(x, y, triangles, score, levels=levels, cmap="Greys")
-    panel.tricontour(x, y, triangles, score, levels=[1.0], colors=BLACK, linestyles="dashed", linewidths=1.2)
+    drawn = panel.tricontourf(mesh, score, levels=levels, cmap="Greys")
+    panel.tricontour(mesh, score, levels=[1.0], colors=BLACK, linestyles="dashed", linewidths=1.2)
     panel.plot(x, y, ".", color=COLOURS[4], markersize=4)
     lost = [each for each in found.seen if each.reason]
     panel.plot(
