@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args, get_origin
 
 import annotated_types
@@ -80,7 +80,8 @@ def _untunable(block: type[Block]) -> Problems:
     for name in (*block.tuned, *filter(None, named)):
         if name not in fields or fields[name].annotation is not float:
             yield f"{name} is said to be tuned, or set by rules: it is no parameter that is a float{hint(name, fields)}"
-    for name, where in block.tuned.items():
+    stated: Mapping[str, Any] = block.tuned
+    for name, where in stated.items():
         if not isinstance(where, Tunable):
             yield f"{name} is tuned in {where!r:.60}: write Tunable(low, high, is_log=...)"
         elif not where.low < where.high or (where.is_log and where.low <= 0.0):
