@@ -100,6 +100,15 @@ ERROR = Port("setpoint minus reading", "K", -250.0, 250.0)
 LEVEL = Port("level", "1", 0.0, 1.0)
 
 
+@dataclass(frozen=True)
+class Tunable:
+    """Where a parameter is looked for when it is tuned; on a logarithmic scale where it counts by factors."""
+
+    low: float
+    high: float
+    is_log: bool = False
+
+
 @dataclass
 class NoState:
     """State of a block that remembers nothing."""
@@ -113,10 +122,13 @@ class Block(Component):
     at the end of the step. Text parameters with fixed choices (`Literal`) arrive as the index of the choice (-1
     for none), an optional number that is not given as NaN.
     It must compile with numba and run unchanged in the interpreter.
+
+    `tuned` names the parameters that a search for better ones varies, and how far.
     """
 
     input: ClassVar[Port] = LEVEL
     output: ClassVar[Port] = LEVEL
+    tuned: ClassVar[Mapping[str, Tunable]] = {}
     State: ClassVar[type] = NoState
     step: ClassVar[Callable[..., float]]
 
@@ -132,8 +144,12 @@ class Sensor(Block):
 
 
 class Controller(Block):
+    """A controller; `gain` [1/K] and `integration_time` [s] name the parameters that textbook rules set, if any."""
+
     kind = "controller"
     input = ERROR
+    gain: ClassVar[str] = ""
+    integration_time: ClassVar[str] = ""
 
 
 class Modulator(Block):
