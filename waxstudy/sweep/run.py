@@ -19,6 +19,7 @@ from typing import Any
 import pandas as pd
 
 from waxstudy.plugin import SimulationError
+from waxstudy.plugin.files import check_file
 from waxstudy.results.atomic import sole_use, whole_file
 from waxstudy.results.folder import RunError, holds_run
 from waxstudy.results.kpis import FIGURES
@@ -73,6 +74,7 @@ def run(
 
 def _is_whole(file: Path) -> bool:
     try:
+        check_file(file)
         return len(pd.read_parquet(file)) > 0
     except (OSError, ValueError):
         return False
