@@ -21,6 +21,7 @@ from typing import Any, TypeVar
 import pandas as pd
 
 from waxstudy.plugin import SimulationError
+from waxstudy.plugin.files import check_file
 from waxstudy.results.atomic import sole_use, whole_file
 from waxstudy.results.folder import RunError, holds_run
 from waxstudy.results.kpis import FIGURES
@@ -85,6 +86,7 @@ def points_folder(folder: Path, points: str, what: str) -> Iterator[None]:
 def is_whole(file: Path) -> bool:
     """Whether a point has been kept, and can be read."""
     try:
+        check_file(file)
         return len(pd.read_parquet(file)) > 0
     except (OSError, ValueError):
         return False
