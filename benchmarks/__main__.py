@@ -15,16 +15,18 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from benchmarks.energyplus_model import house_figure
 from benchmarks.fmu import fmu_figures
 from benchmarks.house import write_year
 from benchmarks.timing import best_s
+from waxstudy.loop import figures as of_loop
 from waxstudy.plugin import Actuator
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import Loop, Start
 from waxstudy.simulation.lanes import LANES
 from waxstudy.simulation.modes import DrivenRoom
-from waxstudy.simulation.run import prepare
+from waxstudy.simulation.run import Plan, loops_of, prepare
 from waxstudy.study.model import Choice, Study
 from waxstudy.study.read import read_study
 
@@ -117,6 +119,16 @@ def year_figure(study: Study, driven: DrivenRoom) -> None:
     )
     loop = Loop(Chain(study.cases["O_WM"].blocks, study.step_s), long, 21.0)
     print(f"\na year of O_WM at 5 s, in process: {best_s(partial(_one_week, loop)):.2f} s (limit 0.5 s)")
+
+
+def tuning_figure(study: Study, plan: Plan) -> None:
+    """What an evaluation of a tuning costs, beside the ensemble's weeks alone."""
+    job = next(job for job in plan.jobs() if (job.case, job.week) == ("P_WM", "january"))
+    loops = loops_of(plan, job)
+    evaluation = best_s(lambda: of_loop.loop_figures(plan, job, loops))
+    weeks = best_s(lambda: list(loops[0].weeks(study.comfort.setpoint_C, plan.starts)))
+    told = f"{evaluation:.2f} s (limit 2 s), {evaluation / weeks:.1f} times its weeks alone"
+    print(f"\nan evaluation of a tuning (P_WM, January, {len(plan.starts)} members at 5 s): {told}")
 
 
 # a small process of its own: a child's peak memory starts with that of the process that forks it
@@ -217,9 +229,11 @@ def main() -> None:
     print(f"room: {len(driven.room.nodes)} nodes, {len(driven.decay)} modes kept, error {driven.dropped_error_K:.1g} K")
     loop_figures(study, driven)
     year_figure(study, driven)
+    tuning_figure(study, plan)
     folder = Path(tempfile.mkdtemp())
     try:
         fmu_figures(folder)
+        house_figure(folder)
         command_figures(folder)
         import_figures(folder)
         long_figures(folder)

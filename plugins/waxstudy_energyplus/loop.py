@@ -10,10 +10,12 @@ import numpy as np
 from waxstudy.plugin import Advance, FloatArray, WeatherRecord
 from waxstudy.simulation.engine import DAY_S, SLAB_ABOVE_K, WARM_UP_DAYS, Start
 from waxstudy_energyplus import objects
+from waxstudy_energyplus.chain import CHAIN_ROW, FLOW, through
 from waxstudy_energyplus.inputs import EXCHANGE_C, OUTDOOR, inputs
-from waxstudy_energyplus.library import AFTER_REPORTING, BEFORE_PREDICTOR, BEFORE_WEATHER, Engine
+from waxstudy_energyplus.library import AFTER_REPORTING, BEFORE_PREDICTOR, BEFORE_WEATHER, LONGEST_SILENCE_S, Engine
 from waxstudy_energyplus.model import STEPS_PER_HOUR
 from waxstudy_energyplus.plant import full_flow_kg_s
+from waxstudy_energyplus.record import MINUTE
 from waxstudy_paper.room.description import RoomDescription
 
 MINUTE_S = 3600.0 / STEPS_PER_HOUR
@@ -21,21 +23,6 @@ PRESSURE_PA, AIR_CONSTANT_J_KGK, AIR_J_KGK = 101325.0, 287.0, 1004.84  # as Ener
 # what holds air and floor at their temperatures before the warm-up: an exchange of air, and heat to the floor's surface
 HOLD_AIR_W_K = 2000.0
 HOLD_FLOOR_W_M2K = 20.0  # it acts on the surface of a minute ago: 100 swing up without limit
-
-# columns of a minute; temperatures at its end, the rest its mean
-MINUTE = (
-    "air_C",
-    "operative_C",
-    "floor_surface_C",
-    "layer_C",
-    "floor_heat_W_m2",
-    "water_heat_W",
-    "supply_C",
-    "return_C",
-)
-CHAIN = ("output", "signal", "opening", "flow_fraction")
-CHAIN_ROW = (*CHAIN, "sensed_C")  # what the chain gave in a step, and what it was told
-FLOW = CHAIN.index("flow_fraction")
 
 
 @dataclass(frozen=True)
@@ -53,6 +40,7 @@ class Job:
     start: Start
     warm_up_days: int = WARM_UP_DAYS
     told: Mapping[str, FloatArray] = field(default_factory=dict)
+    longest_silence_s: float = LONGEST_SILENCE_S
 
     @property
     def days(self) -> int:
@@ -65,6 +53,10 @@ class Job:
     @property
     def minutes(self) -> int:
         return round(self.weather.duration_s / MINUTE_S)
+
+    def loop(self, engine: Engine) -> Loop:
+        """Return the run in an engine of this process."""
+        return Loop(self, engine)
 
 
 @dataclass
@@ -128,13 +120,7 @@ class Loop:
             self.writers["flow"](0.0)
             return
         job = self.job
-        before_C, last_C = self.sensed_C
-        rise_K_s = (last_C - before_C) / MINUTE_S
-        rows = np.empty((job.steps_per_minute, len(CHAIN_ROW)))
-        for n in range(job.steps_per_minute):
-            ahead_s = n * job.step_s
-            sensed_C = last_C + rise_K_s * ahead_s
-            rows[n] = *job.advance(sensed_C, self.time_s + ahead_s, job.step_s), sensed_C
+        rows = through(job.advance, self.sensed_C, self.time_s, job.step_s, MINUTE_S)
         self.writers["flow"](float(rows[:, FLOW].mean()) * self.full_flow_kg_s)
         first = self._minute * job.steps_per_minute
         if 0 <= first < len(self.chain):

@@ -2,63 +2,23 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import pickle
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from waxstudy.plugin import TRACE, Advance, FloatArray, Refused, WeatherRecord
+from waxstudy.plugin import Advance, FloatArray, Refused, WeatherRecord
 from waxstudy.results.atomic import scratch_folder
 from waxstudy.simulation.engine import START, WARM_UP_DAYS, Start
-from waxstudy.simulation.own_process import PRINTED, ask
+from waxstudy.simulation.own_process import ask
 from waxstudy.study.model import is_multiple
-from waxstudy_energyplus.library import EnergyPlusError, installed_version
-from waxstudy_energyplus.loop import CHAIN_ROW, MINUTE, MINUTE_S, Job
-from waxstudy_energyplus.model import model
+from waxstudy_energyplus.error_file import error_file
+from waxstudy_energyplus.library import MODEL, WEATHER, EnergyPlusError, installed_version
+from waxstudy_energyplus.loop import MINUTE_S, Job
+from waxstudy_energyplus.model import Model, model
+from waxstudy_energyplus.record import Simulated
 from waxstudy_energyplus.weather_file import still_year
 from waxstudy_paper.room.description import RoomDescription
-
-ERROR_LINES = 40
-HARMLESS = "CheckWarmupConvergence"  # the engine's own warm-up is cut short on purpose
-
-
-@dataclass(frozen=True)
-class Simulated:
-    """What a run gives: a row per minute (columns `loop.MINUTE`) and a row per step of the chain (`loop.CHAIN_ROW`)."""
-
-    minutes: FloatArray
-    chain: FloatArray
-    step_s: float
-
-    def minute(self, name: str) -> FloatArray:
-        """Return a column of the minutes."""
-        return self.minutes[:, MINUTE.index(name)]
-
-    def stepped(self, name: str) -> FloatArray:
-        """Return a column at the chain's step: temperatures straight between the ends of minutes, the rest held."""
-        column, per_minute = self.minute(name), round(MINUTE_S / self.step_s)
-        if not name.endswith("_C"):
-            return np.repeat(column, per_minute)
-        ends_s = (np.arange(len(column)) + 1.0) * MINUTE_S
-        steps_s = (np.arange(len(column) * per_minute) + 1.0) * self.step_s
-        return np.asarray(np.interp(steps_s, ends_s, column))
-
-    def trace(self) -> FloatArray:
-        """Return the run in the columns of `kernel.TRACE`; the minute's heat is shared out as the water flowed."""
-        columns = {name: self.chain[:, place] for place, name in enumerate(CHAIN_ROW)}
-        flow = columns["flow_fraction"].reshape(len(self.minutes), -1)
-        mean = flow.mean(axis=1, keepdims=True)
-        share = np.divide(flow, mean, out=np.ones_like(flow), where=mean > 0)
-        columns["water_heat_W"] = self.stepped("water_heat_W") * share.ravel()
-        return np.column_stack([columns[name] if name in columns else self.stepped(name) for name in TRACE])
-
-    def hours_below(self, limit_C: float) -> float:
-        """Return the hours of the run with an operative temperature below the limit."""
-        return float(np.sum(self.stepped("operative_C") < limit_C) * self.step_s / 3600.0)
 
 
 def refuse_times(weather: WeatherRecord, step_s: float) -> None:
@@ -93,16 +53,22 @@ def simulate(
     refuse_times(weather, step_s)
     installed_version()
     job = Job(room, weather, advance, step_s, setpoint_C, start, warm_up_days, dict(told or {}))
-    with scratch_folder("waxstudy-energyplus-") as folder:
-        (folder / "room.epJSON").write_text(json.dumps(model(room, job.days)))
-        (folder / "year.epw").write_text(still_year())
-        minutes, chain = _answer(job, folder, stop)
+    minutes, chain = asked(job, model(room, job.days), still_year(), stop)
     return Simulated(minutes, chain, step_s)
 
 
-def _answer(job: Job, folder: Path, stop: Callable[[], bool]) -> tuple[FloatArray, FloatArray]:
-    answer, code = ask("waxstudy_energyplus.worker", folder, job, stop)
-    return _understood(answer, code, folder)
+def asked(
+    job: object, objects: Model, weather: str, stop: Callable[[], bool], encoding: str = "utf-8"
+) -> tuple[FloatArray, FloatArray]:
+    """Run a model under the text of a weather file, in a process of its own; `job.loop(engine)` is what happens there.
+
+    Returns the rows of the engine's steps and of the chain's; raises what `simulate` raises.
+    """
+    with scratch_folder("waxstudy-energyplus-") as folder:
+        (folder / MODEL).write_text(json.dumps(objects), encoding="utf-8")
+        (folder / WEATHER).write_text(weather, encoding=encoding)
+        answer, code = ask("waxstudy_energyplus.worker", folder, job, stop)
+        return _understood(answer, code, folder)
 
 
 class _Remote(Exception):
@@ -118,23 +84,11 @@ class _Remote(Exception):
 
 def _understood(answer: bytes, code: int, folder: Path) -> tuple[FloatArray, FloatArray]:
     if not answer:
-        raise EnergyPlusError(f"EnergyPlus' process ended by itself (code {code}){_error_file(folder)}")
+        raise EnergyPlusError(f"EnergyPlus' process ended by itself (code {code}){error_file(folder)}")
     result: tuple[FloatArray, FloatArray]
     result, error, text = pickle.loads(answer)
     if isinstance(error, EnergyPlusError):
-        raise EnergyPlusError(f"{error}{_error_file(folder)}")
+        raise EnergyPlusError(f"{error}{error_file(folder)}")
     if error is not None:
         raise error from _Remote(text)
     return result
-
-
-def _error_file(folder: Path) -> str:
-    """Return what the engine's error file says from its first severe line on, or else what was printed."""
-    for name, first in (("eplusout.err", "** Severe"), ("eplusout.err", "**  Fatal"), (PRINTED, "")):
-        with contextlib.suppress(OSError):
-            lines = (folder / name).read_text(encoding="utf-8", errors="replace").splitlines()
-            found = [n for n, line in enumerate(lines) if first in line and HARMLESS not in line]
-            if found:
-                shown = lines[found[0] : found[0] + ERROR_LINES]
-                return "\n".join([f"; {name}:", *(f"  {line.strip()}" for line in shown)])
-    return ""

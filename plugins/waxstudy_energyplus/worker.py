@@ -13,18 +13,19 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from waxstudy.simulation.own_process import end_with_asker, listen, send
+from waxstudy.simulation.watch import Watch
 
 
 def main(folder: Path) -> None:
     source, answer = listen()
-    send(answer, _result(folder, source))
+    send(answer, _result(folder, source, answer))
 
 
-def _result(folder: Path, source: BinaryIO) -> bytes:
+def _result(folder: Path, source: BinaryIO, answer: BinaryIO) -> bytes:
     try:
         job = pickle.load(source)
         end_with_asker(source, folder)
-        return pickle.dumps((_run(job, folder), None, ""))
+        return pickle.dumps((_run(job, folder, answer), None, ""))
     except BaseException as error:
         text = traceback.format_exc()
         try:
@@ -34,13 +35,16 @@ def _result(folder: Path, source: BinaryIO) -> bytes:
         return pickle.dumps((None, error, text))
 
 
-def _run(job: Any, folder: Path) -> tuple[Any, Any]:
-    from waxstudy_energyplus.library import EnergyPlusError, Engine
-    from waxstudy_energyplus.loop import Loop
+def _run(job: Any, folder: Path, answer: BinaryIO) -> tuple[Any, Any]:
+    from waxstudy_energyplus.library import MODEL, WEATHER, EnergyPlusError, Engine
 
-    engine = Engine()
-    loop = Loop(job, engine)
-    code = engine.run(["-w", str(folder / "year.epw"), "-d", str(folder), str(folder / "room.epJSON")])
+    def give_up(call: str) -> None:
+        error = EnergyPlusError(f"EnergyPlus was silent for longest_silence_s = {job.longest_silence_s:g} s {call}")
+        send(answer, pickle.dumps((None, error, "")))
+
+    engine = Engine(Watch(job.longest_silence_s, give_up))
+    loop = job.loop(engine)
+    code = engine.run(["-w", str(folder / WEATHER), "-d", str(folder), str(folder / MODEL)])
     if code:
         raise EnergyPlusError(f"EnergyPlus gave up with code {code}")
     return loop.minutes, loop.chain

@@ -25,6 +25,7 @@ from waxstudy_fmu.package import opened
 from waxstudy_fmu.roles import Variables, find
 from waxstudy_fmu.run import simulate
 from waxstudy_paper.room import NzebRoom
+from waxstudy_paper.room.scaled import scaled
 
 _GIVEN = "given by the user"
 
@@ -70,29 +71,8 @@ class FmuRoom(OutsideRoom):
 
     @classmethod
     def build(cls, p: FmuParameters) -> LinearRoom:
-        room = NzebRoom.build(NzebRoom.Parameters())
-        times, gains = p.floor_area_m2 / room.floor_area_m2, room.places(Role.GAINS)
-        width = np.full(len(room.inputs), times)
-        width[gains] = 1.0  # these are watts already
-
-        def drive(weather: WeatherRecord) -> tuple[FloatArray, FloatArray]:
-            inputs, supply_C = room.drive(weather)
-            inputs = inputs.copy()
-            inputs[:, gains] *= times
-            return inputs, supply_C
-
-        return replace(
-            room,
-            floor_area_m2=p.floor_area_m2,
-            capacity_J_K=room.capacity_J_K * times,
-            conductance_W_K=room.conductance_W_K * times,
-            input_matrix=room.input_matrix * width,
-            feedthrough=room.feedthrough / np.where(width == 1.0, times, 1.0),
-            full_flow_L_h=room.full_flow_L_h * times,
-            floor_conductance_W_K=lambda flow: room.floor_conductance_W_K(flow) * times,
-            facades={**room.facades, **{facade_name(a): Facade(_azimuth_deg(a)) for a in p.sun}},
-            drive=drive,
-        )
+        room = scaled(NzebRoom.build(NzebRoom.Parameters()), p.floor_area_m2)
+        return replace(room, facades={**room.facades, **{facade_name(a): Facade(_azimuth_deg(a)) for a in p.sun}})
 
     @classmethod
     def ready(cls, p: FmuParameters, weather: WeatherRecord, step_s: float) -> str:

@@ -11,10 +11,10 @@ import numpy as np
 from waxstudy.plugin import TRACE, FloatArray
 from waxstudy.simulation.engine import DAY_S, WARM_UP_DAYS
 from waxstudy.simulation.interpreted import clock
+from waxstudy.simulation.watch import Watch
 from waxstudy_fmu.job import Job
 from waxstudy_fmu.package import opened
 from waxstudy_fmu.roles import STANDS_FOR
-from waxstudy_fmu.watch import Watch
 
 
 class FmuFailed(Exception):

@@ -7,21 +7,23 @@ from __future__ import annotations
 
 import pickle
 import sys
-import threading
 from pathlib import Path
 from typing import Any
 
 from waxstudy.simulation.own_process import end_with_asker, listen, send
-from waxstudy_fmu.watch import Watch
+from waxstudy.simulation.watch import Watch
 
 
 def main(folder: Path) -> None:
     source, answer = listen()
     job = pickle.load(source)
     end_with_asker(source, folder)
-    watch = Watch(job.longest_silence_s, answer)
-    threading.Thread(target=watch.look, daemon=True).start()
-    send(answer, _result(job, folder, watch))
+
+    def give_up(call: str) -> None:
+        said = f"the FMU did not return from {call} within longest_silence_s = {job.longest_silence_s:g} s"
+        send(answer, pickle.dumps((None, said, True)))
+
+    send(answer, _result(job, folder, Watch(job.longest_silence_s, give_up)))
 
 
 def _result(job: Any, folder: Path, watch: Watch) -> bytes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from waxstudy.plugin import Controller, Parameters, parameter
+from waxstudy.plugin import Controller, Parameters, Tunable, parameter
 
 
 class OnOffParameters(Parameters):
@@ -31,6 +31,7 @@ class OnOff(Controller):
     api_version = "1.0"
     Parameters = OnOffParameters
     State = OnOffState
+    tuned = {"dead_band_K": Tunable(0.05, 2.0, is_log=True)}
 
     @staticmethod
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
@@ -84,6 +85,13 @@ class PI(Controller):
     api_version = "1.0"
     Parameters = PIParameters
     State = PIState
+    gain, integration_time = "gain", "integration_time_s"
+    # to both sides of Table 4: its gain of 18 is beyond what a loop with a wax motor can bear
+    tuned = {"gain": Tunable(0.1, 30.0, is_log=True), "integration_time_s": Tunable(300.0, 30_000.0, is_log=True)}
+    examples = {
+        "default": {},
+        "Table 4, adapted": {"gain": 18.0, "integration_time_s": 2300.0, "tracking_time_s": 30.0},
+    }
 
     @staticmethod
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:

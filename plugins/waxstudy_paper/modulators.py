@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from waxstudy.plugin import Modulator, Parameters, parameter
+from waxstudy.plugin import Modulator, Parameters, Tunable, parameter
 
 
 class PwmParameters(Parameters):
@@ -45,6 +45,7 @@ class Pwm(Modulator):
     Parameters = PwmParameters
     State = PwmState
     period = "period_s"
+    tuned = {"period_s": Tunable(900.0, 7200.0, is_log=True), "min_pulse_s": Tunable(0.0, 900.0)}
 
     @staticmethod
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:

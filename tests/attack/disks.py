@@ -25,12 +25,12 @@ def _on_small_disk(folder: Path, needs: Path, free_kB: int, *command: str) -> En
 
 
 def full(ground: Ground, folder: Path, number: int, random: Random) -> str:
-    """Every second time files are small instead of the disk."""
+    """Every second round files are small instead of the disk."""
     name = list(COMMANDS)[number % len(COMMANDS)]
     words = COMMANDS[name].words.split()
     needs = before(ground, name)
     told = None
-    if number % 2 == 0:
+    if number // len(COMMANDS) % 2 == 0:
         from tests.attack.processes import WAXSTUDY
 
         told = _on_small_disk(folder, needs, random.choice((0, 4, 16, 64)), str(WAXSTUDY), *words)

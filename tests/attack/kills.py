@@ -22,6 +22,12 @@ combination,product,exemplar,valve,on_min,off_min,duration_min,measured
 B1,B,1,no,15,15,240,displacement
 """
 
+SWEEP = """\
+[vary]
+"controller.dead_band_K" = [0.4, 0.6]
+"""
+FILES = {"s.toml": STUDY, "programme.csv": PROGRAMME, "key": f"{KEY}\n", "sweep.toml": SWEEP}
+
 
 class Writing(NamedTuple):
     """A command that writes, and what it needs."""
@@ -46,6 +52,11 @@ COMMANDS = {
     "rig": Writing(RIG, is_taken=True),
     "fit": Writing("fit actuator bench --out motor.toml", [RIG]),
     "make": Writing(MAKE, varied="set/boxes/"),
+    "sweep": Writing("run s.toml --sweep sweep.toml --quiet --out swept"),
+    "import": Writing("import room/data.csv --timezone Etc/GMT-2 --yes --out brought", [REALITY]),
+    "plugin": Writing(
+        "export energyplus s.toml --case O_WM --zone Z --radiant R --full-flow-kg-s 0.03 --out motor.py", is_taken=True
+    ),
     "solve": Writing("blind-test solve set --with random --quiet --workers 1", [MAKE], varied="set/answers/"),
 }
 
@@ -54,7 +65,7 @@ def before(ground: Ground, name: str) -> Path:
     """Return a folder with what a command needs."""
 
     def make(folder: Path) -> None:
-        for file, text in (("s.toml", STUDY), ("programme.csv", PROGRAMME), ("key", f"{KEY}\n")):
+        for file, text in FILES.items():
             (folder / file).write_text(text)
         for words in COMMANDS[name].needs:
             done = ended(folder, *words.split())

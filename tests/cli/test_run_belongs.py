@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -128,6 +129,17 @@ def test_what_was_changed_is_refused_by_name_and_computed_again_by_a_run(
     ended = entry("run", small_study, "--out", "run")
     assert ended.code == 0
     assert ("is computed again" in ended.stderr) == which.startswith("cases/")
+    assert contents(small_run) == whole
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such pipes")
+def test_pipes_in_the_place_of_all_files_hold_no_run_up(entry: Entry, small_study: Path, small_run: Path) -> None:
+    whole = contents(small_run)
+    for path in [path for path in small_run.rglob("*") if path.is_file()]:
+        path.unlink()
+        os.mkfifo(path)
+    assert entry("report", "run").code == 3
+    assert entry("run", small_study, "--out", "run").code == 0
     assert contents(small_run) == whole
 
 

@@ -21,13 +21,14 @@ from typing import Any
 
 import tomli_w
 
+COSMIC_RAY = ("cosmic_ray.cli",)
 ROOT = Path(__file__).parents[2]
 QUICK = ("-m", "not slow")
 # module -> the tests that are quick enough to be run for every mutation of it
 MODULES: dict[str, tuple[str, ...]] = {
     "waxstudy/results/kpis.py": ("tests/results/test_kpis.py",),
     "waxstudy/results/checksums.py": ("tests/results/test_run_folder.py",),
-    "waxstudy/simulation/kernel.py": ("tests/simulation/test_engine.py", "-k", "False"),  # interpreted
+    "waxstudy/simulation/kernel.py": ("tests/simulation/test_engine.py", "-k", "False or equations"),  # interpreted
     "waxstudy/simulation/shift.py": ("tests/simulation/test_shift.py",),
     "waxstudy/diagnosis/criteria.py": ("tests/diagnosis", "-m", "quick and not slow"),
     "waxstudy/diagnosis/select/evidence.py": ("tests/diagnosis", "-m", "quick and not slow"),
@@ -58,21 +59,19 @@ def mutated(module: str, timeout_s: float, most: int, seed: int) -> Outcome:
     with tempfile.TemporaryDirectory() as place:
         copy = Path(place, "copy")
         subprocess.run(["git", "clone", "--quiet", "--shared", str(ROOT), str(copy)], check=True)
-        python = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *QUICK, *MODULES[module]]
         about = {
             "module-path": module,
             "timeout": timeout_s,
             "excluded-modules": [],
-            "test-command": subprocess.list2cmdline(python),
+            "test-command": "",  # the tests are run by ours
             "distributor": {"name": "local"},
         }
         (copy / "mutation.toml").write_bytes(tomli_w.dumps({"cosmic-ray": about}).encode())
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(copy), str(copy / "plugins")))}
-        for command in (["baseline", "mutation.toml"], ["init", "mutation.toml", "m.sqlite"]):
-            _called(command, copy, environment)
+        _called([*COSMIC_RAY, "init", "mutation.toml", "m.sqlite"], copy, environment)
         _drawn(copy / "m.sqlite", most, random.Random(f"{seed} {module}"))
-        _called(["exec", "mutation.toml", "m.sqlite"], copy, environment)
-        told = _called(["dump", "m.sqlite"], copy, environment)
+        _called(["tests.mutation.forked", "m.sqlite", str(timeout_s), *QUICK, *MODULES[module]], copy, environment)
+        told = _called([*COSMIC_RAY, "dump", "m.sqlite"], copy, environment)
     results = [(item, result) for item, result in map(json.loads, told.splitlines()) if result]
     tried = [(item, result) for item, result in results if result["worker_outcome"] != "skipped"]
     survived = [_told(item, result) for item, result in tried if result["test_outcome"] == "survived"]
@@ -91,10 +90,12 @@ def _drawn(session: Path, most: int, drawing: random.Random) -> None:
 
 
 def _called(command: list[str], folder: Path, environment: dict[str, str]) -> str:
-    whole = [sys.executable, "-m", "cosmic_ray.cli", *command]
-    done = subprocess.run(whole, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    """Run a module of Python."""
+    done = subprocess.run(
+        [sys.executable, "-m", *command], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
     if done.returncode:
-        raise SystemExit(f"cosmic-ray {command[0]}: {done.stdout}{done.stderr}")
+        raise SystemExit(f"{command[0]}: {done.stdout}{done.stderr}")
     return done.stdout
 
 

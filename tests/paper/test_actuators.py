@@ -137,6 +137,15 @@ def test_an_aborted_pulse_warms_the_wax_as_far_as_it_went():
     assert np.all(openings(VariableTimes, signal_of([12, 2] * 3), product="B") == 0.0)
 
 
+def test_an_aborted_pause_cools_the_wax_as_far_as_it_went():
+    """After 60 s without heat and 10 s with it, the hold time is what the first had left, and hardly more."""
+    h = openings(VariableTimes, signal_of([720, 12, 2, 120]), product="B")
+    p = PRODUCTS["B"]
+    hold_s = np.argmax(h[734:] < 1.0) * STEP_S
+    left_s = p["hold_a_s"] + p["hold_b_s"] - 60.0
+    assert hold_s == pytest.approx(left_s, abs=2 * STEP_S)
+
+
 def test_a_short_dip_of_the_signal_in_the_hold_time_does_not_move_the_valve():
     h = openings(VariableTimes, signal_of([240, 6, 240]), product="B")
     assert np.all(h[200:] == 1.0)

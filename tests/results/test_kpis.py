@@ -86,6 +86,21 @@ def test_opening_times_run_from_the_signal_to_full_opening() -> None:
     assert opening_times_s(np.full(4, 0.5), np.ones(4)).tolist() == []
 
 
+def test_a_start_right_after_a_part_of_one_step_counts() -> None:
+    valve = Valve()
+    valve.add(np.zeros(1), np.zeros(1))
+    valve.add(np.ones(3), np.array([0.0, 0.5, 1.0]))
+    assert valve.opening_times_s(5.0).tolist() == [15.0]
+
+
+def test_flow_counts_as_a_share_of_the_full_flow() -> None:
+    """At a twentieth the valve is open, and yet the flow is low: what follows at full flow is a cycle."""
+    flow = np.full(STEPS, 6.0)
+    flow[720:1440] = 120.0
+    figures = key_figures(week(flow_L_h=flow))
+    assert (figures["cycles_per_week"], figures["valve_open_h"]) == (1.0, 168.0)
+
+
 def test_durations_are_percentiles_and_the_return_counts_only_with_flow() -> None:
     flow = np.zeros(STEPS)
     flow[: STEPS // 2] = 60.0
@@ -103,6 +118,7 @@ def test_thinned_traces_keep_means_of_flows_and_last_values_of_temperatures() ->
     ramp = np.arange(STEPS, dtype=float)
     table = thinned(week(air_C=ramp, flow_L_h=ramp), 60.0, "2023-01-22")
     assert table["time_s"].iloc[[0, -1]].tolist() == [60.0, 604800.0]
+    assert table["time"].iloc[[0, -1]].tolist() == [pd.Timestamp("2023-01-22T00:01"), pd.Timestamp("2023-01-29")]
     assert table["air_C"].iloc[0] == 11.0
     assert table["flow_L_h"].iloc[0] == 5.5
 

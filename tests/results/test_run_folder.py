@@ -7,8 +7,10 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -54,6 +56,21 @@ def test_a_flipped_bit_anywhere_in_a_run_folder_is_noticed(finished: Path, which
         file.write_bytes(data)
         with pytest.raises(RunError):
             Run(run)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="devices and pipes are those of Linux")
+@pytest.mark.parametrize("which", EVERY_FILE)
+@pytest.mark.parametrize("make", [os.mkfifo, lambda path: path.symlink_to("/dev/zero")], ids=["pipe", "device"])
+def test_what_has_no_end_in_the_place_of_a_file_is_refused_at_once(
+    finished: Path, tmp_path: Path, which: str, make: Callable[[Path], None]
+) -> None:
+    """A run folder may come from somebody else."""
+    run = shutil.copytree(finished, tmp_path / "run")
+    file = sorted(run.glob(which))[0]
+    file.unlink()
+    make(file)
+    with pytest.raises(RunError):
+        Run(run)
 
 
 def test_a_finished_run_tells_what_it_holds(finished: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waxstudy.plugin import ROOM_OUTPUTS, Actuator, FloatArray, Parameters, SimulationError
+from waxstudy.plugin import ROOM_OUTPUTS, Actuator, Controller, FloatArray, Parameters, SimulationError, Valve
 from waxstudy.plugin.registry import PluginError, installed
 from waxstudy.simulation import kernel
 from waxstudy.simulation.chain import Chain
@@ -83,6 +83,63 @@ def test_a_run_in_two_parts_is_the_run_in_one(room: DrivenRoom) -> None:
     first = loop.advance(state, np.arange(20), 0.0, 21.0, trace=True)[1]
     second = loop.advance(state, np.arange(20, 48), 20 * 3600.0, 21.0, trace=True)[1]
     assert np.array_equal(whole, np.vstack((first, second)))
+
+
+class Proportional(Controller):
+    """Opens by 2 per kelvin around the half."""
+
+    name = "proportional"
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        return min(1.0, max(0.0, 0.5 + 2.0 * u))
+
+
+class Short(Actuator):
+    """Moves nine tenths of its way, and in the second half hour eight."""
+
+    name = "short"
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        return (0.9 if t < 1800.0 else 0.8) * u
+
+
+class Square(Valve):
+    """Lets the square of its opening through."""
+
+    name = "square"
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        return u * u
+
+
+def test_the_loop_is_the_equations_of_its_room_and_blocks(room: DrivenRoom) -> None:
+    """Written a second time, in matrices: what acts on the room within a step is what its start was read as."""
+    limit_C, setpoint_C, n = 21.2, 21.05, 3
+    chain = Chain({kind.kind: choice(kind) for kind in (Proportional, Short, Square)}, STEP_S)
+    loop = Loop(chain, room, limit_C, jit=False)
+    state = loop.start(21.0)
+    modes, (sensed, layer, _) = state.modes.copy(), state.readings
+    table, expected = room.conductance_W_K, []
+    for step in range(n * room.steps_per_interval):
+        at = step // room.steps_per_interval
+        output = min(1.0, max(0.0, 0.5 + 2.0 * (setpoint_C - sensed)))
+        opening = (0.9 if step * STEP_S < 1800.0 else 0.8) * output
+        per_K = np.interp(opening**2 * (len(table) - 1), np.arange(len(table)), table)
+        heat = per_K * (room.supply_C[at] - layer)
+        modes = room.decay * modes + room.forcing[at] + room.heat_gain * heat
+        sensed, layer, operative, air, surface, floor = (
+            room.outputs @ modes + room.offsets[at] + room.heat_offset * heat
+        )
+        expected.append([air, operative, surface, layer, floor, output, output, opening, opening**2, heat])
+    cold, trace = loop.advance(state, np.arange(n), 0.0, setpoint_C, trace=True)
+    np.testing.assert_allclose(trace, expected, rtol=1e-9)
+    operative_C = np.array(expected)[:, 1]
+    assert cold == np.sum(operative_C < limit_C)
+    assert 0 < cold < len(operative_C)
+    np.testing.assert_allclose(state.readings, [sensed, layer, operative], rtol=1e-9)
 
 
 @pytest.mark.parametrize(("fewer", "share"), [(few_modes, 0.5), (main_modes, 0.8)])

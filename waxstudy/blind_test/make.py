@@ -16,6 +16,7 @@ from waxstudy.blind_test.draw import Case, drawn
 from waxstudy.blind_test.key import Key, KeyProblem
 from waxstudy.blind_test.plan import Plan, Slot
 from waxstudy.blind_test.record import BASELINE, LONG_AGO_S, copy_record, digest_of, set_times, write_record
+from waxstudy.plugin.files import read_file, why
 from waxstudy.plugin.trial import Staged, Unmakeable, engine_of
 from waxstudy.results.atomic import whole_file, whole_folder
 from waxstudy.simulation.workers import worker_processes
@@ -54,9 +55,11 @@ class Place:
         """What is told to everybody: plan, fingerprint of the key; raise `BlindTestError`."""
         path = self.folder / ABOUT
         try:
-            found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            found: dict[str, Any] = json.loads(read_file(path))
         except (OSError, ValueError) as error:
-            raise BlindTestError(f"{self.folder}: this is no blind test: {ABOUT} cannot be read ({error})") from error
+            raise BlindTestError(
+                f"{self.folder}: this is no blind test: {ABOUT} cannot be read ({why(error)})"
+            ) from error
         if found.get("format") != FORMAT:
             raise BlindTestError(f"{path}: format {found.get('format')} is not {FORMAT}, which this version reads")
         return found
@@ -71,7 +74,7 @@ class Place:
     def sealed(self) -> dict[str, Any]:
         """The hashes: record -> that of its truth and of its files; raise `BlindTestError`."""
         try:
-            found: dict[str, Any] = json.loads((self.folder / SEALED).read_text(encoding="utf-8"))
+            found: dict[str, Any] = json.loads(read_file(self.folder / SEALED))
         except (OSError, ValueError) as error:
             raise BlindTestError(
                 f"{self.folder}: not all records are made: run `blind-test make` to the end"
@@ -122,7 +125,7 @@ def is_made(place: Place, key: Key, index: int) -> bool:
     """Whether a record and its box are there, whole and unchanged."""
     name = key.record_name(index)
     try:
-        truth = open_box(key, name, place.box(name).read_bytes())
+        truth = open_box(key, name, read_file(place.box(name)))
         return bool(truth["files"] == digest_of(place.record(name)))
     except (OSError, KeyProblem):
         return False
@@ -208,7 +211,7 @@ def seal(place: Place, key: Key, names: Sequence[str]) -> None:
     """Write the hash of every truth, which holds that of the record's files, and give all files one time."""
     records: dict[str, Mapping[str, str]] = {}
     for name in sorted(names):
-        records[name] = {"truth": key.seal_of(name, open_box(key, name, place.box(name).read_bytes()))}
+        records[name] = {"truth": key.seal_of(name, open_box(key, name, read_file(place.box(name))))}
         _born_anew(place, name)
     _write(place.folder / SEALED, {"format": FORMAT, "records": records})
 

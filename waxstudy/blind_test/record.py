@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import shutil
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,6 +15,7 @@ from waxstudy.blind_test.draw import Measured
 from waxstudy.dataset.channels import CHANNELS, Channel
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin import FloatArray
+from waxstudy.plugin.files import DATA_BYTES, read_file
 from waxstudy.plugin.trial import Staged
 from waxstudy.results.atomic import scratch_folder, whole_folder
 from waxstudy.synthetic.instruments import DECIMALS, rows
@@ -120,20 +120,24 @@ def copy_record(record: Path, folder: Path) -> None:
     """Copy a record into a folder that is there, file by file."""
     for name in files_of(record):
         (folder / name).parent.mkdir(exist_ok=True)
-        shutil.copyfile(record / name, folder / name)
+        _copy(record / name, folder / name)
 
 
 def copy_without_baseline(record: Path, folder: Path) -> None:
     """Copy a record as if it had none."""
-    shutil.copyfile(record / "data.csv", folder / "data.csv")
-    tables = tomllib.loads((record / "dataset.toml").read_text(encoding="utf-8"))
+    _copy(record / "data.csv", folder / "data.csv")
+    tables = tomllib.loads(read_file(record / "dataset.toml").decode())
     tables.pop("baseline", None)
     (folder / "dataset.toml").write_bytes(_padded(tables))
+
+
+def _copy(path: Path, to: Path) -> None:
+    to.write_bytes(read_file(path, DATA_BYTES))
 
 
 def digest_of(folder: Path) -> str:
     """Return the hash of a record's files."""
     found = hashlib.sha256()
     for name in files_of(folder):
-        found.update((folder / name).read_bytes())
+        found.update(read_file(folder / name, DATA_BYTES))
     return found.hexdigest()

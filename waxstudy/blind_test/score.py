@@ -16,6 +16,7 @@ from waxstudy.blind_test.make import FORMAT, BlindTestError, Place
 from waxstudy.blind_test.marks import Mark, Truth
 from waxstudy.blind_test.record import digest_of
 from waxstudy.blind_test.solve import LEAVE_ONE_OUT, answer_path, is_answered, stored
+from waxstudy.plugin.files import read_file
 from waxstudy.plugin.trial import Unmakeable
 
 CLOSE = 0.2  # of a parameter
@@ -42,7 +43,7 @@ def opened(place: Place, key: Key) -> Opened:
     for index, slot in enumerate(plan.slots(key)):
         name = key.record_name(index)
         try:
-            boxes[name] = open_box(key, name, place.box(name).read_bytes())
+            boxes[name] = open_box(key, name, read_file(place.box(name)))
         except (OSError, KeyProblem) as error:
             broken.append(f"{name}: {error}")
             continue

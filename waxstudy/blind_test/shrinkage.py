@@ -12,6 +12,7 @@ from typing import Any
 from waxstudy.blind_test.draw import Case, Measured
 from waxstudy.blind_test.make import Place, Tick
 from waxstudy.blind_test.marks import Mark
+from waxstudy.plugin.files import read_file
 from waxstudy.plugin.trial import engine_of
 from waxstudy.results.atomic import whole_file
 from waxstudy.simulation.workers import worker_processes
@@ -50,7 +51,7 @@ def _asked(job: Job) -> dict[str, Any]:
 def _kept(path: Path, job: Job) -> dict[str, Any] | None:
     """Return what was computed before of the same claim, or None."""
     try:
-        found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        found: dict[str, Any] = json.loads(read_file(path))
         return found if {**found, **_asked(job)} == found and "shrinkage" in found else None
     except (OSError, ValueError, TypeError):
         return None

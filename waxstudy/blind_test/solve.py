@@ -17,6 +17,7 @@ from waxstudy.blind_test.box import open_box
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import BlindTestError, Place, Tick
 from waxstudy.blind_test.record import BASELINE, NAME, copy_record, copy_without_baseline
+from waxstudy.plugin.files import read_file
 from waxstudy.plugin.trial import baseline_names
 from waxstudy.results.atomic import scratch_folder, whole_file
 
@@ -81,7 +82,7 @@ def leaving_one_out(place: Place, key: Key) -> tuple[Diagnoser, list[str]]:
     """
     removed = {}
     for name in place.names():
-        truth = open_box(key, name, place.box(name).read_bytes())
+        truth = open_box(key, name, read_file(place.box(name)))
         if truth["kind"] == "single" and truth["stratum"] in ("goal", "mixture"):
             removed[name] = (truth["causes"][0]["name"],)
     if missing := [name for name in place.names() if not is_answered(answer_path(place, OURS, name))]:
@@ -128,14 +129,14 @@ def _begin(place: Place, who: Diagnoser) -> None:
         folder / "command.json",
         list(who.command[len(PROGRAM) :] if who.command[:3] == PROGRAM else who.command),
     )
-    if path.exists() and json.loads(path.read_text(encoding="utf-8")) != said:
+    if path.exists() and json.loads(read_file(path)) != said:
         raise BlindTestError(f"{folder}: here are answers of another command; give a name with --name")
     with whole_file(path) as temporary:
         temporary.write_text(json.dumps(said) + "\n", encoding="utf-8")
 
 
 def stored(path: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    found: dict[str, Any] = json.loads(read_file(path))
     return found
 
 

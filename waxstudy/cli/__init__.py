@@ -13,6 +13,8 @@ from waxstudy.version import __version__
 COMMANDS = {
     "run": "Run a study and print its comparison.",
     "report": "Print the comparison of a run again, in another format, or against published figures or another run.",
+    "tune": "Find better parameters for a case at equal comfort, tested on weather that took no part.",
+    "loop": "Print stability, wear and useful duty of every case's loop.",
     "reality": "Make a dataset of a case, as if its room had been measured, and keep the truth apart.",
     "import": "Make a dataset of what a house has logged, in whatever layout.",
     "diagnose": "Find where a record and a model disagree, which effect causes it, and how far the gap shrinks.",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args, get_origin
 
 import annotated_types
@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from waxstudy.conformance.stage import Problems, Subject
-from waxstudy.plugin import Component
+from waxstudy.plugin import Block, Component, Controller, Tunable
 from waxstudy.plugin.registry import described, hint
 from waxstudy.plugin.structure import structure_problems
 
@@ -69,6 +69,23 @@ def exemptions(component: type[Component], exemptible: Collection[str]) -> Probl
 def documentation(subject: Subject) -> Problems:
     """Every parameter has unit, description, source, and bounds if it is a number; its name ends with its unit."""
     yield from _undocumented(subject.component.Parameters, "", set())
+    if issubclass(subject.component, Block):
+        yield from _untunable(subject.component)
+
+
+def _untunable(block: type[Block]) -> Problems:
+    """What is wrong with the parameters that are said to be tuned, or to be what textbook rules set."""
+    fields = block.Parameters.model_fields
+    named = [block.gain, block.integration_time] if issubclass(block, Controller) else []
+    for name in (*block.tuned, *filter(None, named)):
+        if name not in fields or fields[name].annotation is not float:
+            yield f"{name} is said to be tuned, or set by rules: it is no parameter that is a float{hint(name, fields)}"
+    stated: Mapping[str, Any] = block.tuned
+    for name, where in stated.items():
+        if not isinstance(where, Tunable):
+            yield f"{name} is tuned in {where!r:.60}: write Tunable(low, high, is_log=...)"
+        elif not where.low < where.high or (where.is_log and where.low <= 0.0):
+            yield f"{name} is tuned from {where.low:g} to {where.high:g}: low < high is needed, and above 0 if is_log"
 
 
 def _undocumented(model: type[BaseModel], prefix: str, seen: set[type]) -> Problems:

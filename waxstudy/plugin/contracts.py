@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
@@ -51,6 +52,14 @@ class Component:
     # conformance stages that cannot hold for this component -> why
     exemptions: ClassVar[Mapping[str, str]] = {}
 
+    @classmethod
+    def contents(cls, path: Path) -> Sequence[Mapping[str, str]]:
+        """Return what a file that `path` names holds for this component: a row per choice, the same columns in each.
+
+        For `plugins show NAME FILE`. Raises `ValueError` with a one-line reason, or `BackendMissing`.
+        """
+        raise NotImplementedError
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -91,6 +100,15 @@ ERROR = Port("setpoint minus reading", "K", -250.0, 250.0)
 LEVEL = Port("level", "1", 0.0, 1.0)
 
 
+@dataclass(frozen=True)
+class Tunable:
+    """Where a parameter is looked for when it is tuned; on a logarithmic scale where it counts by factors."""
+
+    low: float
+    high: float
+    is_log: bool = False
+
+
 @dataclass
 class NoState:
     """State of a block that remembers nothing."""
@@ -104,10 +122,13 @@ class Block(Component):
     at the end of the step. Text parameters with fixed choices (`Literal`) arrive as the index of the choice (-1
     for none), an optional number that is not given as NaN.
     It must compile with numba and run unchanged in the interpreter.
+
+    `tuned` names the parameters that a search for better ones varies, and how far.
     """
 
     input: ClassVar[Port] = LEVEL
     output: ClassVar[Port] = LEVEL
+    tuned: ClassVar[Mapping[str, Tunable]] = {}
     State: ClassVar[type] = NoState
     step: ClassVar[Callable[..., float]]
 
@@ -123,8 +144,12 @@ class Sensor(Block):
 
 
 class Controller(Block):
+    """A controller; `gain` [1/K] and `integration_time` [s] name the parameters that textbook rules set, if any."""
+
     kind = "controller"
     input = ERROR
+    gain: ClassVar[str] = ""
+    integration_time: ClassVar[str] = ""
 
 
 class Modulator(Block):
@@ -170,6 +195,7 @@ class WeatherRecord:
     outdoor_C: FloatArray  # (n,) mean of each interval
     irradiance_W_m2: Mapping[str, FloatArray]  # facade name -> (n,) global on the facade, mean of each interval
     sky_C: FloatArray | None = None  # (n,) temperature at which the sky radiates; None where nobody knows it
+    file: str = ""  # the EPW file that it comes from, for an engine that reads one itself
 
     @property
     def duration_s(self) -> float:

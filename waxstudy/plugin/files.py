@@ -24,7 +24,7 @@ def read_file(path: Path | str, most_bytes: int = TEXT_BYTES) -> bytes:
     return data
 
 
-def check_file(path: Path | str, most_bytes: int = DATA_BYTES) -> None:
+def check_file(path: Path | str, most_bytes: float = DATA_BYTES) -> None:
     """Raise `OSError` as `read_file` does, for a file that is read by others."""
     os.close(_open(path, most_bytes))
 
@@ -40,7 +40,7 @@ def lacking(path: Path) -> str:
     return ""
 
 
-def _open(path: Path | str, most_bytes: int) -> int:
+def _open(path: Path | str, most_bytes: float) -> int:
     # without waiting: the other end of a pipe may never come
     handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     try:
@@ -64,5 +64,5 @@ def why(error: Exception) -> str:
     return (error.strerror if isinstance(error, OSError) else None) or str(error)
 
 
-def _too_large(path: Path | str, most_bytes: int) -> OSError:
+def _too_large(path: Path | str, most_bytes: float) -> OSError:
     return OSError(errno.EFBIG, f"it is larger than {most_bytes / 1e6:g} MB", str(path))

@@ -39,7 +39,7 @@ def structure_problems(component: Any) -> Iterator[str]:
     model: Any = component.Parameters
     if not (isinstance(model, type) and issubclass(model, Parameters)):
         yield f"{component.__name__}: its Parameters must be a class derived from waxstudy.plugin.Parameters"
-    for table in ("examples", "exemptions"):
+    for table in ("examples", "exemptions", *(["tuned"] if issubclass(component, Block) else [])):
         if not isinstance(getattr(component, table), Mapping):
             yield f'{component.__name__}: its {table} must be a table, written {{"name": ...}}'
     doc: Any = component.__doc__

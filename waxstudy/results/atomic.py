@@ -90,7 +90,7 @@ def remove_left(parent: Path, prefix: str) -> None:
 
 def _remove_unless_held(path: Path) -> None:
     """Remove what nobody is writing; locked to the end, so that its writer does not take it for its own."""
-    handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
+    handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     try:
         if _lock(handle) is True:
             _remove(path)

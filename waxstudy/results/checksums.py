@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+
+from waxstudy.plugin.files import check_file, read_file
 
 SUMS = "SHA256SUMS"  # as the command sha256sum writes and checks it
 
@@ -17,7 +20,7 @@ def write_sums(path: Path, files: Mapping[str, Path]) -> None:
 def changed(folder: Path, names: Iterable[str]) -> str | None:
     """Return the first of these files that is not as the folder's checksums have it; the checksums if they lack it."""
     try:
-        lines = (folder / SUMS).read_text(encoding="utf-8").split("\n")
+        lines = read_file(folder / SUMS).decode("utf-8").split("\n")
     except (OSError, ValueError):
         return SUMS
     known = {name: digest for digest, _, name in (line.partition("  ") for line in lines)}
@@ -34,5 +37,6 @@ def changed(folder: Path, names: Iterable[str]) -> str | None:
 
 
 def _sha256(path: Path) -> str:
+    check_file(path, math.inf)  # a device in its place has no end
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from waxstudy.plugin.files import read_file
 from waxstudy.results.atomic import sole_use, whole_file
 
 MANIFEST = "run.json"
@@ -115,12 +116,12 @@ def _plain(study: Any) -> Any:
 def _known(folder: Path) -> dict[str, Any] | None:
     """Return file and study that a folder was begun for, the file "" where that is not recorded; None if nothing is."""
     try:
-        known = json.loads((folder / ORIGIN).read_text(encoding="utf-8"))
+        known = json.loads(read_file(folder / ORIGIN))
         return {"study_file": str(known["study_file"]), "study": known["study"]}
     except (OSError, ValueError, KeyError, TypeError):
         pass
     try:
-        return {"study_file": "", "study": _plain(tomllib.loads((folder / STUDY).read_text(encoding="utf-8")))}
+        return {"study_file": "", "study": _plain(tomllib.loads(read_file(folder / STUDY).decode()))}
     except (OSError, ValueError):
         return None
 

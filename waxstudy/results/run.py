@@ -29,6 +29,7 @@ from typing import Any
 import pandas as pd
 import tomli_w
 
+from waxstudy.plugin.files import read_file
 from waxstudy.results.atomic import PARTIAL, whole_file, whole_folder
 from waxstudy.results.checksums import SUMS, changed, write_sums
 from waxstudy.results.folder import CASES, MANIFEST, STUDY, RunError, again
@@ -231,7 +232,7 @@ def _manifest(folder: Path) -> dict[str, Any]:
             f"`waxstudy run STUDY.toml --out {folder}` goes on from there"
         )
     try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
+        manifest = json.loads(read_file(path))
     except (OSError, ValueError):
         raise RunError(f"{path}: cut off or damaged; {again(folder)}") from None
     if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:

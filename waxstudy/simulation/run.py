@@ -260,15 +260,10 @@ class _NotWritten(Exception):
         self.reason = reason
 
 
-def simulate_case(
-    plan: Plan, job: CaseFolder, loops: Sequence[Loop | OutsideLoop], keep: Callable[[pd.DataFrame], None]
-) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Solve the setpoint shift on the ensemble, then simulate every member at it: every start in every weather.
-
-    Returns key figures and durations; traces go to `keep`, part by part.
-    """
-    comfort, driven = plan.study.comfort, loops[0].driven
-    per_week = WEEK_H * 3600.0 / driven.weather.duration_s
+def equal_comfort(plan: Plan, loops: Sequence[Loop | OutsideLoop]) -> shift.Shift:
+    """Return the setpoint shift at which the members of a case are as comfortable as the study asks, on their mean."""
+    comfort = plan.study.comfort
+    per_week = WEEK_H * 3600.0 / loops[0].driven.weather.duration_s
 
     def hours_at(of: Sequence[Loop | OutsideLoop], starts: Sequence[Start], shift_K: float) -> FloatArray:
         weeks = (week for each in of for week in each.weeks(comfort.setpoint_C + shift_K, starts, stop=plan.stop))
@@ -280,7 +275,19 @@ def simulate_case(
     found = near = shift.solve(partial(hours_at, quick, few), target_h)
     if quick is not loops or len(few) < len(plan.starts):
         found = shift.solve(partial(hours_at, loops, plan.starts), target_h, near.shift_K, CLOSE_K)
-    single_K = found.single_run_shifts_K(target_h)
+    return found
+
+
+def simulate_case(
+    plan: Plan, job: CaseFolder, loops: Sequence[Loop | OutsideLoop], keep: Callable[[pd.DataFrame], None]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Solve the setpoint shift on the ensemble, then simulate every member at it: every start in every weather.
+
+    Returns key figures and durations; traces go to `keep`, part by part.
+    """
+    comfort, driven = plan.study.comfort, loops[0].driven
+    found = equal_comfort(plan, loops)
+    single_K = found.single_run_shifts_K(comfort.hours_below_per_week)
     kpis, spans = [], []
     for member, (number, start) in enumerate(product(range(len(loops)), range(len(plan.starts)))):
         figures = _simulate_member(plan, loops[number], member, start, comfort.setpoint_C + found.shift_K, keep)

@@ -20,7 +20,7 @@ from waxstudy.study.model import Study
 from waxstudy.study.read import study_of
 from waxstudy.study.source import source_of
 
-_one = threading.Lock()  # rooms are built and blocks compiled by one thread at a time; simulated by all
+ONE = threading.Lock()  # rooms are built and blocks compiled by one thread at a time; simulated by all
 STOP = np.zeros(1, dtype=np.int64)  # 1 ends what threads of this process compute at its next weather interval
 
 
@@ -48,7 +48,7 @@ def computed(stated: Mapping[str, Any], jit: bool) -> pd.DataFrame:
 
     Raises `SimulationError` with the case and week that failed, or what the room or the weather refused.
     """
-    with _one:
+    with ONE:
         study = study_of(source_of(stated), installed())
         try:
             plan = replace(prepare(study, jit), stop=STOP)
@@ -59,7 +59,7 @@ def computed(stated: Mapping[str, Any], jit: bool) -> pd.DataFrame:
 
 def _figures(plan: Plan, job: CaseFolder) -> pd.DataFrame:
     try:
-        with _one:
+        with ONE:
             loops = loops_of(plan, job)
         return simulate_case(plan, job, loops, lambda trace: None)[0]
     except Stopped:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from waxstudy.plugin.files import check_file, read_file, why
 from waxstudy.results.folder import RunError
 from waxstudy.sweep.axes import Range
 
@@ -41,15 +42,16 @@ class Swept:
     def frame(self) -> pd.DataFrame:
         """A row for each point, case, week and member; raises `RunError`."""
         try:
+            check_file(self.file)
             return pd.read_parquet(self.file)
         except (OSError, ValueError) as error:
-            raise RunError(f"{self.file}: cannot be read: {error}; run the sweep again") from error
+            raise RunError(f"{self.file}: cannot be read: {why(error)}; run the sweep again") from error
 
 
 def read_swept(folder: Path) -> Swept:
     """Read what a sweep left in a folder; raise `RunError` if it is not one, or not finished."""
     try:
-        said = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        said = json.loads(read_file(folder / MANIFEST))
         if said["format"] > FORMAT:
             raise RunError(f"{folder}: format {said['format']}; this version reads up to {FORMAT}")
         ranges = {key: Range(*bounds) for key, bounds in said["ranges"].items()}
@@ -59,4 +61,4 @@ def read_swept(folder: Path) -> Swept:
         held = "a sweep that has not finished: run it again, it goes on" if (folder / POINTS).is_dir() else "no sweep"
         raise RunError(f"{folder}: holds {held}") from None
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise RunError(f"{folder / MANIFEST}: cannot be read: {error}") from error
+        raise RunError(f"{folder / MANIFEST}: cannot be read: {why(error)}") from error

@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pandas as pd
 
 from waxstudy.plugin import SimulationError
+from waxstudy.plugin.files import check_file
 from waxstudy.results.atomic import sole_use, whole_file
 from waxstudy.results.folder import RunError, holds_run
 from waxstudy.results.kpis import FIGURES
@@ -31,6 +34,8 @@ from waxstudy.sweep.kinds import Kind
 from waxstudy.sweep.place import places
 from waxstudy.sweep.point import computed, key_of
 from waxstudy.sweep.result import FORMAT, MANIFEST, POINTS, TABLE
+
+Stated = TypeVar("Stated")  # what a point is computed from
 
 
 @dataclass
@@ -50,43 +55,61 @@ def run(
     Raises `RunError` for a folder that holds something else or is in use, `BackendMissing`, `OSError`, and
     `KeyboardInterrupt`; what was finished before that is kept.
     """
-    if folder.is_dir() and any(folder.iterdir()) and not (folder / POINTS).is_dir():
-        held = "a run" if holds_run(folder) else "no sweep"
-        raise RunError(f"{folder}: this folder is in use and holds {held}; choose another with --out")
-    (folder / POINTS).mkdir(parents=True, exist_ok=True)
-    with sole_use(folder) as is_ours:
-        if not is_ours:
-            raise RunError(f"{folder}: another sweep is at work in this folder")
+    with points_folder(folder, POINTS, "sweep"):
         keys = [key_of(study) for study in studies]
         told.total(len(keys))
         files = [folder / POINTS / f"{key}.parquet" for key in keys]
         # points that are alike are computed once
-        first = {key: number for number, key in reversed(list(enumerate(keys))) if not _is_whole(files[number])}
+        first = {key: number for number, key in reversed(list(enumerate(keys))) if not is_whole(files[number])}
         for _ in range(len(keys) - len(first)):
             told.done(None, True)
         todo = {number: studies[number].described() for number in sorted(first.values())}
-        failed = _compute(todo, files, where, told, jit)
+        failed = compute_points(todo, files, where, told, partial(computed, jit=jit), FIGURES)
         reasons = {number: failed[first[key]] for number, key in enumerate(keys) if first.get(key, -1) in failed}
         _finish(folder, studies[0], sweep, files, reasons)
     return reasons
 
 
-def _is_whole(file: Path) -> bool:
+@contextmanager
+def points_folder(folder: Path, points: str, what: str) -> Iterator[None]:
+    """Make a folder for points that are kept in one of this name in it, and hold it; raise `RunError`, `OSError`."""
+    if folder.is_dir() and any(folder.iterdir()) and not (folder / points).is_dir():
+        held = "a run" if holds_run(folder) else f"no {what}"
+        raise RunError(f"{folder}: this folder is in use and holds {held}; choose another with --out")
+    (folder / points).mkdir(parents=True, exist_ok=True)
+    with sole_use(folder) as is_ours:
+        if not is_ours:
+            raise RunError(f"{folder}: another {what} is at work in this folder")
+        yield
+
+
+def is_whole(file: Path) -> bool:
+    """Whether a point has been kept, and can be read."""
     try:
+        check_file(file)
         return len(pd.read_parquet(file)) > 0
     except (OSError, ValueError):
         return False
 
 
-def _compute(
-    todo: dict[int, dict[str, Any]], files: Sequence[Path], where: Where, told: Progress, jit: bool
+def compute_points(
+    todo: dict[int, Stated],
+    files: Sequence[Path],
+    where: Where,
+    told: Progress,
+    work: Callable[[Stated], pd.DataFrame],
+    units: Mapping[str, str],
 ) -> dict[int, str]:
-    """Compute points until all have ended; those that a dying process had are computed again, one by one."""
+    """Compute points until all have ended, and keep each in its file; return why which failed.
+
+    Those that a dying process had are computed again, one by one.
+    """
     failed: dict[int, str] = {}
 
     def ended(number: int, outcome: Future[pd.DataFrame]) -> None:
         try:
-            _keep(outcome.result(), files[number])
+            with whole_file(files[number]) as path:
+                write_parquet(outcome.result(), path, units)
         except SimulationError as error:
             failed[number] = str(error)
             told.warn(f"point {number}: {error}; it is left out")
@@ -94,10 +117,10 @@ def _compute(
         told.done(None, True)
 
     while todo:
-        lost = _attempt(todo, where, jit, ended)
+        lost = _attempt(todo, where, work, ended)
         for number in lost:
             told.warn(f"point {number}: the process that computed it ended; it is computed again alone")
-            if _attempt({number: todo[number]}, Where(where.kind, 1, where.scheduler), jit, ended):
+            if _attempt({number: todo[number]}, Where(where.kind, 1, where.scheduler), work, ended):
                 failed[number] = "the process that computes it ends before it is done, alone too"
                 told.warn(f"point {number}: {failed[number]}; it is left out")
                 del todo[number]
@@ -106,7 +129,10 @@ def _compute(
 
 
 def _attempt(
-    todo: Mapping[int, dict[str, Any]], where: Where, jit: bool, ended: Callable[[int, Future[pd.DataFrame]], None]
+    todo: Mapping[int, Stated],
+    where: Where,
+    work: Callable[[Stated], pd.DataFrame],
+    ended: Callable[[int, Future[pd.DataFrame]], None],
 ) -> list[int]:
     """Compute what is to be done; return which points were under way when a process died, as far as one did."""
     running: dict[Future[pd.DataFrame], int] = {}
@@ -115,7 +141,7 @@ def _attempt(
         while True:
             # few at a time: a sweep that is stopped has little to take back
             for number, stated in islice(rest, 2 * where.workers - len(running)):
-                running[pool.submit(computed, stated, jit)] = number
+                running[pool.submit(work, stated)] = number
             if not running:
                 return []
             for future in wait(running, return_when=FIRST_COMPLETED).done:
@@ -124,11 +150,6 @@ def _attempt(
                 except BrokenProcessPool:
                     return sorted(running.values())
                 del running[future]
-
-
-def _keep(figures: pd.DataFrame, file: Path) -> None:
-    with whole_file(file) as path:
-        write_parquet(figures, path, FIGURES)
 
 
 def _finish(folder: Path, study: Study, sweep: Sweep, files: Sequence[Path], failed: dict[int, str]) -> None:

@@ -104,6 +104,7 @@ class Epw(Weather):
             outdoor_C=(dry_bulb_C[:-1] + dry_bulb_C[1:]) / 2.0,
             irradiance_W_m2={name: on_facade(facade, sun, sky, p.albedo) for name, facade in facades.items()},
             sky_C=_sky_C(hours),
+            file=p.path,
         )
 
 

@@ -15,7 +15,7 @@ from waxstudy_trials.plant.weather import PART_S, Weather
 from waxstudy_trials.put import Put
 
 if TYPE_CHECKING:
-    from waxstudy_energyplus.run import Simulated
+    from waxstudy_energyplus.record import Simulated
 
 WARM_UP_DAYS = 3
 DAY_STEPS = round(86_400 / STEP_S)
@@ -80,7 +80,8 @@ def held(values: FloatArray) -> FloatArray:
 
 def _of_room(house: House, assumed: Weather, found: Simulated) -> dict[str, FloatArray]:
     """Return what EnergyPlus shows; where no water flows, the return stands at the floor's temperature."""
-    from waxstudy_energyplus.loop import FLOW, MINUTE_S
+    from waxstudy_energyplus.chain import FLOW
+    from waxstudy_energyplus.loop import MINUTE_S
     from waxstudy_paper.room.hydronics import WATER_J_L_K
 
     per_minute = round(MINUTE_S / STEP_S)

@@ -14,7 +14,7 @@ from waxstudy_trials.energyplus.description import House
 from waxstudy_trials.plant.weather import DAY_PARTS, PART_S, G, Weather
 
 if TYPE_CHECKING:
-    from waxstudy_energyplus.run import Simulated
+    from waxstudy_energyplus.record import Simulated
     from waxstudy_paper.room import RoomDescription
 
 AIR_J_L_K = 1.206

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from waxstudy.cli.errors import BACKEND, INVALID, PLUGIN, USAGE, CommandError
 from waxstudy.cli.output import Command
 from waxstudy.cli.plugins.lookup import as_json, print_json, print_tables, registered, table
 
@@ -21,9 +23,16 @@ if TYPE_CHECKING:
 
 @click.command("show", cls=Command)
 @click.argument("name", metavar="NAME")
+@click.argument("file", metavar="[FILE]", required=False, type=click.Path(path_type=Path))
 @as_json
-def command(name: str, as_json: bool) -> None:
-    """Show the components called NAME: parameters with unit, range, default and source; state; input and output."""
+def command(name: str, file: Path | None, as_json: bool) -> None:
+    """Show the components called NAME: parameters with unit, range, default and source; state; input and output.
+
+    With FILE, show what it holds for them, as the zones of a model of EnergyPlus and what stands against each.
+    """
+    if file is not None:
+        _show_contents(registered(name), file, as_json)
+        return
     shown = [_described(entry) for entry in registered(name)]
     if as_json:
         print_json(shown)
@@ -32,6 +41,38 @@ def command(name: str, as_json: bool) -> None:
     for component in shown:
         parts += [*([""] if parts else []), *_parts(component)]
     print_tables(*parts)
+
+
+def _show_contents(entries: Sequence[Registered], file: Path, as_json: bool) -> None:
+    """Print what a file holds for the component that reads such files."""
+    rows = next((rows for rows in (_contents(entry, file) for entry in entries) if rows is not None), None)
+    if rows is None:
+        raise CommandError(f"'{entries[0].component.name}' reads no file that could be shown", USAGE)
+    if as_json:
+        print_json([dict(row) for row in rows])
+        return
+    shown = table(tuple(rows[0]) if rows else ("nothing",))
+    for row in rows:
+        shown.add_row(*row.values())
+    print_tables(shown)
+
+
+def _contents(entry: Registered, file: Path) -> Sequence[Mapping[str, str]] | None:
+    """Return what a file holds for a component, None for one that reads none."""
+    from waxstudy.plugin import BackendMissing
+    from waxstudy.plugin.registry import PluginError, one_line, told
+
+    try:
+        with told(entry.component.name, NotImplementedError, ValueError, BackendMissing):
+            return entry.component.contents(file)
+    except NotImplementedError:
+        return None
+    except BackendMissing as error:
+        raise CommandError(str(error), BACKEND) from error
+    except PluginError as error:
+        raise CommandError(str(error), PLUGIN) from error
+    except ValueError as error:
+        raise CommandError(f"{file}: {one_line(str(error))}", INVALID) from error
 
 
 def _described(entry: Registered) -> dict[str, Any]:
