@@ -70,7 +70,7 @@ def test_what_gains_much_is_probable_and_what_gains_little_is_not() -> None:
 
 def test_what_leaves_much_may_as_well_be_something_unknown() -> None:
     assert posterior([NOTHING, replace(LEAK, misfit=2.5, left=0.9)])["unknown"] > 0.5
-    assert posterior([NOTHING, replace(LEAK, misfit=2.5, left=0.05)])["infiltration"] > 0.8
+    assert posterior([NOTHING, replace(LEAK, misfit=2.5, left=0.05)])["infiltration"] > 0.7
 
 
 def test_of_two_that_leave_nothing_the_finer_name_must_be_earned() -> None:

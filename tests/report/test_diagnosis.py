@@ -194,7 +194,7 @@ def test_with_a_baseline_it_says_what_changed_since_how_likely_and_when() -> Non
     assert "The controller reads the temperature of 65 s ago." in told
     assert "film-walls" not in told
     assert "let-by: fraction 0.0712 (0.0688 to 0.0741). Probability 73 %; every day from 22:00 to 06:30." in told
-    likely = "likely 70 % let-by, 20 % neighbour-heat, 6 % nothing changed, 3 % let-by and something unknown how far"
+    likely = "likely 70 % let-by, 20 % neighbour-heat, 6 % nothing amiss, 3 % let-by and something unknown how far"
     assert likely in told
     assert "something unknown 3 % probable" in told
 

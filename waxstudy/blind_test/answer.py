@@ -98,7 +98,7 @@ def hypothesis(names: Iterable[str]) -> str:
 
 
 def _posterior(said: Any) -> Mapping[str, float] | None:
-    if said is None or said == {}:  # a diagnosis without a healthy record states no probabilities
+    if said is None or said == {}:  # where nothing can be judged there are none
         return None
     try:
         found: dict[str, float] = {}

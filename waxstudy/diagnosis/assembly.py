@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
-from math import nan
 
 import numpy as np
 import pandas as pd
@@ -43,8 +42,9 @@ from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.diagnosis.select.changed import joint
 from waxstudy.diagnosis.select.intervals import shrink
 from waxstudy.diagnosis.select.search import Found, Selection
+from waxstudy.diagnosis.select.stated import stated
 from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
-from waxstudy.diagnosis.select.unexplained import stage_of, unexplained
+from waxstudy.diagnosis.select.unexplained import slight, stage_of, unexplained
 from waxstudy.diagnosis.select.weigh import UNKNOWN
 from waxstudy.diagnosis.sentences import filled_in, logged, needless, summary, warned, why_not
 from waxstudy.plugin import STAGES, Belief
@@ -77,9 +77,17 @@ def of_segment(segment: Segment, effects: Sequence[EffectType]) -> list[EffectTy
 def assembled(
     work: Work, cut: Sequence[Segment], short: Mapping[Segment, str], selections: Sequence[Selection], quick: bool
 ) -> Diagnosis:
-    several = {each.name: each for selection in reversed(selections) for each in _found(selection, work.seed)}
+    open_ = [list(unexplained(selection, work.seed)) for selection in selections]
+    pairs = list(zip(selections, open_, strict=True))
+    beliefs = [selection.posterior or stated(selection, remains) for selection, remains in pairs]
+    linked = list(zip(selections, beliefs, strict=True))
+    several = {each.name: each for link in reversed(linked) for each in _found(*link, work.seed)}
     found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
-    remains = [each for selection in selections for each in _unexplained(selection, work.seed)]
+    remains = [
+        replace(each, probability=_held(belief, UNKNOWN))
+        for belief, rest in zip(beliefs, open_, strict=True)
+        for each in rest
+    ]
     untestable = list(_untestable(work, cut, short, selections))
     verdict = _verdict(found, remains, selections, untestable)
     stages = {effect.name: effect.stage for effect in work.effects}
@@ -87,11 +95,11 @@ def assembled(
         dataset=work.dataset.name,
         verdict=verdict,
         summary=summary(verdict, found, remains, untestable, since="the baseline" if work.calibration else ""),
-        stages=[stage for selection in selections for stage in _stages(work, selection, selections)],
+        stages=[stage for link in linked for stage in _stages(work, *link, selections)],
         effects=found,
         unexplained=remains,
         untestable=untestable,
-        tried=[each for selection in selections for each in _tried(selection, found)],
+        tried=[each for link in linked for each in _tried(*link, found)],
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
         next_measurements=list(next_measurements(cut, found, untestable, stages, work.record)),
@@ -115,7 +123,7 @@ def assembled(
         as_built=list(calibrated(work.calibration, work.documented)) if work.calibration else [],
         baseline=list(fits(work.calibration)) if work.calibration else [],
         missing_heat=_missing_heat(work, selections),
-        posterior=joint([selection.posterior for selection in selections if selection.posterior]),
+        posterior=joint(beliefs),
         traces=_traces(work, selections),
     )
 
@@ -125,16 +133,9 @@ def _days(baseline: Dataset) -> str:
     return f"{baseline.name}, {first} to {last}"
 
 
-def _unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
-    for each in unexplained(selection, seed):
-        yield replace(each, probability=_held(selection, UNKNOWN))
-
-
-def _held(selection: Selection, name: str) -> float:
-    """Return how probable an effect, or something unknown, is at a link; no number where nothing is known of it."""
-    if not selection.posterior:
-        return nan
-    return sum(probability for names, probability in selection.posterior.items() if name in names.split("+"))
+def _held(beliefs: Mapping[str, float], name: str) -> float:
+    """Return how probable an effect, or something unknown, is at a link."""
+    return sum(probability for names, probability in beliefs.items() if name in names.split("+"))
 
 
 def _missing_heat(work: Work, selections: Sequence[Selection]) -> MissingHeat:
@@ -152,7 +153,7 @@ def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
             yield f"the baseline has no link {segment.name}: there what is believed is compared, not what was healthy"
 
 
-def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
+def _found(selection: Selection, beliefs: Mapping[str, float], seed: int) -> Iterator[FoundEffect]:
     random = np.random.default_rng([seed, 2])
     for found, without in zip(selection.found, selection.without, strict=True):
         channel = found.channel
@@ -163,6 +164,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             name=found.effect.name,
             stage=found.effect.stage,
             sentence=found.effect.sentence(found.effect.Parameters(**values)),
+            slight=slight(selection, found),
             group=list(found.group),
             parameters=selection.intervals[found.effect],
             inclusion=found.inclusion,
@@ -174,7 +176,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             shrink=shrink(before, after, floor, random),
             is_held_out=bool((before.part == SHRINK).any()),
             alternatives=[_alternative(each) for each in found.others],
-            probability=found.inclusion if selection.posterior else nan,
+            probability=found.inclusion if selection.posterior else sum(_held(beliefs, each) for each in found.group),
             when=_when(found, values, selection.problem.record),
         )
 
@@ -191,7 +193,9 @@ def _alternative(candidate: Candidate) -> Alternative:
     return Alternative(effect.name, effect.stage, effect.sentence(effect.Parameters(**values)), parameters)
 
 
-def _stages(work: Work, selection: Selection, selections: Sequence[Selection]) -> Iterator[StageGap]:
+def _stages(
+    work: Work, selection: Selection, beliefs: Mapping[str, float], selections: Sequence[Selection]
+) -> Iterator[StageGap]:
     segment = selection.segment
     believed = _believed(work, selections, with_effects=False)
     for before, after in zip(selection.before.residuals, selection.after.residuals, strict=True):
@@ -206,7 +210,7 @@ def _stages(work: Work, selection: Selection, selections: Sequence[Selection]) -
             regimes=regimes(work.record, work.belief, before),
             autocorrelation=_autocorrelation(before.error[before.judged]),
             separate_by=", ".join(separating(segment)),
-            posterior=selection.posterior,
+            posterior=beliefs,
         )
 
 
@@ -228,13 +232,13 @@ def _autocorrelation(error: np.ndarray) -> float:
     return float(centred[1:] @ centred[:-1]) / power if power else 0.0
 
 
-def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tried]:
+def _tried(selection: Selection, beliefs: Mapping[str, float], effects: Sequence[FoundEffect]) -> Iterator[Tried]:
     named = {name for effect in effects for name in effect.group}
     for each in sorted(selection.tried, key=lambda c: -c.evidence.gain):
         evidence = each.evidence
         figures = evidence.gain, evidence.p, evidence.share
         why = "" if each.effect.name in named else why_not(selection, each)
-        held = _held(selection, each.effect.name)
+        held = _held(beliefs, each.effect.name)
         yield Tried(each.effect.name, each.effect.stage, *figures, evidence.channel, why, held)
 
 

@@ -14,7 +14,6 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
-from waxstudy.diagnosis.calibration.presumed import presumed
 from waxstudy.diagnosis.calibration.room import CalibratedRoom
 from waxstudy.diagnosis.calibration.stored import calibrated as stored
 from waxstudy.diagnosis.estimate.estimator import Estimator
@@ -27,10 +26,11 @@ from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Diagnosis
-from waxstudy.diagnosis.select.changed import changed
+from waxstudy.diagnosis.select.changed import changed, differing
 from waxstudy.diagnosis.select.exact_room import with_exact_room
 from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
 from waxstudy.diagnosis.select.testability import too_short
+from waxstudy.diagnosis.select.weigh import Weighed, Weighing
 from waxstudy.plugin import Belief, Effect
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
@@ -59,21 +59,53 @@ def diagnose(
     `tick` is told what is being tried and the share done. With `weighs` hypotheses are weighed where no healthy record
     is known, too; blind tests hold that against the rules.
     """
-    whole, dataset, baseline = dataset, excerpt(dataset), excerpt(baseline) if baseline else None
+    work = _work(dataset, baseline, seed, QUICK if quick else 1.0, study, weighs)
+    cut, short = _cut(work)
+    judged = [segment for segment in cut if segment not in short]
+    selections = list(_selections(work, judged, tick or (lambda what, share: None)))
+    return _with_neighbours(assembled(work, cut, short, selections, quick), dataset, tick or (lambda what, share: None))
+
+
+def weighed_links(dataset: Dataset, baseline: Dataset) -> Iterator[tuple[Segment, Sequence[Weighed]]]:
+    """Yield every link whose hypotheses are weighed, with them: what a posterior is made of."""
+    work = _work(dataset, baseline)
+    cut, short = _cut(work)
+    for segment in (each for each in cut if each not in short):
+        if work.calibration and (healthy := work.calibration.healthy.get(segment.name)):
+            effects, whole = of_segment(segment, work.effects), _whole(work, segment)
+            yield segment, Weighing(whole, effects, healthy, work.thorough, lambda name: None).weighed()
+
+
+def _work(
+    dataset: Dataset,
+    baseline: Dataset | None = None,
+    seed: int = 1,
+    thorough: float = 1.0,
+    study: Study | None = None,
+    weighs: bool = False,
+) -> Work:
+    dataset, baseline = excerpt(dataset), excerpt(baseline) if baseline else None
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
-    thorough = QUICK if quick else 1.0
     # the steps of a study are made as it is read, and no cache can tell them
     calibration = calibrated(baseline, effects, thorough, is_kept=study is None) if baseline else None
     belief = _documented(dataset, record)
     belief = calibration.as_built.believed(belief) if calibration else belief
-    work = Work(dataset, record, belief, effects, seed, thorough, calibration, baseline, weighs)
+    return Work(dataset, record, belief, effects, seed, thorough, calibration, baseline, weighs)
+
+
+def _cut(work: Work) -> tuple[list[Segment], dict[Segment, str]]:
+    """Return the segments of a record, and why some of them cannot be judged."""
     # the heating curve is of the documents: how far it was off from the start is no change
-    cut = [segment for segment in segments(record, belief) if not (calibration and segment.is_supply)]
-    short = {segment: reason for segment in cut if (reason := too_short(segment, record, belief))}
-    judged = [segment for segment in cut if segment not in short]
-    selections = list(_selections(work, judged, tick or (lambda what, share: None)))
-    return _with_neighbours(assembled(work, cut, short, selections, quick), whole, tick or (lambda what, share: None))
+    cut = [each for each in segments(work.record, work.belief) if not (work.calibration and each.is_supply)]
+    return cut, {each: reason for each in cut if (reason := too_short(each, work.record, work.belief))}
+
+
+def _whole(work: Work, segment: Segment) -> SegmentProblem:
+    """Return a link that a healthy record is known of, all its days to fit."""
+    assert work.calibration
+    parts, as_built = np.full(len(work.record), FIT), work.calibration.as_built
+    return SegmentProblem(segment, work.record, work.belief, as_built=as_built, parts=parts)
 
 
 def _with_neighbours(diagnosis: Diagnosis, dataset: Dataset, tick: Tell) -> Diagnosis:
@@ -153,6 +185,7 @@ def installed_effects() -> list[EffectType]:
 
 
 def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Selection]:
+    record = work.record
     total = sum(len(of_segment(segment, work.effects)) + 1 for segment in cut) or 1
     done = 0
     for place, segment in enumerate(cut):
@@ -170,7 +203,8 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
             done = first + len(effects) + 1
             continue
         if work.weighs:
-            yield _presumed(work, segment, effects, work.seed + place, step)
+            tolerance = work.dataset.room_tolerance
+            yield differing(segment, record, work.belief, effects, work.seed + place, work.thorough, step, tolerance)
             done = first + len(effects) + 1
             continue
         selection = _selection(work, segment, effects, work.seed + place, step)
@@ -186,22 +220,11 @@ def _changed(
 ) -> Selection:
     """Return what changed at a link since the healthy record."""
     record, belief, as_built = work.record, work.belief, calibration.as_built
-    whole = SegmentProblem(segment, record, belief, as_built=as_built, parts=np.full(len(record), FIT))
+    whole = _whole(work, segment)
     problem = SegmentProblem(segment, record, belief, as_built=as_built, alike=whole)
     estimator = Estimator(problem, work.thorough, keeps=True)
     search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
     return changed(search, calibration.healthy[segment.name], whole, tick)
-
-
-def _presumed(work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
-    """Return what a link differs in from what is believed, by what noise and the form of its model may leave."""
-    record, belief, tolerance = work.record, work.belief, work.dataset.room_tolerance
-    healthy = presumed(segment, record, belief, tolerance, work.thorough)
-    problem = SegmentProblem(segment, record, belief, tolerance, alike=healthy.problem)
-    search = Search(
-        Estimator(problem, work.thorough, keeps=True), effects, np.random.default_rng(seed), lambda name: None
-    )
-    return changed(search, healthy, healthy.problem, tick)
 
 
 def _selection(

@@ -133,7 +133,8 @@ class FoundEffect:
     shrink: Interval  # on days that its fit has not seen
     is_held_out: bool = True  # whether these took no part in choosing it either
     alternatives: Sequence[Alternative] = ()  # the rest of its group
-    probability: float = nan  # that it, or one of its group, is there; where a healthy record is known
+    probability: float = nan  # that it, or one of its group, is there
+    slight: str = ""  # why it hardly matters, where it is there and hardly does
     when: When | None = None
 
 
@@ -330,7 +331,7 @@ class Diagnosis:
     parts: Mapping[str, Sequence[str]]  # "fit", "select", "shrinkage" -> first and last day
     seed: int
     is_quick: bool
-    # probability of each hypothesis: names joined by "+", "none", "unknown"; empty without a healthy record
+    # probability of each hypothesis: names joined by "+", "none", "unknown"; empty where nothing can be judged
     posterior: Mapping[str, float] = field(default_factory=dict)
     compared_with: str = ""  # the healthy record, with its days; empty without one
     as_built: Sequence[Calibrated] = ()

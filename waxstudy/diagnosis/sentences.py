@@ -49,7 +49,7 @@ def why_not(selection: Selection, candidate: Candidate) -> str:
     """Return why an effect that was tried is not named."""
     name = candidate.effect.name
     if selection.posterior:
-        return "less likely than what is named" if selection.found else "less likely than that nothing changed"
+        return "less likely than what is named" if selection.found else "less likely than that nothing is amiss"
     for each in selection.withdrawn:
         if name in each.found.group:
             return each.criterion.name
@@ -90,6 +90,11 @@ def needless(selections: Sequence[Selection]) -> Iterator[str]:
 
 def group_sentence(effect: FoundEffect) -> str:
     """Return the sentence of an effect; of a group those of its members, lest the first be taken for the cause."""
+    text = _either(effect)
+    return f"{text.rstrip('.')} ({effect.slight})." if effect.slight else text
+
+
+def _either(effect: FoundEffect) -> str:
     others = effect.alternatives[: MOST_TOLD - 1]
     known = {effect.name, *(each.name for each in others)}
     rest = [name for name in effect.group if name not in known]

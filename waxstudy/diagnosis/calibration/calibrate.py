@@ -78,17 +78,22 @@ class Healthy:
         healthy = self.left(residual.channel)
         return healthy.whitened**2 * int(residual.judged.sum()) if healthy else 0.0
 
-    def gain(self, effects: Edits) -> float:
-        """Return by how much more likely the healthy record were with effects (logarithm), the rest fitted again."""
+    def had_it(self, effects: Edits) -> tuple[float, FloatArray]:
+        """Return by how much more likely the healthy record were with effects, as logarithm, all else fitted again.
+
+        And how far what was calibrated would lie elsewhere (k,) then, as a better wall where a leak is.
+        """
         with_it = self.problem.at(effects, self.fitted.departures, self.fitted.convention)
         if with_it is None:
-            return -np.inf
-        return self._likelihood(with_it) - self._likelihood(self.fitted)
+            return -np.inf, np.zeros(len(self.problem.sd))
+        (now, here), (then, there) = self._refitted(self.fitted), self._refitted(with_it)
+        return then - now, there - here
 
     def _weight(self, channel: str) -> float:
         return float(1.0 / (self.scale.get(channel, 1.0) * self.together(channel) ** 0.5))
 
-    def _likelihood(self, fitted: Hypothesis) -> float:
+    def _refitted(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
+        """Return the log likelihood with all that was calibrated fitted again, by slopes, and the step (k,) there."""
         weight = np.concatenate([np.full(len(e.whitened), self._weight(e.channel)) for e in fitted.residuals])
         missed, slopes, sd = fitted.whitened * weight, self.slopes * weight[:, None], self.problem.sd
         root = self.problem.prior / sd if len(sd) else np.zeros((0, 0))
@@ -96,7 +101,7 @@ class Healthy:
         both, ways = np.concatenate((missed, pulled)), np.vstack((slopes, root))
         step = np.linalg.lstsq(ways, -both, rcond=None)[0] if len(sd) else np.zeros(0)
         left = both + ways @ step if len(sd) else both
-        return -0.5 * float(left @ left)
+        return -0.5 * float(left @ left), step
 
 
 def together(residual: Residual) -> float:

@@ -20,7 +20,7 @@ from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.plugin import Belief
+from waxstudy.plugin import Belief, FloatArray
 
 ROUNDS = 2  # of learning what a fit leaves, and fitting again
 LONGEST = 16.0  # quarters of an hour over which a form's errors hang together, at most: longer ones a fit must follow
@@ -62,9 +62,9 @@ class Presumed:
         typical_K = error_of(self.problem.belief, channel).typical_K
         return float(np.hypot(typical_K, self.problem.record.noise[channel]))
 
-    def gain(self, effects: Edits) -> float:
-        """Return that nothing speaks against effects that were there from the start."""
-        return 0.0
+    def had_it(self, effects: Edits) -> tuple[float, FloatArray]:
+        """Return that nothing speaks against what was there from the start, and nothing would lie elsewhere."""
+        return 0.0, np.zeros(len(self.problem.sd))
 
     def room_loss(self, fitted: Hypothesis) -> float:
         """Return -2 log likelihood of what a hypothesis leaves of a room, by the discrepancy that suits it best."""

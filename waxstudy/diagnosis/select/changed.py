@@ -5,14 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from waxstudy.diagnosis.calibration.calibrate import Healthy
-from waxstudy.diagnosis.calibration.presumed import Presumed
+from waxstudy.diagnosis.calibration.presumed import Presumed, presumed
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.segments import Segment
+from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.diagnosis.select.search import Found, Search, Selection
-from waxstudy.diagnosis.select.weigh import LIKELIER, NONE, UNKNOWN, Tick, Weighed, Weighing, posterior, score
+from waxstudy.diagnosis.select.weigh import LIKELIER, NONE, NOTABLE, UNKNOWN, Tick, Weighed, Weighing, posterior, score
+from waxstudy.plugin import Belief
 
 NAMED = 0.8  # probability from which on anything is named, and an effect alone
 CREDIBLE = 0.9  # that a group holds
@@ -31,12 +37,30 @@ def changed(search: Search, healthy: Healthy | Presumed, whole: SegmentProblem, 
         selection = search.selection(found, tried)
         # a controller of another form looks as if it were tuned otherwise each time; a room has no settings
         is_room = search.problem.segment.with_room
-        doubted = [] if is_room else search.blurred(found, selection.models, selection.without)
         # of what comes and goes the days without it blur what is fitted as if it acted always
-        blurred = [each for each in doubted if each.found.pattern is None]
+        lasting = [] if is_room else [each for each in found if each.pattern is None]
+        blurred = [each for each in lasting if search.distinct(each, selection.after) <= NOTABLE]
         if not blurred:
             return replace(selection, posterior=beliefs)
-        beliefs = _without(beliefs, {name for each in blurred for name in each.found.group})
+        beliefs = _without(beliefs, {name for each in blurred for name in each.group})
+
+
+def differing(
+    segment: Segment,
+    record: Record,
+    belief: Belief,
+    effects: Sequence[EffectType],
+    seed: int,
+    thorough: float,
+    tick: Tick,
+    room_tolerance: float = 1.0,
+) -> Selection:
+    """Return what a link differs in from what is believed, by what noise and the form of its model may leave."""
+    healthy = presumed(segment, record, belief, room_tolerance, thorough)
+    problem = SegmentProblem(segment, record, belief, room_tolerance, alike=healthy.problem)
+    estimator = Estimator(problem, thorough, keeps=True)
+    search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
+    return changed(search, healthy, healthy.problem, tick)
 
 
 def _without(beliefs: Mapping[str, float], blurred: set[str]) -> dict[str, float]:
@@ -75,8 +99,6 @@ def _group(name: str, best: frozenset[str], sets: Mapping[frozenset[str], float]
     held = sum(probability for effects, probability in sets.items() if name in effects)
     if held >= NAMED:
         return (name,)
-    if rest and held < LIKELIER:
-        return ()
     instead: dict[str, float] = {}
     for effects, probability in sets.items():
         others = effects - rest
@@ -85,6 +107,8 @@ def _group(name: str, best: frozenset[str], sets: Mapping[frozenset[str], float]
             instead[other] = instead.get(other, 0.0) + probability
     chosen, sum_, all_ = [name], instead.pop(name, 0.0), sum(instead.values())
     whole = sum_ + all_
+    if rest and whole < LIKELIER:
+        return ()
     for other in sorted(instead, key=lambda each: -instead[each]):
         if sum_ >= CREDIBLE * whole:
             break
@@ -100,7 +124,8 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
         return []
     best = best_of(weighed, first)
     values = {effect.name: (effect, each) for effect, each in best.fitted.effects}
-    current, found = search.estimator.base, []
+    # what fits best without an effect may read the record in another way than with it
+    current, found = search.under_convention(search.estimator.base, best.fitted.convention), []
     for group in choice.groups:
         edits = (*current.effects, values[group[0]])
         fitted = search.estimator.refined(edits, current.departures, current.convention) or current

@@ -92,7 +92,7 @@ class Selection:
     floor: NoiseFloor
     withdrawn: tuple[Withdrawn, ...] = ()
     intervals: Mapping[EffectType, Mapping[str, Interval]] = field(default_factory=dict)  # of what was found
-    posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses, where a healthy record is known
+    posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses, where they were weighed
 
     @property
     def problem(self) -> SegmentProblem:
@@ -238,15 +238,18 @@ class Search:
 
     def blurred(self, found: Sequence[Found], models: Models, without: Models) -> list[Withdrawn]:
         """Return effects that, as fitted in the end, may as well be what is believed without them."""
-        last = models[-1]
-        out = []
+        last, out = models[-1], []
         for each, before in zip(found, without, strict=True):
-            rest = [(effect, values) for effect, values in last.effects if effect is not each.effect]
-            believed = self.problem.edited(rest, last.departures)
-            steps = distinct(each.effect, self.intervals(last)[each.effect], believed)
-            if criterion := failed(KEEP, Kept.of(each.effect, each.channel, before, last, distinct=steps)):
+            kept = Kept.of(each.effect, each.channel, before, last, distinct=self.distinct(each, last))
+            if criterion := failed(KEEP, kept):
                 out.append(Withdrawn(each, criterion))
         return out
+
+    def distinct(self, found: Found, last: Hypothesis) -> float:
+        """Return how far an effect is from what is believed, in noticeable steps of what its interval leaves out."""
+        rest = [(effect, values) for effect, values in last.effects if effect is not found.effect]
+        believed = self.problem.edited(rest, last.departures)
+        return distinct(found.effect, self.intervals(last)[found.effect], believed)
 
     def models(self, found: Sequence[Found], convention: Convention) -> tuple[Models, Models]:
         """Return the believed model and those with one more effect each, and the last without each one of them.

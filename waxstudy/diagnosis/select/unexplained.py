@@ -12,14 +12,15 @@ from waxstudy.diagnosis.criteria import Criterion, Question, criteria, limit, me
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.result import Unexplained, When, in_floors
-from waxstudy.diagnosis.select.evidence import Left
+from waxstudy.diagnosis.select.evidence import Left, departure
 from waxstudy.diagnosis.select.null import by_block, redrawn
 from waxstudy.diagnosis.select.patterns import concentrated
-from waxstudy.diagnosis.select.search import Selection, runs_on_at
+from waxstudy.diagnosis.select.search import Found, Selection, runs_on_at
 from waxstudy.diagnosis.select.weigh import LIKELIER, UNKNOWN
 from waxstudy.plugin import FloatArray
 
 DRAWS = 1000
+NOTICEABLE = 1.0  # steps that an effect calls noticeable: less is not worth a change
 SURELY = 4.0  # standard deviations of a channel's noise, beyond which a sample is off
 
 
@@ -78,6 +79,14 @@ def _described(selection: Selection, residual: Residual, floor: float, left: Lef
 
 def _excuses(left: Left) -> Iterator[Criterion]:
     return (each for each in criteria() if Question.EXCUSED in each.questions and each.where.applies(left))
+
+
+def slight(selection: Selection, found: Found) -> str:
+    """Return why an effect that is there hardly matters, or an empty text."""
+    problem, last, effect = selection.problem, selection.after, found.effect
+    rest = [(other, values) for other, values in last.effects if other is not effect]
+    is_slight = departure(effect, dict(last.effects)[effect], problem.edited(rest, last.departures)) <= NOTICEABLE
+    return "less than is noticeable" if is_slight else ""
 
 
 def done_by_drives(selection: Selection, residual: Residual) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.estimate.start_points import Screen
+from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.evidence import departure
@@ -34,18 +35,16 @@ LEAST_SHARE = 0.03  # of what an effect leaves
 BLOCK_S = 21_600.0  # of a room, whose errors hang together for hours and are whitened
 SCREENED = 1.0  # of log likelihood that an effect of a chain must promise for a closer look
 DEEPER = 3  # hypotheses that others are tried beside
+LEAST_SEEN = 0.01  # probability of an effect that shows
 LIKELIER = 0.5
-NOTABLE_OF_ROOM = 0.3  # noticeable steps: how much it matters is another question than whether it is there
+OPEN = 1.0  # standard deviations of misfit, from which on a chain's hypothesis leaves something to tell
+NOTABLE = 0.3  # noticeable steps: how much it matters is another question than whether it is there
+SOFT = 1.5  # of what speaks for a hypothesis, as a power: how much surer it looks than it is
+UNSEEN = {False: 0.01, True: 0.1}  # where nothing shows, that there is an effect which does not: of a chain, of a room
 STRONGEST = 4.0  # times what an effect does always, that it may do at times
 UNKNOWN = "unknown"
 NONE = "none"
 Tick = Callable[[str], None]
-
-
-def typical(whitened: FloatArray) -> float:
-    """Return the standard deviations by which those samples are off that make up the gap; of mere noise root 3."""
-    squares = whitened**2
-    return float(np.sqrt(np.sum(squares**2) / max(float(np.sum(squares)), 1e-12)))
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,9 @@ class Weighed:
     price: float  # of its parameters, and that anything of the kind happens
     spread: float  # variance of the gain from day to day or cycle to cycle, over that which independent errors have
     most: float  # gain that so many days or cycles can tell at all
+    unlike: float = 0.0  # how much less likely the later record is then: the healthy one would have taught otherwise
     left: float = 1.0  # share of what is missed beyond what nothing amiss leaves
+    is_of_room: bool = False
     stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
 
@@ -93,14 +94,19 @@ class Weighing:
             self.healthy = self.healthy.knowing(min((self.none, *singles), key=self._loss))
             self.share = self._shares()
         found = [self.of(each) for each in (self.none, *singles)]
+        # an effect that comes and goes gains much, but not on all days
+        told = [each for each in found[1:] if each.gain + each.ease > each.price]
+        found += list(self._patterned(sorted(told, key=lambda each: -each.gain)[:DEEPER]))
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
-        if best and score(best[0]) > score(found[0]):
-            found += list(self._patterned(best))
         if best and score(best[0]) > score(found[0]) and not self.estimator.is_quick:
-            for each in best:
+            for each in self._open(best):
                 others = [effect for effect in self.effects if effect.name not in each.fitted.names]
                 found += [self._beside(each, pair) for pair in self._one_more(others, each.fitted, self.tick)]
         return found
+
+    def _open(self, best: Sequence[Weighed]) -> list[Weighed]:
+        """Return hypotheses that leave something for more to tell; of a room its unknowns may hide that."""
+        return [each for each in best if self.problem.segment.with_room or each.misfit > OPEN]
 
     def _singles(self) -> list[Hypothesis]:
         """Return each effect by itself, fitted to the whole record."""
@@ -135,9 +141,7 @@ class Weighing:
         if self.problem.segment.with_room:
             return
         tried = list(patterns(self.problem.record))
-        for each in best:
-            if each.misfit <= 1.0:
-                continue  # nothing is left for a pattern to tell
+        for each in self._open(best):
             made = [(self._with_pattern(each.fitted, pattern), pattern) for pattern in tried]
             fitted, pattern = min(made, key=lambda pair: self._loss(pair[0]))
             weighed = self.of(fitted)
@@ -179,12 +183,58 @@ class Weighing:
         parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
         gain = 0.5 * (self._loss(self.none) - self._loss(fitted)) - ease
-        always = self.healthy.gain(fitted.effects) if fitted.effects else 0.0
+        always, moved = self._always(fitted)
         spread, most = self._spread(fitted)
         price = PRICE * parameters - float(np.log(PRIOR)) * len(fitted.effects)
         names = tuple(sorted(self._notable(fitted)))
-        rest = spread, most, self._left(fitted), self._stands(fitted, given or self.none)
-        return Weighed(fitted, names, gain, ease, always, self.misfit(fitted), price, *rest)
+        return Weighed(
+            fitted,
+            names,
+            gain,
+            ease,
+            always / spread if always > 0.0 else always,
+            self.misfit(fitted),
+            price,
+            spread,
+            most,
+            unlike=self._unlike(fitted, moved) if always > 0.0 else 0.0,
+            left=self._left(fitted),
+            is_of_room=self.problem.segment.with_room,
+            stands=self._stands(fitted, given or self.none),
+        )
+
+    def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
+        """Return how much likelier the healthy record were, had effects been there then, and what else would differ.
+
+        Of what was calibrated on it is known how much of it was there: more of it is a change.
+        """
+        known = self.problem.as_built.knobs if self.problem.as_built else ()
+        calibrated = {each.effect for each in known if isinstance(each, Knob)}
+        open_ = [(effect, values) for effect, values in fitted.effects if effect not in calibrated]
+        return self.healthy.had_it(open_) if open_ else (0.0, np.zeros(len(self.problem.sd)))
+
+    def _unlike(self, fitted: Hypothesis, moved: FloatArray) -> float:
+        """Return how much less likely a room's record is if what was calibrated lies elsewhere, all else fitted again.
+
+        What a healthy record cannot tell from an effect would have taken its place there, and did not change since.
+        """
+        sd = self.problem.sd
+        if not len(sd) or self.problem.as_built is None:
+            return 0.0
+        count = len(self.problem.as_built.knobs)
+        weight = np.concatenate(
+            [np.full(len(e.whitened), self.share.get(e.channel, 1.0) ** -0.5) for e in fitted.residuals]
+        )
+        root = self.problem.prior / sd
+        ways = np.vstack((self.estimator.slopes_at(fitted) * weight[:, None], root))
+
+        def loss(mean: FloatArray) -> float:
+            both = np.concatenate((fitted.whitened * weight, root @ (fitted.departures - mean)))
+            left = both + ways @ np.linalg.lstsq(ways, -both, rcond=None)[0]
+            return float(left @ left)
+
+        elsewhere = np.concatenate((moved[:count], np.zeros(len(sd) - count)))
+        return 0.5 * max(0.0, loss(elsewhere) - loss(np.zeros(len(sd))))
 
     def _stands(self, fitted: Hypothesis, given: Hypothesis) -> float:
         """Return how far what another hypothesis leaves of a chain stands out where this one changes it."""
@@ -264,10 +314,9 @@ class Weighing:
 
     def _notable(self, fitted: Hypothesis) -> Iterator[str]:
         """Yield the names of effects that depart by more than is worth a name."""
-        least = NOTABLE_OF_ROOM if self.problem.segment.with_room else 1.0
         for effect, values in fitted.effects:
             rest = [each for each in fitted.effects if each[0] is not effect]
-            if departure(effect, values, self.problem.edited(rest, fitted.departures)) > least:
+            if departure(effect, values, self.problem.edited(rest, fitted.departures)) > NOTABLE:
                 yield effect.name
 
     def misfit(self, fitted: Hypothesis) -> float:
@@ -290,7 +339,8 @@ class Weighing:
         explained = max(0.0, none.loss() - residual.loss()) / count
         usual = float(np.sqrt(more * usual**2 + FORM**2 * explained))
         left, before = float(np.sqrt(residual.loss() / count)), healthy.samples
-        share = self.share.get(residual.channel, 1.0)
+        # errors of different cycles do not hang together, however alike something that is always amiss makes them
+        share = min(self.share.get(residual.channel, 1.0), count / cycles)
         own = COARSE if residual.unit == "s" or residual.channel == "return_temperature_C" else SCATTER
         scatter = np.sqrt(own**2 + 0.5 * share / count + 0.5 * share / before)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
@@ -307,10 +357,11 @@ def score(weighed: Weighed) -> float:
     )
 
 
-def posterior(found: Sequence[Weighed]) -> dict[str, float]:
+def posterior(found: Sequence[Weighed], soft: float = SOFT, unseen: float | None = None) -> dict[str, float]:
     """Return the probability of each hypothesis of a link, with something unknown beside it or not; they sum to 1.
 
-    The first is that nothing changed. What was so from the start is no change.
+    The first is that nothing changed. What was so from the start is no change. `python -m benchmarks.posterior` asks
+    for other values of what is learned.
     """
     best = max(found, key=score)
     gains = _gains(found, best)
@@ -320,11 +371,26 @@ def posterior(found: Sequence[Weighed]) -> dict[str, float]:
         if len(each.fitted.effects) == 1:
             _raise(logs, (UNKNOWN,), _mimicked(each, gain))
         if each.always > 0.0:
-            _add(logs, (), gain - each.price, each.misfit)
+            _add(logs, (), gain - each.unlike - each.price, each.misfit)
     most = max(logs.values())
-    weights = {name: float(np.exp(value - most)) for name, value in logs.items()}
+    weights = {name: float(np.exp((value - most) / soft)) for name, value in logs.items()}
     whole = sum(weights.values())
-    return {name: weight / whole for name, weight in weights.items()}
+    share = UNSEEN[found[0].is_of_room] if unseen is None else unseen
+    return _with_unseen({name: weight / whole for name, weight in weights.items()}, found, share)
+
+
+def _with_unseen(beliefs: Mapping[str, float], found: Sequence[Weighed], share: float) -> dict[str, float]:
+    """Return probabilities that leave a share of nothing to effects which may be there and would not show."""
+    told = dict(beliefs)
+    singles = {each.fitted.names[0] for each in found if len(each.fitted.effects) == 1}
+    hidden = sorted(name for name in singles if told.get(name, 0.0) < LEAST_SEEN)
+    if not hidden or NONE not in told:
+        return told
+    unseen = told[NONE] * share
+    told[NONE] -= unseen
+    for name in hidden:
+        told[name] = told.get(name, 0.0) + unseen / len(hidden)
+    return told
 
 
 def _mimicked(each: Weighed, gain: float) -> float:

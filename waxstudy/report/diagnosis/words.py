@@ -101,9 +101,9 @@ def chance(probability: float) -> str:
 def hypothesis(names: str) -> str:
     """
     >>> hypothesis("none"), hypothesis("let-by+unknown")
-    ('nothing changed', 'let-by and something unknown')
+    ('nothing amiss', 'let-by and something unknown')
     """
-    told = {"none": "nothing changed", "unknown": "something unknown"}
+    told = {"none": "nothing amiss", "unknown": "something unknown"}
     return " and ".join(told.get(name, name) for name in names.split("+"))
 
 

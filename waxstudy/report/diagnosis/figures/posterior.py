@@ -19,9 +19,9 @@ MOST = 8
     "the library, of nothing and of something unknown, and sum to 100 %.",
 )
 def figure_posterior(diagnosis: Diagnosis) -> Figure:
-    """Probabilities [%]; raise `Lacking` where no healthy record is known."""
+    """Probabilities [%]; raise `Lacking` where nothing can be judged."""
     if not diagnosis.posterior:
-        raise Lacking("no healthy record of the loop is known")
+        raise Lacking("no link of the loop can be judged")
     shown = sorted(diagnosis.posterior.items(), key=lambda each: -each[1])[:MOST]
     figure, panel = one_panel(0.9 + 0.3 * len(shown))
     for place, (_, probability) in enumerate(shown):
