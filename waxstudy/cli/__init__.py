@@ -15,6 +15,7 @@ COMMANDS = {
     "report": "Print the comparison of a run again, in another format, or against published figures or another run.",
     "reality": "Make a dataset of a case, as if its room had been measured, and keep the truth apart.",
     "import": "Make a dataset of what a house has logged, in whatever layout.",
+    "believe": "Say what is believed of a dataset's room and loop, in the words of its owner.",
     "diagnose": "Find where a record and a model disagree, which effect causes it, and how far the gap shrinks.",
     "calibrate": "Find how a room was built, from a record of its loop when healthy, for use in studies.",
     "blind-test": "Make records whose effect is withheld, let diagnosers loose on them, and score them.",
