@@ -50,12 +50,14 @@ def building(values: Values, curve_C: Curve | None) -> dict[str, Any]:
 
 def water_to_surface_m2K_W(values: Values) -> float:
     """Return the resistance between water and floor surface (ISO 11855-2, resistances; laminar water)."""
-    spacing_m, screed_m = values["pipe_spacing_mm"] / 1000.0, values["screed_mm"] / 1000.0
+    spacing_m: float = values["pipe_spacing_mm"] / 1000.0
+    screed_m: float = values["screed_mm"] / 1000.0
     outer_m, inner_m = typical.PIPE_M, typical.PIPE_M - 2.0 * typical.PIPE_WALL_M
     film = spacing_m / (pi * LAMINAR * WATER_W_mK)
     wall = spacing_m * log(outer_m / inner_m) / (2.0 * pi * typical.PIPE_W_mK)
     between = spacing_m * log(spacing_m / (pi * outer_m)) / (2.0 * pi * typical.SCREED_W_mK)
-    return film + wall + between + screed_m / typical.SCREED_W_mK + typical.COVERINGS[values["covering"]]
+    covering: float = typical.COVERINGS[values["covering"]]
+    return film + wall + between + screed_m / typical.SCREED_W_mK + covering
 
 
 def nominal(values: Values, motor_from: str) -> Iterator[tuple[str, Any]]:
