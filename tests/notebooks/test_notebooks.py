@@ -40,7 +40,7 @@ def test_a_ladder_takes_ten_lines(place: Path) -> None:
 def test_a_history_ends_in_a_diagnosis_that_names_the_valve(place: Path) -> None:
     names, figures = executed("history", place)
     found = names["found"]
-    assert "quick-opening" in {member for effect in found.diagnosis.effects for member in effect.group}
+    assert "let-by" in {member for effect in found.diagnosis.effects for member in effect.group}
     assert figures[0].axes
 
 
