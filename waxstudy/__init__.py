@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from waxstudy.api.components import components
     from waxstudy.api.diagnosing import Found, diagnose
     from waxstudy.api.fitting import fit_actuator, fit_valve
+    from waxstudy.api.provenance import read_diagnosis
     from waxstudy.api.record import Dataset
     from waxstudy.api.running import Results, run
     from waxstudy.api.sweeping import sweep
@@ -66,6 +67,7 @@ _PLACES = {
     "fit_actuator": "waxstudy.api.fitting",
     "fit_valve": "waxstudy.api.fitting",
     "hookimpl": "waxstudy.plugin",
+    "read_diagnosis": "waxstudy.api.provenance",
     "run": "waxstudy.api.running",
     "sweep": "waxstudy.api.sweeping",
 }
@@ -93,6 +95,7 @@ __all__ = [
     "fit_actuator",
     "fit_valve",
     "hookimpl",
+    "read_diagnosis",
     "run",
     "sweep",
 ]

@@ -9,11 +9,15 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
+from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
 
+import waxstudy as wx
 from tests.cli.conftest import Entry, Plugin
 from tests.conftest import SMALL, WAXSTUDY, Waxstudy, call
 from tests.report.test_diagnosis import page_text, untraced
@@ -40,6 +44,18 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
 # --- what it prints and writes -----------------------------------------------------------------------
 
 
+def says_where_it_comes_from(told: dict[str, Any], dataset: Path) -> bool:
+    source = told["provenance"]
+    hashes = {name: sha256((dataset / name).read_bytes()).hexdigest() for name in ("dataset.toml", "data.csv")}
+    assert (told["format"], source["seed"], source["data_sha256"]) == (1, 1, hashes)
+    assert source["packages"]["waxstudy"] == source["plugins"]["waxstudy"] == wx.__version__
+    believed = tomllib.loads((dataset / "dataset.toml").read_text())
+    assert set(source["believed"]["chain"]) == set(believed["nominal"]) - {"setpoint_C"}
+    assert source["believed"]["room"]["use"] == "nzeb"
+    assert source["command"] == f"waxstudy diagnose {dataset} --quick"
+    return True
+
+
 @pytest.mark.slow
 def test_it_prints_the_summary_and_writes_three_files(dataset: Path, entry: Entry) -> None:
     done = entry("diagnose", dataset, "--quick", "--out", "found/here")
@@ -51,6 +67,7 @@ def test_it_prints_the_summary_and_writes_three_files(dataset: Path, entry: Entr
     assert sorted(path.name for path in Path("found/here").iterdir()) == FILES
     told = json.loads(Path("found/here/diagnosis.json").read_text())
     assert (told["dataset"], told["seed"], told["is_quick"]) == ("loop", 1, True)
+    assert says_where_it_comes_from(told, dataset)
     assert told["summary"] in " ".join(done.stdout.split())
     page = Path("found/here/report.html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")

@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from waxstudy.api.provenance import FORMAT, provenance
 from waxstudy.dataset import read
 from waxstudy.dataset.baseline import parted, read_baseline
 from waxstudy.diagnosis import diagnose as core
@@ -36,8 +37,13 @@ class Plots:
 class Found:
     """What a diagnosis found; `diagnosis` holds all of it, as diagnosis.json does."""
 
-    def __init__(self, diagnosis: Diagnosis) -> None:
+    def __init__(self, diagnosis: Diagnosis, provenance: Mapping[str, Any] | None = None) -> None:
         self.diagnosis = diagnosis
+        self.provenance = dict(provenance or {})  # software, data, what is believed, seed and command
+
+    def described(self) -> dict[str, Any]:
+        """Return what diagnosis.json holds, figures that do not exist as no numbers."""
+        return {"format": FORMAT, **self.diagnosis.described(), "provenance": self.provenance}
 
     @property
     def summary(self) -> str:
@@ -111,7 +117,18 @@ def diagnose(
     """
     whole = record if isinstance(record, read.Dataset) else read.read_dataset(Path(record))
     judged, healthy = _parted(whole, baseline)
-    return Found(core.diagnose(judged, baseline=healthy, seed=seed, quick=quick, study=study, tick=progress))
+    found = core.diagnose(judged, baseline=healthy, seed=seed, quick=quick, study=study, tick=progress)
+    options = [*_typed(baseline), *(["--study", str(study.file)] if study and study.file else [])]
+    options += ["--quick"] * quick + ["--seed", str(seed)] * (seed != 1)
+    return Found(found, provenance(judged, healthy, seed, options))
+
+
+def _typed(baseline: Record | tuple[str, str] | None) -> list[str]:
+    """Return the option that names a baseline."""
+    if isinstance(baseline, tuple):
+        return ["--baseline-days", "..".join(map(str, baseline))]
+    folder = baseline.folder if isinstance(baseline, read.Dataset) else baseline
+    return ["--baseline", str(folder)] if folder else []
 
 
 def _parted(

@@ -17,6 +17,7 @@ COMMANDS = {
     "loop": "Print stability, wear and useful duty of every case's loop.",
     "reality": "Make a dataset of a case, as if its room had been measured, and keep the truth apart.",
     "import": "Make a dataset of what a house has logged, in whatever layout.",
+    "believe": "Say what is believed of a dataset's room and loop, in the words of its owner.",
     "diagnose": "Find where a record and a model disagree, which effect causes it, and how far the gap shrinks.",
     "calibrate": "Find how a room was built, from a record of its loop when healthy, for use in studies.",
     "blind-test": "Make records whose effect is withheld, let diagnosers loose on them, and score them.",

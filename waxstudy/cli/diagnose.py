@@ -22,6 +22,7 @@ from waxstudy.simulation.threads import use_one_thread
 if TYPE_CHECKING:
     import pandas as pd
 
+    from waxstudy.api.diagnosing import Found
     from waxstudy.diagnosis.result import Diagnosis
 
 OUT = "Folder for diagnosis.json, report.html and traces.parquet  [default: nothing is written]"
@@ -93,30 +94,30 @@ def command(
         _refuse_unwritable(out)
     try:
         with bar(quiet) as tick:
-            diagnosis = _diagnosis(dataset, baseline or baseline_days, study, seed, quick, tick)
+            found = _found(dataset, baseline or baseline_days, study, seed, quick, tick)
         if out is not None:
-            _write(diagnosis, out)
+            _write(found, out)
     except KeyboardInterrupt:
         message = "interrupted; no file is half written, the same command begins anew"
         raise CommandError(message, INTERRUPTED, label="") from None
-    print_out(_json(diagnosis) if as_json else _summary(diagnosis, out))
+    print_out(_json(found) if as_json else _summary(found.diagnosis, out))
 
 
-def _diagnosis(
+def _found(
     dataset: Path, healthy: Path | tuple[str, str] | None, study: Path | None, seed: int, quick: bool, tick: Tick
-) -> Diagnosis:
+) -> Found:
     """Read a dataset and diagnose it; turn what is wrong into a message and an exit code."""
     from waxstudy.api.diagnosing import diagnose
 
     with failures(dataset / "dataset.toml", dataset):
         steps = load_study(study, needs_files=False) if study else None
-        return diagnose(dataset, healthy, study=steps, seed=seed, quick=quick, progress=tick).diagnosis
+        return diagnose(dataset, healthy, study=steps, seed=seed, quick=quick, progress=tick)
 
 
-def _json(diagnosis: Diagnosis) -> str:
+def _json(found: Found) -> str:
     from waxstudy.report.formats import json_text
 
-    return json_text(diagnosis.described())
+    return json_text(found.described())
 
 
 def _summary(diagnosis: Diagnosis, out: Path | None) -> str:
@@ -136,13 +137,14 @@ def _refuse_unwritable(out: Path) -> None:
         raise CommandError(f"{out}: the results could not be written: {there} is no folder to write to", USAGE)
 
 
-def _write(diagnosis: Diagnosis, out: Path) -> None:
+def _write(found: Found, out: Path) -> None:
     """Write the three files whole; diagnosis.json, which says what the others belong to, comes last."""
     from waxstudy.report.diagnosis.page import as_html
     from waxstudy.results.atomic import whole_file
     from waxstudy.results.parquet import write_parquet
 
-    page, text = as_html(diagnosis), _json(diagnosis)
+    diagnosis = found.diagnosis
+    page, text = as_html(diagnosis), _json(found)
     try:
         out.mkdir(parents=True, exist_ok=True)
         with ExitStack() as files:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError, say
+from waxstudy.cli.asking import Asking, doubts
+from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import warn
 
 if TYPE_CHECKING:
-    from waxstudy.importing.asking import Question
     from waxstudy.importing.request import Imported
 
 MAP = "Which name of the sources a channel is, or nothing for one that was not measured; repeatable."
@@ -26,7 +26,6 @@ HOLD = "How long a value is held that is logged when it changes."
 INTERVAL = "Interval of the dataset.  [default: the finest of the readings, else 1 min]"
 YES = "Take what is proposed, and ask nothing."
 REPLACE = "Take the place of another import in DIR."
-MOST_SHOWN = 12  # choices that are listed; all can be answered
 
 
 class Duration(click.ParamType[float]):
@@ -99,7 +98,7 @@ def command(out: Path, yes: bool, replaces: bool, **stated: Any) -> None:
         raise CommandError(str(error), USAGE) from error
     except OSError as error:
         raise CommandError(f"{out}: the dataset cannot be written: {error.strerror or error}", FAILED) from error
-    for sentence in (*imported.warnings, *_doubts(out)):
+    for sentence in (*imported.warnings, *doubts(out)):
         warn(sentence)
     print_out(_told(imported) + f"{out}\n")
 
@@ -120,61 +119,6 @@ def _refuse_unknown(stated: dict[str, Any]) -> None:
         raise CommandError(f"--timezone {zone}: no such time zone{hint(zone, available_timezones())}", USAGE)
 
 
-class Asking:
-    """Asks on a terminal; else takes what is proposed, and remembers what nobody has settled."""
-
-    def __init__(self, is_terminal: bool, takes_proposals: bool) -> None:
-        self.is_terminal, self.takes_proposals = is_terminal, takes_proposals
-        self.unsettled: list[Question] = []
-
-    def __call__(self, question: Question) -> str:
-        if self.is_terminal:
-            return self._asked(question)
-        if question.proposal is None or not self.takes_proposals:
-            self.unsettled.append(question)
-        answer = question.proposal or question.otherwise
-        if answer is None:
-            self.refuse_unsettled()
-        return str(answer)
-
-    def _asked(self, question: Question) -> str:
-        shown = [f"  {place}  {choice}" for place, choice in enumerate(question.choices[:MOST_SHOWN], 1)]
-        more = len(question.choices) - len(shown)
-        shown += [f"  and {more} more, by name"] * (more > 0)
-        say("\n".join([f"{question.text}?", *shown]))
-
-        def read(answer: str) -> str:
-            by_number = answer.isdigit() and 1 <= int(answer) <= len(question.choices)
-            answer = question.choices[int(answer) - 1] if by_number else answer.strip()
-            wrong = question.allowed(answer)
-            if question.choices and answer not in question.choices:
-                wrong = f"give a number from 1 to {len(question.choices)}"
-            if wrong:
-                raise click.UsageError(wrong)
-            return answer
-
-        usual = "Enter for the first" if question.choices else question.proposal
-        ending = f" [{usual}]> " if question.proposal else "> "
-        answer: str = click.prompt(
-            "", default=question.proposal, show_default=False, value_proc=read, prompt_suffix=ending, err=True
-        )
-        return answer
-
-    def refuse_unsettled(self) -> None:
-        """Raise `StudyError` with every question that nobody has answered."""
-        from waxstudy.importing.reading import problem
-        from waxstudy.study.problems import StudyError
-
-        if self.unsettled:
-            raise StudyError([problem(each.where, f"{each.text}?", _next(each)) for each in self.unsettled])
-
-
-def _next(question: Question) -> str:
-    given = f"{question.option}{question.proposal}" if question.proposal else f"{question.option}..."
-    also = ", or --yes" if question.proposal else ""
-    return f"say {given}{also}, or answer on a terminal"
-
-
 def _told(imported: Imported) -> str:
     """Return the table of what each channel is."""
     rows = [("channel", "name in the sources", "unit", "sure", "samples")]
@@ -186,14 +130,3 @@ def _told(imported: Imported) -> str:
     time = imported.values.index
     span = f"{time[0]} to {time[-1]}, every {imported.interval_s:g} s"
     return "\n".join([*lines, "", span, *imported.assumptions]) + "\n"
-
-
-def _doubts(out: Path) -> list[str]:
-    """Return what the checks of datasets say of it: `diagnose` says the same."""
-    from waxstudy.dataset.read import read_dataset
-    from waxstudy.study.problems import StudyError
-
-    try:
-        return list(read_dataset(out).warnings)
-    except StudyError as error:
-        return [f"diagnose will refuse it until that is mended: {one}" for one in error.problems]

@@ -21,7 +21,9 @@ from waxstudy.study.model import Choice
 from waxstudy.study.sentences import value_at
 from waxstudy.study.spots import RawTable, Spot
 
-TABLES = ("dataset", "site", "nominal", "building", "room", "noise", "columns", "baseline", "neighbours", "import")
+TABLES = (
+    "dataset", "site", "nominal", "building", "room", "noise", "columns", "baseline", "neighbours", "import", "believe",
+)  # fmt: skip
 FILES = ("data.csv", "data.parquet")
 
 P = TypeVar("P", bound=Parameters)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +23,7 @@ from waxstudy.dataset.text import read_table
 from waxstudy.plugin import Belief, Inputs
 from waxstudy.plugin.files import lacking
 from waxstudy.plugin.registry import Registry, installed
+from waxstudy.results.checksums import sha256
 from waxstudy.study.check import Check
 from waxstudy.study.model import Choice
 from waxstudy.study.problems import StudyError
@@ -52,6 +53,7 @@ class Dataset:
     baseline: Path | None = None  # folder of a record of the same loop when it was healthy
     neighbours: Neighbours | None = None  # rooms that were measured beside each other
     origin: str = ""  # where the record comes from, in words
+    sha256: Mapping[str, str] = field(default_factory=dict)  # of its files, by name
 
     def believed(self, inputs: Inputs | None) -> Belief:
         """Return what the modeller believes, with what drove the room."""
@@ -100,6 +102,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         baseline=baseline,
         neighbours=neighbours,
         origin=described.about.origin or "",
+        sha256={each.name: sha256(each) for each in (folder / "dataset.toml", path) if each},
     )
 
 

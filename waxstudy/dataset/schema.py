@@ -16,6 +16,7 @@ TEXT: Json = {"type": "string"}
 BASELINE = "A record of the same loop when it was healthy."
 COLUMNS = "Which column of the data file each channel is, where it has another name or unit."
 IMPORTED = "What `waxstudy import` decided and why; it is not read."
+BELIEVED = "What `waxstudy believe` asked and was answered; only it reads that."
 NEIGHBOURS = "Rooms that were measured beside each other, by name."
 
 
@@ -38,6 +39,7 @@ def dataset_schema(registry: Registry) -> Json:
             "baseline": table(BASELINE) | {"properties": {"path": TEXT | {"description": "Its folder, from here."}}},
             "neighbours": _neighbours(),
             "import": {"description": IMPORTED, "type": "object"},
+            "believe": {"description": BELIEVED, "type": "object"},
         },
         "definitions": definitions_of(registry, (*CHAIN, "room")),
     }

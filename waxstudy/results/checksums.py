@@ -14,7 +14,7 @@ SUMS = "SHA256SUMS"  # as the command sha256sum writes and checks it
 
 def write_sums(path: Path, files: Mapping[str, Path]) -> None:
     """Write the SHA-256 of files, each under its name; raise `OSError`."""
-    path.write_text("".join(f"{_sha256(file)}  {name}\n" for name, file in files.items()), encoding="utf-8")
+    path.write_text("".join(f"{sha256(file)}  {name}\n" for name, file in files.items()), encoding="utf-8")
 
 
 def changed(folder: Path, names: Iterable[str]) -> str | None:
@@ -28,7 +28,7 @@ def changed(folder: Path, names: Iterable[str]) -> str | None:
         if name not in known:
             return SUMS
         try:
-            if _sha256(folder / name) == known[name]:
+            if sha256(folder / name) == known[name]:
                 continue
         except OSError:
             pass
@@ -36,7 +36,8 @@ def changed(folder: Path, names: Iterable[str]) -> str | None:
     return None
 
 
-def _sha256(path: Path) -> str:
+def sha256(path: Path) -> str:
+    """Return a file's SHA-256 in hexadecimal digits; raise `OSError`."""
     check_file(path, math.inf)  # a device in its place has no end
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-import platform
-import sys
+import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
 from functools import partial
-from importlib.metadata import version
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -29,8 +27,9 @@ from waxstudy.plugin import (
     Weather,
     WeatherRecord,
 )
-from waxstudy.plugin.registry import PluginError, described, installed, one_line, told
+from waxstudy.plugin.registry import PluginError, described, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
+from waxstudy.results.checksums import sha256
 from waxstudy.results.folder import run_folder
 from waxstudy.results.kpis import WEATHER, Figures, MemberWeek, thinned
 from waxstudy.results.run import CaseFolder, damaged, finish, what_is_wrong, writing_case
@@ -40,6 +39,7 @@ from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import DAY_S, Loop, Part, Start
 from waxstudy.simulation.modes import DrivenRoom, drive
 from waxstudy.simulation.outside import OutsideLoop, engine_of, given_to
+from waxstudy.simulation.software import software
 from waxstudy.simulation.sources import component_digest, digest, source_digest
 from waxstudy.study.model import Case, Choice, Study, is_multiple
 
@@ -364,17 +364,22 @@ def member_week(
 
 def provenance(plan: Plan, jobs: Iterable[CaseFolder]) -> dict[str, Any]:
     """Versions, inputs (one digest over all cases), seed and machine that the run's figures come from."""
-    registry, study = installed(), plan.study
+    study = plan.study
     engines = {driven.engine for driven in plan.driven.values()} - {""}
     used = [study.room, *study.weeks.values(), *(c for case in study.cases.values() for c in case.blocks.values())]
-    plugins = {entry.package: entry.version for entry in (registry.package_of(c.component) for c in used)}
     return {
-        "plugins": plugins,
-        "packages": {name: version(name) for name in ("waxstudy", "numpy", "scipy", "numba", "llvmlite", "pandas")},
+        **software(choice.component for choice in used),
         **({"engine": ", ".join(sorted(engines))} if engines else {}),
         **({"fragments": dict(study.fragments)} if study.fragments else {}),
-        "python": sys.version.split()[0],
-        "machine": f"{platform.system()} {platform.machine()}",
         "inputs": digest(job.key for job in jobs),
         "seed": study.ensemble.seed,
+        **_study_file(study.file),
     }
+
+
+def _study_file(file: Path | None) -> dict[str, str]:
+    """Return what was run, by its name alone, as pages show it to others."""
+    if file is None or not file.is_file():
+        return {}
+    told = f"{file.name}, sha256 {sha256(file)}"
+    return {"study_file": told, "command": shlex.join(["waxstudy", "run", file.name])}

@@ -1,0 +1,83 @@
+"""Questions of a command: on a terminal they are asked, else it is said what to type."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from waxstudy.cli.errors import say
+
+if TYPE_CHECKING:
+    from waxstudy.importing.asking import Question
+
+MOST_SHOWN = 12  # choices that are listed; all can be answered
+
+
+class Asking:
+    """Asks on a terminal; else takes what is proposed, and remembers what nobody has settled."""
+
+    def __init__(self, is_terminal: bool, takes_proposals: bool) -> None:
+        self.is_terminal, self.takes_proposals = is_terminal, takes_proposals
+        self.unsettled: list[Question] = []
+
+    def __call__(self, question: Question) -> str:
+        if self.is_terminal:
+            return self._asked(question)
+        if question.proposal is None or not self.takes_proposals:
+            self.unsettled.append(question)
+        answer = question.proposal or question.otherwise
+        if answer is None:
+            self.refuse_unsettled()
+        return str(answer)
+
+    def _asked(self, question: Question) -> str:
+        shown = [f"  {place}  {choice}" for place, choice in enumerate(question.choices[:MOST_SHOWN], 1)]
+        more = len(question.choices) - len(shown)
+        shown += [f"  and {more} more, by name"] * (more > 0)
+        say("\n".join([f"{question.text}?", *shown]))
+
+        def read(answer: str) -> str:
+            by_number = answer.isdigit() and 1 <= int(answer) <= len(question.choices)
+            answer = question.choices[int(answer) - 1] if by_number else answer.strip()
+            wrong = question.allowed(answer)
+            if question.choices and answer not in question.choices:
+                wrong = f"give a number from 1 to {len(question.choices)}"
+            if wrong:
+                raise click.UsageError(wrong)
+            return answer
+
+        usual = "Enter for the first" if question.choices else question.proposal
+        ending = f" [{usual}]> " if question.proposal else "> "
+        answer: str = click.prompt(
+            "", default=question.proposal, show_default=False, value_proc=read, prompt_suffix=ending, err=True
+        )
+        return answer
+
+    def refuse_unsettled(self) -> None:
+        """Raise `StudyError` with every question that nobody has answered."""
+        from waxstudy.importing.reading import problem
+        from waxstudy.study.problems import StudyError
+
+        if self.unsettled:
+            raise StudyError([problem(each.where, f"{each.text}?", _next(each)) for each in self.unsettled])
+
+
+def _next(question: Question) -> str:
+    option, _, key = question.option.partition(" ")
+    given = f"{option} {shlex.quote(key + (question.proposal or '...'))}"
+    also = ", or --yes" if question.proposal else ""
+    return f"say {given}{also}, or answer on a terminal"
+
+
+def doubts(out: Path) -> list[str]:
+    """Return what the checks of datasets say of it: `diagnose` says the same."""
+    from waxstudy.dataset.read import read_dataset
+    from waxstudy.study.problems import StudyError
+
+    try:
+        return list(read_dataset(out).warnings)
+    except StudyError as error:
+        return [f"diagnose will refuse it until that is mended: {one}" for one in error.problems]
