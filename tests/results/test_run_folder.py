@@ -115,7 +115,7 @@ def test_checksums_are_such_as_the_usual_command_checks(finished: Path) -> None:
 def test_what_cannot_be_put_together_leaves_the_earlier_run(finished: Path, tmp_path: Path) -> None:
     run = shutil.copytree(finished, tmp_path / "run")
     before, earlier = contents(run), Run(run)
-    study = {"study": {"name": "other"}, "ensemble": {"members": 2}}
+    study = {"study": {"name": "other"}, "ensemble": {"members": 2}, "comfort": {"hours_below_per_week": 33.0}}
     with pytest.raises(TypeError):
         finish(run, study, earlier.ladders, earlier.weeks, earlier.cases[:1], {"machine": object()})
     assert contents(run) == before

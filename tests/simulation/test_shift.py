@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from waxstudy.plugin import FloatArray
-from waxstudy.simulation.shift import LIMIT_K, solve
+from waxstudy.results.comfort import LIMIT_K
+from waxstudy.simulation.shift import solve
 
 
 @given(st.floats(-2.0, 2.0), st.floats(20.0, 800.0))

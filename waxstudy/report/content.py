@@ -15,12 +15,11 @@ from waxstudy.report.comparison import Row, comparison, member_values
 from waxstudy.report.other_run import other_run
 from waxstudy.report.spread import Spread, spreads
 from waxstudy.report.words import counted
+from waxstudy.results.comfort import Reached, reached
 from waxstudy.results.run import Run
-from waxstudy.simulation.shift import LIMIT_K
 from waxstudy.study.model import Study
 
 ALIKE = 1e-6  # spread of a difference, in %, below which members have not differed at all
-OFF_COMFORT_H = 0.5  # from the target of the setpoint shift, from which on a note says so
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,7 @@ def gather(run: Run, study: Study, against: str | Run | None = None) -> Content:
         activations=activations(study),
         starts=starts(run),
         against=None if against is None else _against(run, rows, members, against),
-        notes=_notes(study, rows, members),
+        notes=[*_off_comfort(run, study.comfort.hours_below_per_week), *_notes(study, rows, members)],
         spreads=spreads(run),
     )
 
@@ -100,9 +99,8 @@ def starts(run: Run) -> list[Starts]:
 
 
 def _notes(study: Study, rows: Sequence[Row], members: int) -> list[str]:
-    """What the reader must know: unsolved shifts, unresolved differences, a single member."""
-    target = study.comfort.hours_below_per_week
-    notes = [_residual(row, target) for row in rows if abs(row.hours_below_per_week.mean - target) > OFF_COMFORT_H]
+    """What the reader must know: heat that is not known, unresolved differences, a single member."""
+    notes = []
     if any(np.isnan(row.heat_corrected_kWh_m2_week.mean) for row in rows):
         notes.append("the engine of this room does not say what heat it stores: corrected heat is not known")
     if members == 1:
@@ -119,11 +117,15 @@ def _notes(study: Study, rows: Sequence[Row], members: int) -> list[str]:
     return notes
 
 
-def _residual(row: Row, target_h: float) -> str:
-    """Why a case is not at equal comfort: out of reach, or a curve that jumps."""
-    shift_K, hours = row.setpoint_shift_K.mean, row.hours_below_per_week.mean
-    out_of_reach = abs(shift_K) >= LIMIT_K
-    why = (
-        f"are out of reach within {LIMIT_K:g} K of shift" if out_of_reach else "are jumped over as the setpoint shifts"
-    )
-    return f"{row.case}, {row.week}: {target_h:g} h below the limit {why}; it has {hours:.1f} h"
+def _off_comfort(run: Run, target_h: float) -> list[str]:
+    """Why a case is not at equal comfort, or only by a very large shift."""
+    told = (each.warning(target_h) or _jumped(each, target_h) for each in reached(run.kpis))
+    return [text for text in told if text]
+
+
+def _jumped(at: Reached, target_h: float) -> str:
+    """What is said of hours that change so fast with the setpoint that the target lies between two shifts."""
+    if not at.is_off(target_h):
+        return ""
+    said = f"{at.case}, {at.week}: {target_h:g} h below the limit are jumped over as the setpoint shifts"
+    return f"{said}; it has {at.hours:.1f} h"

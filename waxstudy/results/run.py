@@ -1,7 +1,8 @@
 """The run folder, format 2 (format 1 had no corrected heat).
 
     origin.json         which study file the folder belongs to; written when a run begins
-    run.json            what was run, provenance, and where each case lies; written last
+    run.json            what was run, provenance, where the comfort rule was not met (`warnings`), and where each case
+                        lies; written last
     study.toml          the resolved study, all defaults filled in
     kpis.csv            one row per case, week and member
     SHA256SUMS          of these three and of each case's own; `sha256sum --check` reads it
@@ -32,6 +33,7 @@ import tomli_w
 from waxstudy.plugin.files import read_file
 from waxstudy.results.atomic import PARTIAL, whole_file, whole_folder
 from waxstudy.results.checksums import SUMS, changed, write_sums
+from waxstudy.results.comfort import comfort_warnings
 from waxstudy.results.folder import CASES, MANIFEST, STUDY, RunError, again
 from waxstudy.results.kpis import TRACE_CHANNELS
 from waxstudy.results.parquet import TIME, parquet_parts, write_parquet
@@ -107,10 +109,14 @@ def finish(
     weeks: Sequence[str],
     cases: Sequence[CaseFolder],
     provenance: Mapping[str, Any],
-) -> None:
-    """Put the finished cases together and publish them by writing the manifest last."""
+) -> list[str]:
+    """Put the finished cases together and publish them by writing the manifest last.
+
+    Returns the warnings that the manifest holds: where the comfort rule was not met, or by a very large shift only.
+    """
     places = [f"{CASES}/{case.name}" for case in cases]
-    frames = [_read_kpis(folder / place / "kpis.csv") for place in places]
+    kpis = pd.concat([_read_kpis(folder / place / "kpis.csv") for place in places], ignore_index=True)
+    warnings = comfort_warnings(kpis, study["comfort"]["hours_below_per_week"])
     manifest = {
         "format": FORMAT,
         "study": study["study"]["name"],
@@ -119,6 +125,7 @@ def finish(
         "weeks": list(weeks),
         "cases": [asdict(case) for case in cases],
         "provenance": dict(provenance),
+        "warnings": warnings,
     }
     # all are written before the first takes its place, and the manifest, outermost, takes its place last
     with (
@@ -129,11 +136,12 @@ def finish(
     ):
         manifest_path.write_text(json.dumps(manifest, indent=1) + "\n")
         study_path.write_bytes(tomli_w.dumps(dict(study)).encode())
-        pd.concat(frames, ignore_index=True).to_csv(kpis_path, index=False)
+        kpis.to_csv(kpis_path, index=False)
         of_cases = {f"{place}/{SUMS}": folder / place / SUMS for place in places}
         write_sums(sums_path, {MANIFEST: manifest_path, STUDY: study_path, "kpis.csv": kpis_path, **of_cases})
         (folder / MANIFEST).unlink(missing_ok=True)  # no moment at which it names other figures
     _remove_others(folder, {case.name for case in cases})
+    return warnings
 
 
 def _read_kpis(path: Path) -> pd.DataFrame:

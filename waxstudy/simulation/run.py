@@ -181,7 +181,9 @@ def run(
         workers = needs.workers(free_memory(), free_disk(folder), progress.warn)
         claim()  # not before it is known to fit: a run that is refused leaves the folder to its study
         _compute(plan, missing, folder, progress, workers)
-        finish(folder, study.described(), list(study.ladders.values()), list(plan.driven), jobs, provenance(plan, jobs))
+        ladders, weeks = list(study.ladders.values()), list(plan.driven)
+        for warning in finish(folder, study.described(), ladders, weeks, jobs, provenance(plan, jobs)):
+            progress.warn(warning)
     return plan
 
 

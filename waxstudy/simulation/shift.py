@@ -9,11 +9,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from waxstudy.plugin import FloatArray
+from waxstudy.results.comfort import LIMIT_K
 
 TOLERANCE_H = 0.25  # half of what is asked for, +- 0.5 h
 TOLERANCE_K = 2e-4  # where the curve jumps there is nothing to gain from a closer shift
 FIRST_STEP_K = 0.1
-LIMIT_K = 6.0
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ import numpy as np
 from waxstudy.report.attribution.shapley import Subset
 from waxstudy.report.attribution.shares import PERCENT, Attribution, OrderFree
 from waxstudy.report.attribution.subsets import Subsets, needs
-from waxstudy.report.content import ALIKE, OFF_COMFORT_H
+from waxstudy.report.content import ALIKE
 from waxstudy.report.words import counted
+from waxstudy.results.comfort import OFF_COMFORT_H
 
 
 def notes(found: OrderFree) -> list[str]:
