@@ -60,9 +60,15 @@ def _put_tolerance(about: Table, value: float, before: Any) -> None:
         return
     if value > 1.0:
         about["room_tolerance"] = value
-        about.value.item("room_tolerance").comment(WIDENED)
+        _comment(about, "room_tolerance", WIDENED)
     elif "room_tolerance" in about:
         about.remove("room_tolerance")
+
+
+def _comment(table: Table, key: str, text: str) -> None:
+    """Put a comment behind a value that was just written."""
+    item: Any = table.value.item(key)
+    item.comment(text)
 
 
 def _put_answers(document: tomlkit.TOMLDocument, believed: Believed) -> None:
@@ -75,7 +81,7 @@ def _put_answers(document: tomlkit.TOMLDocument, believed: Believed) -> None:
     about["guessed"] = [answer.key for answer in believed.answers if answer.is_guess]
     for answer in believed.answers:
         answers[answer.key] = answer.text
-        answers.value.item(answer.key).comment(answer.source)
+        _comment(answers, answer.key, answer.source)
     about["answers"] = answers
     document["believe"] = about
 

@@ -85,7 +85,7 @@ def _refuse_unknown(stated: dict[str, str]) -> None:
 
 def _told(believed: Believed, own: float | None) -> Iterator[str]:
     """Yield the answers, and by how much guesses among them widen the room."""
-    rows = [("question", "answer", "from")]
+    rows: list[tuple[str, ...]] = [("question", "answer", "from")]
     rows += [(a.key, a.text, f"guessed: {a.source}" if a.is_guess else a.source) for a in believed.answers]
     yield from _lines(rows) if believed.answers else ["Nothing is asked: all is believed already."]
     if not believed.widened:
