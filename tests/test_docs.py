@@ -45,6 +45,10 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
     for as_printed, shorter in SHORTER.items():
         assert as_printed in table5.read_text(encoding="utf-8")
         table5.write_text(table5.read_text(encoding="utf-8").replace(as_printed, shorter))
+    standby = tmp_path / "studies" / "standby.toml"
+    standby.write_text(
+        standby.read_text(encoding="utf-8").replace("members = 8", "members = 2").replace("= 5\n", "= 20\n")
+    )
     windows = tmp_path / "studies" / "sweeps" / "windows.toml"
     windows.write_text(windows.read_text(encoding="utf-8").replace("samples = 64", "samples = 2"))
     (thermostat,) = blocks(ROOT / "README.md", "toml")

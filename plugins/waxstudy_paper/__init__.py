@@ -17,6 +17,7 @@ COMPONENTS: tuple[type[Component], ...] = (
     controllers.OnOff,
     controllers.PI,
     modulators.Pwm,
+    modulators.Standby,
     actuators.IdealActuator,
     actuators.ConstantTimes,
     actuators.VariableTimes,
