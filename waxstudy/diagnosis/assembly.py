@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from math import nan
 
 import numpy as np
 import pandas as pd
@@ -81,13 +82,9 @@ def assembled(
     pairs = list(zip(selections, open_, strict=True))
     beliefs = [selection.posterior or stated(selection, remains) for selection, remains in pairs]
     linked = list(zip(selections, beliefs, strict=True))
-    several = {each.name: each for link in reversed(linked) for each in _found(*link, work.seed)}
+    several = {each.name: each for selection in reversed(selections) for each in _found(selection, work.seed)}
     found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
-    remains = [
-        replace(each, probability=_held(belief, UNKNOWN))
-        for belief, rest in zip(beliefs, open_, strict=True)
-        for each in rest
-    ]
+    remains = [replace(each, probability=_held(selection, UNKNOWN)) for selection, rest in pairs for each in rest]
     untestable = list(_untestable(work, cut, short, selections))
     verdict = _verdict(found, remains, selections, untestable)
     stages = {effect.name: effect.stage for effect in work.effects}
@@ -99,7 +96,7 @@ def assembled(
         effects=found,
         unexplained=remains,
         untestable=untestable,
-        tried=[each for link in linked for each in _tried(*link, found)],
+        tried=[each for selection in selections for each in _tried(selection, found)],
         closed_loop=_closed_loop(work, selections),
         waterfall=[step for selection in selections for step in _waterfall(selection)],
         next_measurements=list(next_measurements(cut, found, untestable, stages, work.record)),
@@ -133,9 +130,11 @@ def _days(baseline: Dataset) -> str:
     return f"{baseline.name}, {first} to {last}"
 
 
-def _held(beliefs: Mapping[str, float], name: str) -> float:
-    """Return how probable an effect, or something unknown, is at a link."""
-    return sum(probability for names, probability in beliefs.items() if name in names.split("+"))
+def _held(selection: Selection, name: str) -> float:
+    """Return how probable an effect, or something unknown, is at a link; no number where rules judged it."""
+    if not selection.posterior:
+        return nan
+    return sum(probability for names, probability in selection.posterior.items() if name in names.split("+"))
 
 
 def _missing_heat(work: Work, selections: Sequence[Selection]) -> MissingHeat:
@@ -153,7 +152,7 @@ def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
             yield f"the baseline has no link {segment.name}: there what is believed is compared, not what was healthy"
 
 
-def _found(selection: Selection, beliefs: Mapping[str, float], seed: int) -> Iterator[FoundEffect]:
+def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
     random = np.random.default_rng([seed, 2])
     for found, without in zip(selection.found, selection.without, strict=True):
         channel = found.channel
@@ -176,7 +175,7 @@ def _found(selection: Selection, beliefs: Mapping[str, float], seed: int) -> Ite
             shrink=shrink(before, after, floor, random),
             is_held_out=bool((before.part == SHRINK).any()),
             alternatives=[_alternative(each) for each in found.others],
-            probability=found.inclusion if selection.posterior else sum(_held(beliefs, each) for each in found.group),
+            probability=found.inclusion if selection.posterior else nan,
             when=_when(found, values, selection.problem.record),
         )
 
@@ -232,13 +231,13 @@ def _autocorrelation(error: np.ndarray) -> float:
     return float(centred[1:] @ centred[:-1]) / power if power else 0.0
 
 
-def _tried(selection: Selection, beliefs: Mapping[str, float], effects: Sequence[FoundEffect]) -> Iterator[Tried]:
+def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tried]:
     named = {name for effect in effects for name in effect.group}
     for each in sorted(selection.tried, key=lambda c: -c.evidence.gain):
         evidence = each.evidence
         figures = evidence.gain, evidence.p, evidence.share
         why = "" if each.effect.name in named else why_not(selection, each)
-        held = _held(beliefs, each.effect.name)
+        held = _held(selection, each.effect.name)
         yield Tried(each.effect.name, each.effect.stage, *figures, evidence.channel, why, held)
 
 

@@ -133,7 +133,7 @@ class FoundEffect:
     shrink: Interval  # on days that its fit has not seen
     is_held_out: bool = True  # whether these took no part in choosing it either
     alternatives: Sequence[Alternative] = ()  # the rest of its group
-    probability: float = nan  # that it, or one of its group, is there
+    probability: float = nan  # that it, or one of its group, is there; where hypotheses were weighed
     slight: str = ""  # why it hardly matters, where it is there and hardly does
     when: When | None = None
 

@@ -75,7 +75,7 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "heat", [diagnosis.missing_heat.sentence] if diagnosis.missing_heat.is_resolved else []
     yield "rooms", _few([event_words(each) for each in diagnosis.neighbours.events], MOST_EVENTS)
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
-    yield "likely", [_likely(diagnosis)] if diagnosis.posterior else []
+    yield "likely", [_likely(diagnosis)] if diagnosis.compared_with else []
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
     nothing_left = ["nothing that stands out of the noise"] if diagnosis.stages else []
     yield "unexplained", _few(_left(diagnosis)) or nothing_left

@@ -44,7 +44,7 @@ def _p(each: Any) -> str:
 
 def sure(diagnosis: Diagnosis) -> Column[Any]:
     """How sure something is: where a healthy record is known, by its probability."""
-    return PROBABILITY if diagnosis.posterior else P
+    return PROBABILITY if diagnosis.compared_with else P
 
 
 def stages(diagnosis: Diagnosis) -> Table[StageGap]:
@@ -100,7 +100,7 @@ def found(diagnosis: Diagnosis) -> Table[FoundEffect]:
         Column("gap after", lambda effect: quantity(effect.gap_after, unit_of(diagnosis, effect))),
         Column("noise floor", lambda effect: quantity(effect.noise_floor, unit_of(diagnosis, effect))),
         Column("shrinks by", lambda effect: words.percent_interval(effect.shrink)),
-        *([] if diagnosis.posterior else [Column("found again", lambda effect: words.percent(effect.inclusion))]),
+        *([] if diagnosis.compared_with else [Column("found again", lambda effect: words.percent(effect.inclusion))]),
         sure(diagnosis),
     ]
     title = f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis.effects)}"
