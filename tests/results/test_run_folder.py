@@ -89,9 +89,6 @@ def test_provenance_says_where_the_figures_come_from(finished: Path) -> None:
     assert {"waxstudy", "numpy", "numba"} <= provenance["packages"].keys()
     assert provenance["plugins"].keys() == {"waxstudy"}
     assert {"python", "machine", "inputs"} <= provenance.keys()
-    file, _, digest = provenance["study_file"].partition(", sha256 ")
-    assert provenance["command"] == f"waxstudy run {file}"
-    assert len(digest) == 64
 
 
 def test_a_case_counts_as_finished_only_as_it_was_written(finished: Path, tmp_path: Path) -> None:

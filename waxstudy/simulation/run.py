@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
@@ -29,7 +28,6 @@ from waxstudy.plugin import (
 )
 from waxstudy.plugin.registry import PluginError, described, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
-from waxstudy.results.checksums import sha256
 from waxstudy.results.folder import run_folder
 from waxstudy.results.kpis import WEATHER, Figures, MemberWeek, thinned
 from waxstudy.results.run import CaseFolder, damaged, finish, what_is_wrong, writing_case
@@ -375,13 +373,4 @@ def provenance(plan: Plan, jobs: Iterable[CaseFolder]) -> dict[str, Any]:
         **({"fragments": dict(study.fragments)} if study.fragments else {}),
         "inputs": digest(job.key for job in jobs),
         "seed": study.ensemble.seed,
-        **_study_file(study.file),
     }
-
-
-def _study_file(file: Path | None) -> dict[str, str]:
-    """Return what was run, by its name alone, as pages show it to others."""
-    if file is None or not file.is_file():
-        return {}
-    told = f"{file.name}, sha256 {sha256(file)}"
-    return {"study_file": told, "command": shlex.join(["waxstudy", "run", file.name])}
