@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
@@ -12,11 +13,14 @@ from docs_site.links import without_outside_links
 from docs_site.order import with_further_pages
 from docs_site.reference import PAGES
 
+STYLE = Path(__file__).with_name("site.css")
+
 
 def on_files(files: Files, /, *, config: MkDocsConfig) -> Files:
-    """Add the generated pages, and pages that the navigation does not name."""
+    """Add the generated pages, the style, and pages that the navigation does not name."""
     for path, text in PAGES.items():
         files.append(File.generated(config, path, content=text()))
+    files.append(File.generated(config, STYLE.name, content=STYLE.read_text(encoding="utf-8")))
     config.nav = with_further_pages(config.nav or [], [file.src_uri for file in files.documentation_pages()])
     return files
 

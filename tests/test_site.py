@@ -12,13 +12,18 @@ from pathlib import Path
 
 import pytest
 
-from docs_site import links, order
+import waxstudy as wx
+from docs_site import links, order, tables
 from tests.conftest import ROOT
+from waxstudy.cli import COMMANDS
+from waxstudy.plugin.registry import installed
+
+TABLES = ("[study]", "[comfort]", "[ensemble.weather.NAME]", "[ladder.NAME.start]", "hours_below_per_week")
 
 LOADED = re.compile(r"<(?:script|img|iframe|source)\b[^>]*\bsrc=\"?(https?:)?//|<link\b[^>]*\bhref=\"?(https?:)?//")
 
 
-@pytest.mark.parametrize("module", [links, order])
+@pytest.mark.parametrize("module", [links, order, tables])
 def test_the_examples_of_the_site_hold(module: object) -> None:
     tried = doctest.testmod(module)  # type: ignore[arg-type]
     assert tried.attempted
@@ -55,6 +60,15 @@ def test_the_site_takes_in_new_pages_loads_nothing_from_outside_and_refuses_a_de
     assert {page.with_suffix(".html").name for page in docs.glob("*.md")} <= set(pages)
     assert not [name for name, text in pages.items() if LOADED.search(text)]
     assert order.FURTHER in pages["room.html"]
+    told = {
+        "commands": COMMANDS,
+        "study-keys": TABLES,
+        "effects": installed().names("effect"),
+        "python": set(wx.__all__) - {"__version__", "hookimpl"},
+    }
+    for page, names in told.items():
+        text = (site / "reference" / f"{page}.html").read_text(encoding="utf-8")
+        assert not [name for name in names if name not in text], page
     assert "quite-new.html" in pages["room.html"]
     assert "A study (<code>studies/table5.toml</code>)" in pages["quite-new.html"]
     new.write_text("# Quite new\n\n[The room](room.md#no-such-heading)\n", encoding="utf-8")
