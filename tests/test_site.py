@@ -69,6 +69,7 @@ def test_the_site_takes_in_new_pages_loads_nothing_from_outside_and_refuses_a_de
     for page, names in told.items():
         text = (site / "reference" / f"{page}.html").read_text(encoding="utf-8")
         assert not [name for name in names if name not in text], page
+    assert re.search(r"fit_valve</span><span[^>]*>\(", text), "the last page has no signatures"
     assert "quite-new.html" in pages["room.html"]
     assert "A study (<code>studies/table5.toml</code>)" in pages["quite-new.html"]
     new.write_text("# Quite new\n\n[The room](room.md#no-such-heading)\n", encoding="utf-8")
