@@ -6,7 +6,7 @@ export OPENBLAS_NUM_THREADS = 1
 unexport PYTHONDONTWRITEBYTECODE
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 
-.PHONY: run test golden characterise attack mutate bench dist clean
+.PHONY: run test golden characterise attack mutate bench docs dist clean
 
 run: .venv/installed  ## set up, run the paper's study, print its Table 5
 	$(BIN)/waxstudy run studies/table5.toml
@@ -34,6 +34,9 @@ mutate: .venv/installed-mutate  ## change the code in one place after another, a
 
 bench: .venv/installed-dev  ## measure speed and memory
 	$(BIN)/python -m benchmarks
+
+docs: .venv/installed-dev  ## build the documentation site into build/site; a link that leads nowhere ends it
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
 
 dist: .venv/installed-dev  ## build the wheel and the source archive
 	$(BIN)/python -m build --no-isolation --outdir dist
