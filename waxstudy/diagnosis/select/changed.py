@@ -171,10 +171,11 @@ def joint(links: Sequence[Mapping[str, float]]) -> dict[str, float]:
                 more[both] = more.get(both, 0.0) + probability * own
         found = {names: probability for names, probability in more.items() if probability >= LEAST_TOLD}
     whole = sum(found.values())
-    told = {_joined(names): probability / whole for names, probability in found.items()} if links else {}
+    told = {joined(names): probability / whole for names, probability in found.items()} if links else {}
     return dict(sorted(told.items(), key=lambda each: -each[1]))
 
 
-def _joined(names: frozenset[str]) -> str:
+def joined(names: frozenset[str]) -> str:
+    """Return what a hypothesis is called: its effects in alphabetical order, something unknown behind them."""
     known = sorted(names - {UNKNOWN})
     return "+".join([*known, UNKNOWN] if UNKNOWN in names else known) or NONE

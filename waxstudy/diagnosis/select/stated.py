@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from itertools import product
 
 from waxstudy.diagnosis.result import Unexplained
+from waxstudy.diagnosis.select.changed import joined
 from waxstudy.diagnosis.select.search import Selection
 from waxstudy.diagnosis.select.weigh import NONE, UNKNOWN
 
@@ -25,14 +26,9 @@ def stated(selection: Selection, remains: Sequence[Unexplained]) -> Mapping[str,
     tried = sorted({each.effect.name for each in selection.tried})
     is_open, of_room = any(each.is_finding for each in remains), selection.segment.with_room
     if selection.found:
-        sets = list(product(*(found.group for found in selection.found)))
-        found = {"+".join(sorted({*names, *([UNKNOWN] if is_open else [])}, key=_order)): 0.0 for names in sets}
-        told = dict.fromkeys(found, RIGHT[of_room] / len(found))
-        return {**told, UNKNOWN: 1.0 - RIGHT[of_room]}
+        beside = {UNKNOWN} if is_open else set()
+        sets = {joined(frozenset(names) | beside) for names in product(*(found.group for found in selection.found))}
+        return {**dict.fromkeys(sorted(sets), RIGHT[of_room] / len(sets)), UNKNOWN: 1.0 - RIGHT[of_room]}
     hidden = (OPEN_HIDDEN if is_open else HIDDEN[of_room]) if tried else 0.0
     told = {UNKNOWN: OPEN_UNKNOWN} if is_open else {}
     return {NONE: 1.0 - hidden - sum(told.values()), **told, **dict.fromkeys(tried, hidden / max(1, len(tried)))}
-
-
-def _order(name: str) -> tuple[bool, str]:
-    return name == UNKNOWN, name
