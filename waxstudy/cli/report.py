@@ -55,7 +55,9 @@ def command(
         raise click.UsageError("--attribution stands in place of the comparison and goes with no --against")
     if sensitivity and (attribution or against is not None or form == "html"):
         raise click.UsageError("--sensitivity goes with --format table, csv, md or json only")
-    if sensitivity:
+    if text := _of_fleet(run_folder, form, attribution or sensitivity or against is not None):
+        pass
+    elif sensitivity:
         text = render_sensitivity(run_folder, form)
     elif attribution:
         text = render_attribution(run_folder, form, quiet)
@@ -65,6 +67,28 @@ def command(
         print_out(text)
     else:
         _write(out, text)
+
+
+def _of_fleet(folder: Path, form: str, has_options: bool) -> str:
+    """Return the report of an activation; nothing for other folders."""
+    from waxstudy.fleet.result import holds_activation, read_activated
+    from waxstudy.results.folder import RunError
+
+    if not holds_activation(folder):
+        return ""
+    if has_options:
+        raise click.UsageError("--attribution, --sensitivity and --against are of a run of cases, not of an activation")
+    try:
+        found = read_activated(folder)
+        if form == "html":
+            from waxstudy.report.fleet.page import as_html
+
+            return as_html(found)
+        from waxstudy.report.fleet.tables import render
+
+        return render(found, form, *terminal())
+    except RunError as error:
+        raise CommandError(str(error), INVALID) from error
 
 
 def _by_suffix(out: Path | None) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,6 +13,9 @@ from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
 from waxstudy.sweep.kinds import KINDS, Kind
+
+if TYPE_CHECKING:
+    from waxstudy.study.model import Study
 
 
 @click.command("run", cls=Command)
@@ -23,7 +27,7 @@ from waxstudy.sweep.kinds import KINDS, Kind
 @click.option("--no-jit", is_flag=True, help="Interpret the blocks instead of compiling them; slow, same results.")
 @click.option("--sweep", "sweep_file", type=Existing(dir_okay=False), help="Run it at every point of this file.")
 @click.option("--executor", type=click.Choice(KINDS), help="Where a sweep is computed  [default: threads]")
-@click.option("--workers", type=click.IntRange(1), help="Points of a sweep at a time  [default: one for each core]")
+@click.option("--workers", type=click.IntRange(1), help="Points or batches at a time  [default: one for each core]")
 @click.option("--scheduler", metavar="ADDRESS", help="Of dask  [default: a cluster on this machine]")
 def command(
     study_file: Path,
@@ -42,10 +46,11 @@ def command(
     What is already computed in the run folder for the same inputs is not computed again. The folder belongs to the
     study file that began it: another one's run is refused. The last line printed is the run folder.
 
-    With --sweep the study is run at many values of its parameters, and the folder holds one table of key figures.
+    With --sweep the study is run at many values of its parameters, and the folder holds one table of key figures. A
+    study with [activation] calls a fleet of loops instead, and the folder holds what that gives, with a page.
     """
-    if sweep_file is None and (executor or workers or scheduler):
-        raise click.UsageError("--executor, --workers and --scheduler are of a sweep: name its file with --sweep")
+    if sweep_file is None and (executor or scheduler):
+        raise click.UsageError("--executor and --scheduler are of a sweep: name its file with --sweep")
     if scheduler and executor != "dask":
         raise click.UsageError("--scheduler is dask's: add --executor dask")
     if sweep_file is not None:
@@ -55,6 +60,13 @@ def command(
         return
     study = load_study(study_file)
     folder = out or Path("results") / study.name
+    if study.activation:
+        if replaces:
+            raise click.UsageError("--replace is of a run of cases; this study has [activation]")
+        _activate(study, folder, workers, as_json, quiet, not no_jit)
+        return
+    if workers:
+        raise click.UsageError("--workers is of a sweep, named with --sweep, or of a study with [activation]")
     with failures(study_file, folder), progress(quiet) as told:
         from waxstudy.api.running import run
 
@@ -63,6 +75,18 @@ def command(
     from waxstudy.cli.report import render
 
     text = render(results, "json" if as_json else "table", study.against)
+    print_out(text if as_json else f"{text}{folder}\n")
+
+
+def _activate(study: Study, folder: Path, workers: int | None, as_json: bool, quiet: bool, jit: bool) -> None:
+    with failures(study.file or folder, folder), progress(quiet, "batches of loops") as told, resumable():
+        from waxstudy.api.activating import activate
+
+        found = activate(study, folder, workers=workers, jit=jit, progress=told)
+    from waxstudy.cli.output import terminal
+    from waxstudy.report.fleet.tables import render
+
+    text = render(found, "json" if as_json else "table", *terminal())
     print_out(text if as_json else f"{text}{folder}\n")
 
 
@@ -76,7 +100,10 @@ def _sweep(
     quiet: bool,
     jit: bool,
 ) -> None:
-    folder = out or Path("results") / f"{load_study(study_file).name}-{sweep_file.stem}"
+    study = load_study(study_file)
+    if study.activation:
+        raise click.UsageError("a sweep is of a study's cases; this one has [activation]")
+    folder = out or Path("results") / f"{study.name}-{sweep_file.stem}"
     with failures(study_file, folder), progress(quiet, "points") as told, resumable():
         from waxstudy.api.sweeping import sweep
 

@@ -77,7 +77,7 @@ class Loop:
         for start in starts:
             try:
                 week = self._week(setpoint_C, start, trace, stop)
-            except _OutOfRange as error:
+            except OutOfRange as error:
                 raise self._explained(error, setpoint_C, start, stop) from None
             yield week
 
@@ -94,10 +94,10 @@ class Loop:
                 before = state.modes.copy()
                 trace = self.advance(state, part, begin_s, setpoint_C, trace=True, stop=stop)[1]
                 yield Part(trace, float(self.driven.stored_J @ (state.modes - before)))
-        except _OutOfRange as error:
+        except OutOfRange as error:
             raise self._explained(error, setpoint_C, start, stop) from None
 
-    def _explained(self, error: _OutOfRange, setpoint_C: float, start: Start, stop: np.ndarray) -> Exception:
+    def _explained(self, error: OutOfRange, setpoint_C: float, start: Start, stop: np.ndarray) -> Exception:
         """Return what Python says of a failure: the exception and its line, which compiled code cannot tell."""
         if error.place == kernel.ROOM:
             return SimulationError(f"the room's temperatures are lost by {clock(error.time_s)}")
@@ -160,7 +160,7 @@ class Loop:
             raise Stopped
         time_s = start_s + float(counters[1]) * driven.step_s
         if code >= 0:
-            raise _OutOfRange(code, time_s)
+            raise OutOfRange(code, time_s)
         return int(counters[0]), record
 
     def _week(self, setpoint_C: float, start: Start, trace: bool, stop: np.ndarray) -> Week:
@@ -197,7 +197,7 @@ class Loop:
         return code if odd is None else odd
 
 
-class _OutOfRange(Exception):
+class OutOfRange(Exception):
     """A block returned NaN or a value outside its range."""
 
     def __init__(self, place: int, time_s: float) -> None:

@@ -12,6 +12,7 @@ from pydantic import field_validator
 
 from waxstudy.plugin import Choice as Choice
 from waxstudy.plugin import Parameters, parameter
+from waxstudy.study.activation import Activation
 
 NAME_RULE = "must be at most 64 letters, digits, '_', '-' or '.', with a letter or digit at both ends"
 NAME_PATTERN = r"[A-Za-z0-9]([A-Za-z0-9_.-]{0,62}[A-Za-z0-9])?"
@@ -155,7 +156,7 @@ class Study:
 
     `fragments` are the files that blocks were taken from, with their hashes; the blocks hold what they said.
     `file` is the study's own, None of a study that was made otherwise. `drawn` has the weeks of which the ensemble
-    has several weathers.
+    has several weathers; `activation` the fleet that is switched instead of the cases being compared.
     """
 
     name: str
@@ -171,6 +172,7 @@ class Study:
     fragments: Mapping[str, str] = field(default_factory=dict)
     file: Path | None = field(default=None, compare=False)
     drawn: Mapping[str, Drawn] = field(default_factory=dict)
+    activation: Activation | None = None
 
     def weathers(self, week: str) -> Sequence[Choice]:
         """Return what a week is drawn from: the weather that its table states, where nothing else is said."""
@@ -187,6 +189,7 @@ class Study:
             "ensemble": {**self.ensemble.model_dump(), **self._drawn()},
             "output": self.output.model_dump(),
             "ladder": {name: self._ladder(ladder) for name, ladder in self.ladders.items()},
+            **({"activation": self.activation.described()} if self.activation else {}),
         }
 
     def _drawn(self) -> dict[str, object]:

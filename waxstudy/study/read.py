@@ -28,12 +28,13 @@ from waxstudy.study.model import (
     is_safe_name,
 )
 from waxstudy.study.problems import Problem, StudyError, shown
+from waxstudy.study.read_activation import read_activation
 from waxstudy.study.source import Source, read_source
 from waxstudy.study.spots import RawTable, Spot
 
 __all__ = ["Problem", "StudyError", "problem_at", "read_study"]
 
-TABLES = ("study", "room", "weather", "comfort", "ensemble", "output", "ladder")
+TABLES = ("study", "room", "weather", "comfort", "ensemble", "output", "ladder", "activation")
 
 P = TypeVar("P", bound=Parameters)
 
@@ -60,11 +61,12 @@ def study_of(source: Source, registry: Registry, file: Path | None = None, *, ne
     drawn = read_drawn(check, weeks)
     ladders = [read_ladder(check, name) for name in _names(check, "ladder")]
     cases = _cases(check, ladders)
+    activation = read_activation(check, cases, room)
     if check.problems or not (study and comfort and ensemble and output and room):
         raise StudyError(check.problems)
     named = {ladder.name: Ladder(ladder.name, ladder.reference, [c.id for c in ladder.cases]) for ladder in ladders}
     tables = (study.name, study.step_s, study.against, room, weeks, comfort, ensemble, output)
-    return Study(*tables, named, cases, check.fragments, file, drawn)
+    return Study(*tables, named, cases, check.fragments, file, drawn, activation)
 
 
 def problem_at(path: Path, table: KeyPath, wrong: str, key: str = "", value: object = None) -> Problem:

@@ -18,6 +18,7 @@ from pydantic_core import core_schema
 
 from waxstudy.plugin import CHAIN, Component
 from waxstudy.plugin.registry import Registry
+from waxstudy.study.activation import ActivationTable, StateTable
 from waxstudy.study.drawn import MOST_WEATHERS
 from waxstudy.study.fragment import FROM
 from waxstudy.study.model import NAME_PATTERN, NAME_RULE, Comfort, Ensemble, Output, StudyTable
@@ -49,6 +50,7 @@ def schema(registry: Registry) -> Json:
             "ensemble": _ensemble(),
             "output": parameters(Output),
             "ladder": _named("Ladders: cases that grow step by step.", LADDER),
+            "activation": _activation(),
         },
         "definitions": definitions,
     }
@@ -92,6 +94,22 @@ def _ensemble() -> Json:
     return made
 
 
+def _activation() -> Json:
+    """Return `[activation]`; a distribution may be a list or one of three tables."""
+    made, state = parameters(ActivationTable), parameters(StateTable)
+    rooms = "CSV file with a row for each kind of room: `name`, `loops`, and keys of [activation.draw]."
+    state["properties"]["pause_s"] = SPREAD | {
+        "description": "How long all loops are kept off before the call [s]; without it controllers go on as they do."
+    }
+    draw = "What loops differ in: `setpoint_C`, `flow_share`, `room.KEY`, or `BLOCK.KEY` of the states' cases."
+    made["properties"] |= {
+        "rooms": {"description": rooms, "type": "string"},
+        "draw": {"description": draw, "type": "object", "additionalProperties": True},
+        "state": _named("States in which the call finds the fleet.", state),
+    }
+    return made | {"required": [*made.get("required", []), "state"]}
+
+
 def _name(description: str) -> Json:
     return {"description": f"{description}; {NAME_RULE}.", "type": "string", "pattern": NAME}
 
@@ -118,6 +136,19 @@ LADDER: Json = table("Cases in order; a step changes the case before it.") | {
     },
 }
 
+
+_NUMBER: Json = {"type": "number"}
+SPREAD: Json = {
+    "anyOf": [
+        {"type": "array", "minItems": 1},
+        *(
+            table("A distribution.") | {"required": keys, "properties": dict.fromkeys(keys, _NUMBER)}
+            for keys in (["low", "high"], ["mean", "sd"])
+        ),
+        table("A distribution.")
+        | {"required": ["values", "shares"], "properties": {key: {"type": "array"} for key in ("values", "shares")}},
+    ]
+}
 
 # --- components ------------------------------------------------------------------------------------
 

@@ -1,0 +1,1 @@
+"""A fleet of loops that gets a call to switch on or off."""
