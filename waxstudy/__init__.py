@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from waxstudy.api.record import Dataset
     from waxstudy.api.running import Results, run
     from waxstudy.api.sweeping import sweep
+    from waxstudy.fleet.result import Activated
     from waxstudy.plugin import (
         Actuator,
         BackendMissing,
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from waxstudy.sweep.result import Swept
 
 _PLACES = {
+    "Activated": "waxstudy.fleet.result",
     "Actuator": "waxstudy.plugin",
     "BackendMissing": "waxstudy.plugin",
     "Controller": "waxstudy.plugin",
@@ -72,6 +74,7 @@ _PLACES = {
     "sweep": "waxstudy.api.sweeping",
 }
 __all__ = [
+    "Activated",
     "Actuator",
     "BackendMissing",
     "Controller",

@@ -13,6 +13,8 @@ from typing import Any
 
 import pandas as pd
 
+from waxstudy.api.activating import activate
+from waxstudy.fleet.result import Activated
 from waxstudy.plugin.registry import installed
 from waxstudy.report.content import Content, gather
 from waxstudy.report.render import as_csv
@@ -84,18 +86,23 @@ def run(
     jit: bool = True,
     replace: bool = False,
     progress: Told | Progress | None = None,
-) -> Results:
+) -> Results | Any:
     """Run every case of a study and return what came out; what the folder `out` has already is not computed again.
 
-    `study` is a study file, or what one holds as a mapping. Without `out` the results go with the object that is
-    returned. `progress` is told how many cases are done, and of how many. Raises `StudyError` for what is wrong with
-    the study, `PluginError`, `BackendMissing`, `SimulationError`, and `RunError` for a folder that cannot be used.
+    `study` is a study file, or what one holds as a mapping. Of one with `[activation]` the fleet is called, and an
+    `Activated` returned. Without `out` the results go with the object that is returned. `progress` is told how many
+    cases (or batches of loops) are done, and of how many. Raises `StudyError` for what is wrong with the study,
+    `PluginError`, `BackendMissing`, `SimulationError`, and `RunError` for a folder that cannot be used.
     """
     read = study if isinstance(study, Study) else _read(study)
     folder = Path(tempfile.mkdtemp(prefix="waxstudy-run-") if out is None else out)
+    results: Results | Activated
     try:
-        compute(read, folder, jit=jit, progress=_progress(progress), replaces=replace)
-        results = Results(folder)
+        if read.activation:
+            results = activate(read, folder, jit=jit, progress=_progress(progress))
+        else:
+            compute(read, folder, jit=jit, progress=_progress(progress), replaces=replace)
+            results = Results(folder)
     except BaseException as error:
         if out is None:
             shutil.rmtree(folder, ignore_errors=True)

@@ -61,8 +61,8 @@ def _refuse_calls_outside(study: Study, week: str, duration_s: float) -> None:
     for at_h in call.at_h:
         if not longest_s / 3600.0 < at_h <= latest_h:
             told = (
-                f"the call at {at_h:g} h does not fit into week '{week}' of {duration_s / DAY_S:g} days: "
-                f"after {longest_s / 3600.0:g} h, as pauses and preheating come before, and up to {latest_h:g} h, as the "
-                "rebound comes behind"
+                f"the call at {at_h:g} h does not fit into week '{week}' of {duration_s / DAY_S:g} days: after "
+                f"{longest_s / 3600.0:g} h (pauses and preheating come before), and up to {latest_h:g} h (the rebound "
+                "comes behind)"
             )
             raise InputError(TABLE, told, "at_h")

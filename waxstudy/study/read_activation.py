@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from waxstudy.plugin import CHAIN, Choice
+from waxstudy.plugin import CHAIN, Choice, Parameters
 from waxstudy.plugin.registry import nearest
 from waxstudy.study.activation import (
     FLOW,
@@ -41,8 +41,7 @@ def read_activation(check: Check, cases: Mapping[str, Case], room: Choice | None
     spot = Spot.table(TABLE)
     if TABLE not in check.source.values or (values := check.table(spot)) is None:
         return None
-    own = {key: value for key, value in values.items() if key not in APART}
-    call = check.parameters(ActivationTable, RawTable.of(own, spot))
+    call = check.parameters(ActivationTable, _own(check, ActivationTable, values, spot, APART))
     states = dict(_states(check, cases))
     if "ensemble" in check.source.values and "weather" in (check.table(Spot.table("ensemble")) or {}):
         check.problem(Spot.table("ensemble", "weather"), "has no use beside [activation]: each week is taken as it is")
@@ -53,6 +52,14 @@ def read_activation(check: Check, cases: Mapping[str, Case], room: Choice | None
         keys = _Keys(check, cases, states, room)
         keys.check(draws, rows, file)
     return Activation(call, states, draws, rows, file) if call else None
+
+
+def _own(
+    check: Check, model: type[Parameters], values: Mapping[str, Any], spot: Spot, apart: Sequence[str]
+) -> RawTable:
+    """Return a table without the keys that are read apart; unknown ones are noted beside all that there are."""
+    check.unknown_keys(spot, values, [*model.model_fields, *apart])
+    return RawTable.of({key: value for key, value in values.items() if key in model.model_fields}, spot)
 
 
 # --- states ------------------------------------------------------------------------------------------
@@ -76,8 +83,7 @@ def _states(check: Check, cases: Mapping[str, Case]) -> Iterator[tuple[str, Flee
 def _state(
     check: Check, name: str, values: Mapping[str, Any], spot: Spot, cases: Mapping[str, Case]
 ) -> FleetState | None:
-    own = {key: value for key, value in values.items() if key != "pause_s"}
-    stated = check.parameters(StateTable, RawTable.of(own, spot))
+    stated = check.parameters(StateTable, _own(check, StateTable, values, spot, ("pause_s",)))
     pause = _spread(check, spot.at("pause_s"), values["pause_s"]) if "pause_s" in values else None
     if pause and not all(_is_pause(end) for end in pause.ends):
         check.problem(spot.at("pause_s"), "must be seconds from 0 to 86400")

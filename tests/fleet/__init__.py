@@ -1,0 +1,1 @@
+"""Claims about fleets of loops."""
