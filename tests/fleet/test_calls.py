@@ -92,6 +92,17 @@ def test_an_override_is_obeyed_at_once_and_leaves_the_controller_where_it_was(tm
     assert state.blocks[1].tobytes() == kept
 
 
+def test_no_loop_is_let_go_while_it_is_called(called: Activated, tmp_path: Path) -> None:
+    """A period of the modulation that ends within the call begins again without a gap, wherever clocks stand."""
+    fleet = prepared(study(tmp_path))
+    for member in fleet.members:
+        blocks = fleet.blocks.of(fleet.study.cases["P_WM"], member)
+        course = Course(blocks, fleet.rooms[0]["january"], 21.3, 1.0, member.clock_s, True, np.zeros(1, dtype=np.int64))
+        signal = course.run(course.warm(member.start), 0, 400, 1.0)[:, 6]
+        assert signal.all()
+    assert len({member.clock_s for member in fleet.members}) == 10
+
+
 def test_what_a_fleet_takes_is_the_sum_of_its_loops(called: Activated) -> None:
     loops, fleet = called.loops, called.response
     for row in called.rows:

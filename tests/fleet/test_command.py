@@ -25,7 +25,8 @@ __all__ = ["entry"]
 
 USAGE, INVALID, FAILED = 2, 3, 6
 WRITTEN = ("activation.json", "response.parquet", "loops.parquet", "activation.csv", "report.html")
-LONG = FLEET.replace("loops = 10", "loops = 160").replace("step_s = 10", "step_s = 20")
+COLD = FLEET.partition("[activation.state.natural]")[0]  # one state
+LONG = COLD.replace("loops = 10", "loops = 160").replace("step_s = 10", "step_s = 20")
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -37,9 +38,9 @@ def batches(folder: Path) -> dict[str, int]:
 
 
 def test_a_larger_fleet_takes_over_the_loops_of_a_smaller_one_and_workers_change_nothing(tmp_path: Path) -> None:
-    activate(study(tmp_path, FLEET.replace("loops = 10", "loops = 20")), tmp_path / "grown")
+    activate(study(tmp_path, COLD.replace("loops = 10", "loops = 20")), tmp_path / "grown")
     first = batches(tmp_path / "grown")
-    larger = study(tmp_path, FLEET.replace("loops = 10", "loops = 50"))
+    larger = study(tmp_path, COLD.replace("loops = 10", "loops = 50"))
     activate(larger, tmp_path / "grown", workers=1)
     assert first.items() <= batches(tmp_path / "grown").items()
     activate(larger, tmp_path / "whole", workers=3)
@@ -109,9 +110,8 @@ ROOMS = '[activation]\nrooms = "rooms.csv"'
 
 def test_loops_are_drawn_from_a_table_of_rooms_by_how_many_there_are(tmp_path: Path) -> None:
     (tmp_path / "rooms.csv").write_text("name,loops,room.window_g,setpoint_C\nhall,3,0.2,20\nbath,1,0.3,23\n")
-    text = FLEET.replace("[activation]", ROOMS).replace("loops = 10", "loops = 80")
+    text = COLD.replace("[activation]", ROOMS).replace("loops = 10", "loops = 80")
     text = "".join(line for line in text.splitlines(True) if not line.startswith(("room.window_g", "setpoint_C")))
-    text = text.replace("[activation.state.natural]", "[activation.state.bye]").partition("[activation.state.bye]")[0]
     loops = activate(study(tmp_path, text), tmp_path / "out").loops
     assert set(loops.groupby("room")["setpoint_C"].first().items()) == {("hall", 20.0), ("bath", 23.0)}
     assert 40 <= (loops["room"] == "hall").sum() <= 75  # 60 of 80, and 4 standard errors
@@ -125,7 +125,7 @@ def test_loops_are_drawn_from_a_table_of_rooms_by_how_many_there_are(tmp_path: P
         (
             '["A", "B"]',
             '["A", "Bb"]',
-            "fleet.toml:18: [activation.draw] actuator.product = \"Bb\": must be 'A' or 'B'; did you",
+            "fleet.toml:18: [activation.draw] actuator.product[1] = \"Bb\": must be 'A' or 'B'; did you",
         ),
         ("actuator.product", "actuator.prodct", "nothing of this study; did you mean 'actuator.product'?"),
         (

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from waxstudy.api.activating import activate
 from waxstudy.plugin.registry import installed
 from waxstudy.report.content import gather
 from waxstudy.report.render import as_csv
@@ -24,10 +26,11 @@ GOLDEN = ROOT / "results" / "golden"
 TRACE_HOURS = 12
 EVERY_STEPS = 120  # ten minutes
 KEYS = ("case", "week")
+LOOPS = 40  # of the fleet: enough to be a fleet, in two seconds
 
 
-def study() -> Study:
-    return read_study(ROOT / "studies" / "table5.toml", installed())
+def study(name: str = "table5") -> Study:
+    return read_study(ROOT / "studies" / f"{name}.toml", installed())
 
 
 def traces() -> pd.DataFrame:
@@ -50,3 +53,11 @@ def table(folder: Path) -> pd.DataFrame:
     run(study(), folder)
     content = gather(Run(folder), study())
     return pd.read_csv(io.StringIO(as_csv(content))).assign(members=content.members)
+
+
+def fleet(folder: Path) -> pd.DataFrame:
+    """The table of the study of a fleet, with fewer loops."""
+    whole = study("activation")
+    assert whole.activation
+    call = whole.activation.call.model_copy(update={"loops": LOOPS})
+    return activate(replace(whole, activation=replace(whole.activation, call=call)), folder).table.round(6)

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from tests.golden.compare import differences
-from tests.golden.results import GOLDEN, KEYS, table, traces
+from tests.golden.results import GOLDEN, KEYS, fleet, table, traces
 from waxstudy.report.comparison import COLUMNS
 from waxstudy.simulation import kernel
 
@@ -17,6 +17,14 @@ TRACE_KEYS = (*KEYS, "minute")
 # temperatures [K], heat [W/m2, W] and fractions: far above rounding, far below anything that a reader could see
 TRACE_TOLERANCE = dict.fromkeys(kernel.TRACE, 1e-6)
 TURNING = ["resolved", "single_run_share", "corrected_resolved", "corrected_single_run_share"]
+FLEET_KEYS = ("week", "state", "at_h")
+# s, K, C, min and shares, of 40 loops whose cycles may begin a period sooner or later
+WITHOUT_BAND = {
+    **dict.fromkeys(("loops", "slowest_s"), 5.0),
+    **dict.fromkeys(("warmer_K", "colder_K", "warmest_C", "coldest_C"), 0.1),
+    **dict.fromkeys(("below_min", "below_without_min"), 1.0),
+    **dict.fromkeys(("opening_before", "idle_share"), 0.1),
+}
 STANDARD_ERRORS = 2.0  # the 95 % interval of an ensemble mean
 
 
@@ -42,6 +50,22 @@ def _tolerance(golden: pd.DataFrame) -> dict[str, float | pd.Series]:
         spread = golden[f"{column}_sd"].fillna(0.0)
         allowed[column] = STANDARD_ERRORS * spread / np.sqrt(n) + 1e-5
         allowed[f"{column}_sd"] = STANDARD_ERRORS * spread / np.sqrt(2.0 * (n - 1)) + 1e-5
+    return allowed
+
+
+def test_a_fleet_answers_as_it_did_within_the_band_of_other_fleets(tmp_path: Path) -> None:
+    golden = pd.read_csv(GOLDEN / "activation.csv")
+    found = differences(golden, fleet(tmp_path / "fleet"), FLEET_KEYS, _of_bands(golden))
+    assert found == []
+
+
+def _of_bands(golden: pd.DataFrame) -> dict[str, float | pd.Series]:
+    """Half a band, which is about two standard errors, for a figure and both of its ends; what has none, as stated."""
+    allowed = dict[str, float | pd.Series](WITHOUT_BAND)
+    for low in (column for column in golden if column.endswith("_low")):
+        name = low.removesuffix("_low")
+        for column in (name, low, f"{name}_high"):
+            allowed[column] = (golden[f"{name}_high"] - golden[low]) / 2.0 + 1e-5
     return allowed
 
 

@@ -62,11 +62,16 @@ def _member(study: Study, activation: Activation, number: int, shares: Sequence[
         row.name if row else "",
         values,
         Start(AIR_SPREAD_K * (2.0 * air - 1.0), SLAB_SPREAD_K * (2.0 * slab - 1.0)),
-        clock * activation.call.clock_spread_s,
+        _whole_steps(clock * activation.call.clock_spread_s, study.step_s),
         pause,
         float(values.get(SETPOINT, study.comfort.setpoint_C)),
         float(values.get(FLOW, 1.0)),
     )
+
+
+def _whole_steps(seconds: float, step_s: float) -> float:
+    """Return a time at which a step may start in any run: else a period that is heated ends with a gap."""
+    return round(seconds / step_s) * step_s
 
 
 def _row(activation: Activation, share: float) -> Any:
