@@ -16,6 +16,7 @@ import numpy as np
 from numba import njit
 
 from benchmarks.energyplus_model import house_figure
+from benchmarks.fleet import fleet_figures
 from benchmarks.fmu import fmu_figures
 from benchmarks.house import write_year
 from benchmarks.timing import best_s
@@ -230,6 +231,7 @@ def main() -> None:
     loop_figures(study, driven)
     year_figure(study, driven)
     tuning_figure(study, plan)
+    fleet_figures(_hand_written)
     folder = Path(tempfile.mkdtemp())
     try:
         fmu_figures(folder)

@@ -49,6 +49,8 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
     standby.write_text(
         standby.read_text(encoding="utf-8").replace("members = 8", "members = 2").replace("= 5\n", "= 20\n")
     )
+    activation = tmp_path / "studies" / "activation.toml"
+    activation.write_text(activation.read_text(encoding="utf-8").replace("loops = 1000", "loops = 20"))
     windows = tmp_path / "studies" / "sweeps" / "windows.toml"
     windows.write_text(windows.read_text(encoding="utf-8").replace("samples = 64", "samples = 2"))
     (thermostat,) = blocks(ROOT / "README.md", "toml")

@@ -29,7 +29,7 @@ def computed(fleet: Fleet, numbers: Sequence[int]) -> pd.DataFrame:
 def _loop(fleet: Fleet, member: Member) -> Iterator[dict[str, Any]]:
     for week in fleet.study.weeks:
         try:
-            for case in dict.fromkeys(state.case for state in fleet.activation.states.values()):
+            for case in fleet.cases:
                 yield from _Calls(fleet, member, week, case).rows()
         except Stopped:
             raise
@@ -38,20 +38,22 @@ def _loop(fleet: Fleet, member: Member) -> Iterator[dict[str, Any]]:
             raise SimulationError(f"loop {member.number}, {week}: {reason}") from error
 
 
+def course_of(fleet: Fleet, member: Member, week: str, case: str) -> Course:
+    """Return a loop with the chain of a case."""
+    driven, blocks = fleet.rooms[fleet.room_of[member.number]][week], fleet.blocks.of(fleet.study.cases[case], member)
+    return Course(blocks, driven, member.setpoint_C, member.flow_share, member.clock_s, fleet.jit, fleet.stop)
+
+
 class _Calls:
     """One loop with the chain of one case: every call in every state that has this chain."""
 
     def __init__(self, fleet: Fleet, member: Member, week: str, case: str) -> None:
         self.fleet, self.member, self.week = fleet, member, week
         self.call = fleet.activation.call
-        driven = fleet.rooms[fleet.room_of[member.number]][week]
         self.states = [state for state in fleet.activation.states.values() if state.case == case]
         with ONE:
-            blocks = fleet.blocks.of(fleet.study.cases[case], member)
-            self.course = Course(
-                blocks, driven, member.setpoint_C, member.flow_share, member.clock_s, fleet.jit, fleet.stop
-            )
-        self.full_flow_L_h = driven.room.full_flow_L_h * member.flow_share
+            self.course = course_of(fleet, member, week, case)
+        self.full_flow_L_h = self.course.driven.room.full_flow_L_h * member.flow_share
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Run the loop undisturbed, and leave that course for each call."""

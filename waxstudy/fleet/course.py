@@ -61,6 +61,7 @@ class Course:
         chains: dict[float | None, Mapping[str, Choice]] = {None: blocks}
         chains |= {held: {**blocks, "controller": Choice(Override, Held(output=held))} for held in (0.0, 1.0)}
         loops = {held: Loop(Chain(each, self.step_s), self.driven, -np.inf, jit) for held, each in chains.items()}
+        self.starts = {held: (loop.compiled or loop.chain).start() for held, loop in loops.items()}
         self.loops = {held: (loop, _over(loop, by_step)) for held, loop in loops.items()}
 
     def warm(self, start: Start) -> State:
@@ -75,12 +76,12 @@ class Course:
         """Run from a step to another and return the trace; `state` is changed in place."""
         kept = state.blocks[CONTROLLER]
         if held is not None:
-            state.blocks[CONTROLLER] = self._fresh(held)[CONTROLLER]
-            state.blocks[MODULATOR] = self._fresh(held)[MODULATOR]
+            state.blocks[CONTROLLER] = self._fresh(CONTROLLER, held)
+            state.blocks[MODULATOR] = self._fresh(MODULATOR)
         parts = [self._stretch(held, state, *part, trace) for part in self._parts(begin, end)]
         if held is not None:
             state.blocks[CONTROLLER] = kept
-            state.blocks[MODULATOR] = self._fresh(None)[MODULATOR]
+            state.blocks[MODULATOR] = self._fresh(MODULATOR)
         return np.concatenate(parts) if parts else np.zeros((0, len(kernel.TRACE)))
 
     def _parts(self, begin: int, end: int) -> list[tuple[int, int]]:
@@ -104,9 +105,8 @@ class Course:
         except OutOfRange as error:
             raise SimulationError(_told(loop, error)) from None
 
-    def _fresh(self, held: float | None) -> list[Any]:
-        loop = self.loops[held][0]
-        return loop.compiled.start() if loop.compiled else loop.chain.start()
+    def _fresh(self, place: int, held: float | None = None) -> Any:
+        return copy.deepcopy(self.starts[held][place])
 
     @property
     def warnings(self) -> list[str]:

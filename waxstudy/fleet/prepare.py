@@ -33,6 +33,11 @@ class Fleet:
         assert self.study.activation
         return self.study.activation
 
+    @property
+    def cases(self) -> list[str]:
+        """The cases whose chains the loops have, in one state or another."""
+        return list(dict.fromkeys(state.case for state in self.activation.states.values()))
+
 
 def prepared(study: Study, jit: bool = True) -> Fleet:
     """Draw the loops and build their rooms; raise what `simulation.run.prepare` raises, `InputError` for calls too."""

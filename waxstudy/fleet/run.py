@@ -17,7 +17,7 @@ from typing import Any
 import pandas as pd
 
 from waxstudy.fleet import figures, response, summary
-from waxstudy.fleet.batch import computed
+from waxstudy.fleet.batch import computed, course_of
 from waxstudy.fleet.prepare import Fleet, prepared
 from waxstudy.fleet.result import BATCHES, FORMAT, LOOPS, MANIFEST, RESPONSE
 from waxstudy.plugin import SimulationError
@@ -42,6 +42,7 @@ def run(study: Study, folder: Path, workers: int, told: Progress, jit: bool = Tr
     """
     with points_folder(folder, BATCHES, "activation"):
         fleet = prepared(study, jit)
+        _warn_of_slow_blocks(fleet, told)
         batches = [range(a, min(a + BATCH, len(fleet.members))) for a in range(0, len(fleet.members), BATCH)]
         files = [folder / BATCHES / f"{key}.parquet" for key in _keys(fleet, batches)]
         told.total(len(batches))
@@ -53,6 +54,13 @@ def run(study: Study, folder: Path, workers: int, told: Progress, jit: bool = Tr
         if failed:
             raise SimulationError(next(iter(failed.values())))
         return _finish(fleet, folder, files, told)
+
+
+def _warn_of_slow_blocks(fleet: Fleet, told: Progress) -> None:
+    week = next(iter(fleet.study.weeks))
+    found = [text for case in fleet.cases for text in course_of(fleet, fleet.members[0], week, case).warnings]
+    for text in dict.fromkeys(found):
+        told.warn(text)
 
 
 def _keys(fleet: Fleet, batches: Sequence[range]) -> list[str]:
