@@ -67,7 +67,7 @@ def test_a_product_that_is_drawn_brings_its_times(tmp_path: Path) -> None:
 def test_a_loop_left_to_itself_is_that_of_a_run_however_it_is_cut(tmp_path: Path, jit: bool, step_s: float) -> None:
     fleet = prepared(study(tmp_path, FLEET.replace("step_s = 10", f"step_s = {step_s}")))
     member, stop = fleet.members[0], np.zeros(1, dtype=np.int64)
-    driven = fleet.rooms[0]["january"]
+    driven = fleet.driven(member, "january")
     blocks = fleet.blocks.of(fleet.study.cases["P_SB"], member)
     course = Course(blocks, driven, 21.3, 1.0, 0.0, jit, stop)
     state = course.warm(member.start)
@@ -82,7 +82,7 @@ def test_an_override_is_obeyed_at_once_and_leaves_the_controller_where_it_was(tm
     fleet = prepared(study(tmp_path))
     member, stop = fleet.members[0], np.zeros(1, dtype=np.int64)
     blocks = fleet.blocks.of(fleet.study.cases["P_WM"], member)
-    course = Course(blocks, fleet.rooms[0]["january"], 21.3, 1.0, 0.0, True, stop)
+    course = Course(blocks, fleet.driven(member, "january"), 21.3, 1.0, 0.0, True, stop)
     state = course.warm(member.start)
     kept = state.blocks[1].tobytes()
     for held in (1.0, 0.0, 1.0):  # each begins within a period of the modulation
@@ -97,7 +97,9 @@ def test_no_loop_is_let_go_while_it_is_called(called: Activated, tmp_path: Path)
     fleet = prepared(study(tmp_path))
     for member in fleet.members:
         blocks = fleet.blocks.of(fleet.study.cases["P_WM"], member)
-        course = Course(blocks, fleet.rooms[0]["january"], 21.3, 1.0, member.clock_s, True, np.zeros(1, dtype=np.int64))
+        course = Course(
+            blocks, fleet.driven(member, "january"), 21.3, 1.0, member.clock_s, True, np.zeros(1, dtype=np.int64)
+        )
         signal = course.run(course.warm(member.start), 0, 400, 1.0)[:, 6]
         assert signal.all()
     assert len({member.clock_s for member in fleet.members}) == 10
@@ -131,16 +133,15 @@ def test_a_fleet_that_is_switched_off_gives_its_heat_back(tmp_path: Path) -> Non
     text = FLEET.partition("[activation.state")[0].replace("[activation]", '[activation]\nsignal = "off"')
     text += '[activation.state.heated]\ncase = "P_WM"\npreheat_s = 1800\n'
     text += '[activation.state.off]\ncase = "P_WM"\npause_s = [7200]\n'
-    heated, off = activate(study(tmp_path, text), tmp_path / "out", workers=1).rows
+    text += '[activation.state.pulses]\ncase = "P_SB"\npause_s = [7200]\n'
+    heated, off, pulses = activate(study(tmp_path, text), tmp_path / "out", workers=1).rows
     assert heated.opening_before == 1.0
     assert heated.added_Wh.value < -50.0 < 0.0 < heated.firm_W.value
     assert heated.slowest_s > 300.0  # product A holds and falls for seven minutes
     assert 0.0 < heated.opening_share.value < 1.0
-    assert (off.opening_share.value, off.added_Wh.value, off.loops_per_MW_heat.value) == (
-        1.0,
-        0.0,
-        pytest.approx(np.nan, nan_ok=True),
-    )
+    for idle in (off, pulses):  # nothing is to be had of loops that are off, and nothing is changed
+        assert (idle.opening_share.value, idle.added_Wh.value, idle.later_Wh.value) == (1.0, 0.0, 0.0)
+        assert np.isnan(idle.loops_per_MW_heat.value)
 
 
 def test_a_response_does_not_depend_on_the_order_of_batches(called: Activated, tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from waxstudy.simulation.engine import State
 from waxstudy.study.activation import FleetState
 from waxstudy.sweep.point import ONE
 
+Stretch = tuple[int, int, float | None]  # from a step to another, overridden by a value or not
 IDLE_S = 3600.0  # kept off for so long, then watched for so long: what flows then flows though nobody asks
 
 
@@ -40,7 +41,7 @@ def _loop(fleet: Fleet, member: Member) -> Iterator[dict[str, Any]]:
 
 def course_of(fleet: Fleet, member: Member, week: str, case: str) -> Course:
     """Return a loop with the chain of a case."""
-    driven, blocks = fleet.rooms[fleet.room_of[member.number]][week], fleet.blocks.of(fleet.study.cases[case], member)
+    driven, blocks = fleet.driven(member, week), fleet.blocks.of(fleet.study.cases[case], member)
     return Course(blocks, driven, member.setpoint_C, member.flow_share, member.clock_s, fleet.jit, fleet.stop)
 
 
@@ -121,6 +122,17 @@ class _Calls:
             self.fleet.study.comfort.operative_limit_C,
         )
 
-    def _course(self, at: State, stretches: Sequence[tuple[int, int, float | None]]) -> FloatArray:
+    def _course(self, at: State, stretches: Sequence[Stretch]) -> FloatArray:
         state = copied(at)
-        return np.concatenate([self.course.run(state, *stretch) for stretch in stretches if stretch[0] < stretch[1]])
+        return np.concatenate([self.course.run(state, *stretch) for stretch in _joined(stretches)])
+
+
+def _joined(stretches: Sequence[Stretch]) -> list[Stretch]:
+    """Return stretches without those of no length, and as one what goes on: nothing begins anew between them."""
+    found: list[Stretch] = []
+    for begin, end, held in stretches:
+        if found and begin < end and found[-1][2] == held:
+            found[-1] = (found[-1][0], end, held)
+        elif begin < end:
+            found.append((begin, end, held))
+    return found

@@ -35,6 +35,11 @@ class Member:
         """How long the loop is kept off in a state; of one distribution states have the same pauses."""
         return float(state.pause_s.at(self.pause_share)) if state.pause_s else 0.0
 
+    @property
+    def room_kind(self) -> str:
+        """What loops with the same room have in common."""
+        return repr(self.of("room"))
+
     def of(self, kind: str) -> dict[str, Any]:
         """Return what was drawn for the parameters of a kind."""
         keys = {key: of_block(key) for key in self.values}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from waxstudy.fleet.draw import Blocks, Member, members
-from waxstudy.plugin import Choice, OutsideRoom
+from waxstudy.plugin import OutsideRoom
 from waxstudy.simulation.engine import DAY_S
 from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.run import InputError, prepare
@@ -22,8 +22,7 @@ class Fleet:
 
     study: Study
     members: list[Member]
-    rooms: list[dict[str, DrivenRoom]]  # under each week
-    room_of: list[int]  # of each loop
+    rooms: dict[str, dict[str, DrivenRoom]]  # by their kind, under each week
     blocks: Blocks
     jit: bool
     stop: np.ndarray
@@ -32,6 +31,10 @@ class Fleet:
     def activation(self) -> Activation:
         assert self.study.activation
         return self.study.activation
+
+    def driven(self, member: Member, week: str) -> DrivenRoom:
+        """Return the room of a loop."""
+        return self.rooms[member.room_kind][week]
 
     @property
     def cases(self) -> list[str]:
@@ -44,17 +47,13 @@ def prepared(study: Study, jit: bool = True) -> Fleet:
     if issubclass(study.room.component, OutsideRoom):
         raise InputError("room", "an activation needs a room that waxstudy simulates itself", "use")
     drawn, blocks = members(study), Blocks(study)
-    choices: list[Choice] = []
-    room_of = []
+    rooms: dict[str, dict[str, DrivenRoom]] = {}
     for member in drawn:
-        choice = blocks.room(study.room, member)
-        if choice not in choices:
-            choices.append(choice)
-        room_of.append(choices.index(choice))
-    rooms = [prepare(replace(study, room=choice), jit).driven for choice in choices]
-    for week, driven in rooms[0].items():
+        if member.room_kind not in rooms:
+            rooms[member.room_kind] = prepare(replace(study, room=blocks.room(study.room, member)), jit).driven
+    for week, driven in rooms[drawn[0].room_kind].items():
         _refuse_calls_outside(study, week, driven.weather.duration_s)
-    return Fleet(study, drawn, rooms, room_of, blocks, jit, STOP)
+    return Fleet(study, drawn, rooms, blocks, jit, STOP)
 
 
 def _refuse_calls_outside(study: Study, week: str, duration_s: float) -> None:
