@@ -13,9 +13,11 @@ from tests.diagnosis.realities import EFFECTS, study
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import concentrated, patterns
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
-from waxstudy.diagnosis.select.weigh import Weighed, posterior
+from waxstudy.diagnosis.select.posterior import Weighed, posterior
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Inputs, open_share
 
 NOTHING = Weighed(
@@ -39,6 +41,41 @@ LEAK = replace(
     always=-20.0,
     left=0.05,
 )
+
+
+# --- how far a gain is one of all cycles -------------------------------------------------------------
+
+
+def _gained(cycles: int, missed: float) -> tuple[float, float]:
+    """What is told of an effect that takes the same away from one switch of each of some cycles."""
+    before = np.full(cycles, missed)
+    return gain_spread(before, np.zeros(cycles), np.arange(cycles))
+
+
+def test_two_switches_that_agree_to_the_sample_tell_little() -> None:
+    assert _gained(2, 4.6)[1] < 4.0 < 0.5 * 2 * 4.6**2
+
+
+def test_more_cycles_tell_more_and_never_more_than_what_is_gained() -> None:
+    most = [_gained(cycles, 4.6)[1] for cycles in (2, 4, 8, 16, 64)]
+    assert most == sorted(most)
+    assert all(each <= 0.5 * cycles * 4.6**2 for each, cycles in zip(most, (2, 4, 8, 16, 64), strict=True))
+
+
+@given(st.lists(st.floats(-5.0, 5.0), min_size=2, max_size=30))
+def test_a_gain_varies_at_least_as_errors_that_are_independent_do(missed: list[float]) -> None:
+    spread, most = gain_spread(np.array(missed), np.zeros(len(missed)), np.arange(len(missed)) // 2)
+    assert spread >= 1.0
+    assert most >= 0.0
+
+
+def test_a_gain_of_one_day_among_many_is_no_effect_s() -> None:
+    """An effect changes all days alike, and one day alone is missed so: as much is gained as if all of them were."""
+    day = np.arange(100) // 10
+    once, always = np.where(day == 3, 10.0, 0.0), np.full(100, 1.0)
+    (spread, most), (_, always_most) = (gain_spread(each, each - 1.0, day) for each in (once, always))
+    assert spread > 5.0
+    assert most < 0.2 * always_most
 
 
 # --- probabilities -----------------------------------------------------------------------------------
