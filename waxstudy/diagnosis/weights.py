@@ -67,7 +67,11 @@ class Weights:
 def weights() -> tuple[Weight, ...]:
     """Return the table, in its order."""
     text = files("waxstudy.diagnosis").joinpath("weights.csv").read_text(encoding="utf-8")
-    return tuple(Weight(**{**row, "value": float(row["value"])}) for row in csv.DictReader(text.splitlines()))
+    return tuple(_read(row) for row in csv.DictReader(text.splitlines()))
+
+
+def _read(row: dict[str, str]) -> Weight:
+    return Weight(row["name"], float(row["value"]), row["what"], row["reason"], row["source"])
 
 
 def _all() -> Weights:
