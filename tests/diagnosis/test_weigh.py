@@ -15,9 +15,8 @@ from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import concentrated, patterns
-from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.diagnosis.select.posterior import Weighed, posterior
-from waxstudy.diagnosis.weights import WEIGHTS
+from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.plugin import Belief, Inputs, open_share
 
 NOTHING = Weighed(
