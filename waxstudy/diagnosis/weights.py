@@ -37,6 +37,7 @@ class Weights:
     block_s: float
     screened: float
     open: float
+    least_power: float
     strongest: float
     notable: float
     soft: float

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
-
-LEAST_POWER = 0.05  # of an effect, within a course and beyond it, for its strength there to be told
 
 
 def gain_spread(before: FloatArray, after: FloatArray, block: np.ndarray) -> tuple[float, float]:
@@ -42,18 +41,16 @@ class Uneven:
     times: int = 0
 
 
-def unevenness(
-    before: FloatArray, after: FloatArray, block: np.ndarray, times: Sequence[np.ndarray], form: float
-) -> Uneven:
+def unevenness(before: FloatArray, after: FloatArray, block: np.ndarray, times: Sequence[np.ndarray]) -> Uneven:
     """Return the course along which an effect is the least even.
 
     Of whitened residuals (m,) without and with it, the day or cycle of each, and when each course holds (m,). Strengths
     within and beyond a course have the variance that blocks of either give; a share may be left by the effect's form.
     """
     change = before - after
-    least = LEAST_POWER * float(change @ change)
+    least = WEIGHTS.least_power * float(change @ change)
     told = [each for each in times if all(float(change[part] @ change[part]) > least for part in (each, ~each))]
-    found = [_uneven(after, change, block, within, form) for within in told]
+    found = [_uneven(after, change, block, within) for within in told]
     if not found:
         return Uneven()
     most = max(found, key=lambda each: each.apart)
@@ -61,8 +58,8 @@ def unevenness(
     return replace(most, apart=apart, times=len(found)) if apart else Uneven(times=len(found))
 
 
-def _uneven(after: FloatArray, change: FloatArray, block: np.ndarray, within: np.ndarray, form: float) -> Uneven:
-    strengths, variance, gain = [], 2.0 * form**2, 0.0
+def _uneven(after: FloatArray, change: FloatArray, block: np.ndarray, within: np.ndarray) -> Uneven:
+    strengths, variance, gain = [], 2.0 * WEIGHTS.form**2, 0.0
     for part in (within, ~within):
         _, member = np.unique(block[part], return_inverse=True)
         along, power = (np.bincount(member, each * change[part]) for each in (after[part], change[part]))

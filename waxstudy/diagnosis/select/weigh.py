@@ -252,7 +252,7 @@ class Weighing:
         day = record.day[sample]
         quarter = ((record.start_s + sample * record.interval_s) // WEIGHTS.block_s % 4).astype(int)
         times = [*(day >= each for each in np.unique(day)[1:]), *(quarter == each for each in range(4))]
-        return unevenness(self._missed(self.none), self._missed(fitted), block, times, WEIGHTS.form)
+        return unevenness(self._missed(self.none), self._missed(fitted), block, times)
 
     def _block(self, residual: Residual) -> np.ndarray:
         """Return the number of the cycle, of a room of the quarter of a day, of each residual."""
