@@ -67,8 +67,10 @@ def _uneven(after: FloatArray, change: FloatArray, block: np.ndarray, within: np
         more = float(along.sum()) / whole
         off = along - more * power
         spread = max(1.0, float(off @ off) / whole)
-        strengths.append(1.0 + more)
+        # an effect may do nothing, or more than always, but not the opposite
+        strength = min(max(1.0 + more, 0.0), WEIGHTS.strongest)
+        strengths.append(strength)
         variance += spread / whole
-        gain += 0.5 * (1.0 + more) ** 2 * whole / spread
+        gain += strength * (1.0 + more - 0.5 * strength) * whole / spread
     apart = abs(strengths[0] - strengths[1])
     return Uneven(apart / variance**0.5, apart / max(apart, abs(strengths[0]) + abs(strengths[1])), gain)
