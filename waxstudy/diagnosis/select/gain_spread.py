@@ -59,7 +59,8 @@ def unevenness(before: FloatArray, after: FloatArray, block: np.ndarray, times: 
 
 
 def _uneven(after: FloatArray, change: FloatArray, block: np.ndarray, within: np.ndarray) -> Uneven:
-    strengths, variance, gain = [], 2.0 * WEIGHTS.form**2, 0.0
+    strengths: list[float] = []
+    variance, gain = 2.0 * WEIGHTS.form**2, 0.0
     for part in (within, ~within):
         _, member = np.unique(block[part], return_inverse=True)
         along, power = (np.bincount(member, each * change[part]) for each in (after[part], change[part]))
