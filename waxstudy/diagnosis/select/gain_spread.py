@@ -36,7 +36,6 @@ class Uneven:
     """How an effect does more at some times than at others; `times` counts the courses that were looked at."""
 
     apart: float = 0.0  # standard deviations by which its strengths then and else differ, the looking paid for
-    share: float = 0.0  # of both strengths, by which they differ
     gain: float = 0.0  # of likelihood, with a strength for either, as far as days or cycles tell it
     times: int = 0
 
@@ -73,5 +72,4 @@ def _uneven(after: FloatArray, change: FloatArray, block: np.ndarray, within: np
         strengths.append(strength)
         variance += spread / whole
         gain += strength * (1.0 + more - 0.5 * strength) * whole / spread
-    apart = abs(strengths[0] - strengths[1])
-    return Uneven(apart / variance**0.5, apart / max(apart, abs(strengths[0]) + abs(strengths[1])), gain)
+    return Uneven(abs(strengths[0] - strengths[1]) / variance**0.5, gain)
