@@ -89,7 +89,7 @@ def _mimicked(each: Weighed, gain: float) -> float:
     """Return what speaks for something unknown that looks like an effect: the less likely the more alike."""
     freedom = each.price + float(np.log(WEIGHTS.prior))  # of its parameters, and of when it acts
     alike = gain + WEIGHTS.alike * float(np.log(each.left))
-    if each.uneven.apart:
+    if each.uneven.apart and each.gain > 0.0:
         # an effect would act alike at all times: it has a strength at each, and one of several courses
         alike = max(alike, each.uneven.gain + each.ease - WEIGHTS.price - float(np.log(each.uneven.times)))
     return alike - max(0.0, each.always) - freedom - WEIGHTS.unknown_price
