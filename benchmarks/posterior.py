@@ -24,7 +24,8 @@ from waxstudy.blind_test.marks import Truth
 from waxstudy.dataset.baseline import read_baseline
 from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis.diagnose import weighed_links
-from waxstudy.diagnosis.select.weigh import SOFT, UNSEEN, Weighed, posterior
+from waxstudy.diagnosis.select.posterior import Weighed, posterior
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin.trial import engine_of
 
 LEAST = 1e-4  # what the truth is given at least, as in the score of a blind test
@@ -74,7 +75,7 @@ def best(found: Sequence[Link]) -> tuple[float, float]:
 
 def row(name: str, found: Sequence[Link], soft: float, unseen: float) -> str:
     loss = fmean(each.loss(soft, unseen) for each in found)
-    now = fmean(each.loss(SOFT, UNSEEN[each.is_of_room]) for each in found)
+    now = fmean(each.loss(WEIGHTS.soft, WEIGHTS.unseen(each.is_of_room)) for each in found)
     learned = f"power {soft:4.2f}   share {unseen:5.3f}"
     return f"{name:24} {len(found):5d} links   {learned}   loss {loss:5.3f}   as it is {now:5.3f}"
 

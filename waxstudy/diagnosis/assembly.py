@@ -42,11 +42,11 @@ from waxstudy.diagnosis.result import (
 from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.diagnosis.select.changed import joint
 from waxstudy.diagnosis.select.intervals import shrink
+from waxstudy.diagnosis.select.posterior import UNKNOWN
 from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.select.stated import stated
 from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import slight, stage_of, unexplained
-from waxstudy.diagnosis.select.weigh import UNKNOWN
 from waxstudy.diagnosis.sentences import filled_in, logged, needless, summary, warned, why_not
 from waxstudy.plugin import STAGES, Belief
 
@@ -63,7 +63,6 @@ class Work:
     thorough: float
     calibration: Calibration | None = None
     baseline: Dataset | None = None  # that it was calibrated on
-    weighs: bool = False  # hypotheses where no healthy record is known, in the place of rules
 
     @property
     def documented(self) -> Belief:

@@ -26,11 +26,12 @@ from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Diagnosis
-from waxstudy.diagnosis.select.changed import changed, differing
+from waxstudy.diagnosis.select.changed import changed
 from waxstudy.diagnosis.select.exact_room import with_exact_room
+from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
 from waxstudy.diagnosis.select.testability import too_short
-from waxstudy.diagnosis.select.weigh import Weighed, Weighing
+from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.plugin import Belief, Effect
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
@@ -50,16 +51,14 @@ def diagnose(
     quick: bool = False,
     study: Study | None = None,
     tick: Tell | None = None,
-    weighs: bool = False,
 ) -> Diagnosis:
     """Return where a dataset's gap lies, which effects cause it and how far it shrinks once they are added.
 
     The steps of a study's ladders are tried as effects too. With a `baseline`, a healthy record of the same loop, the
     question is what changed since. The same dataset and seed give the same diagnosis.
-    `tick` is told what is being tried and the share done. With `weighs` hypotheses are weighed where no healthy record
-    is known, too; blind tests hold that against the rules.
+    `tick` is told what is being tried and the share done.
     """
-    work = _work(dataset, baseline, seed, QUICK if quick else 1.0, study, weighs)
+    work = _work(dataset, baseline, seed, QUICK if quick else 1.0, study)
     cut, short = _cut(work)
     judged = [segment for segment in cut if segment not in short]
     selections = list(_selections(work, judged, tick or (lambda what, share: None)))
@@ -82,7 +81,6 @@ def _work(
     seed: int = 1,
     thorough: float = 1.0,
     study: Study | None = None,
-    weighs: bool = False,
 ) -> Work:
     dataset, baseline = excerpt(dataset), excerpt(baseline) if baseline else None
     record = record_of(dataset)
@@ -91,7 +89,7 @@ def _work(
     calibration = calibrated(baseline, effects, thorough, is_kept=study is None) if baseline else None
     belief = _documented(dataset, record)
     belief = calibration.as_built.believed(belief) if calibration else belief
-    return Work(dataset, record, belief, effects, seed, thorough, calibration, baseline, weighs)
+    return Work(dataset, record, belief, effects, seed, thorough, calibration, baseline)
 
 
 def _cut(work: Work) -> tuple[list[Segment], dict[Segment, str]]:
@@ -185,7 +183,6 @@ def installed_effects() -> list[EffectType]:
 
 
 def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Selection]:
-    record = work.record
     total = sum(len(of_segment(segment, work.effects)) + 1 for segment in cut) or 1
     done = 0
     for place, segment in enumerate(cut):
@@ -200,11 +197,6 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
         tick(segment.name, done / total)
         if work.calibration and segment.name in work.calibration.healthy:
             yield _changed(work, work.calibration, segment, effects, work.seed + place, step)
-            done = first + len(effects) + 1
-            continue
-        if work.weighs:
-            tolerance = work.dataset.room_tolerance
-            yield differing(segment, record, work.belief, effects, work.seed + place, work.thorough, step, tolerance)
             done = first + len(effects) + 1
             continue
         selection = _selection(work, segment, effects, work.seed + place, step)

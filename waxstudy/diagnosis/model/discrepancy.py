@@ -37,18 +37,9 @@ class Discrepancy:
 
     @classmethod
     def of(cls, error: FloatArray, known: np.ndarray, least_K: float) -> Discrepancy:
-        """Return what is likeliest to have left an error (n,), its noise at least `least_K`."""
-        rms_K = float(np.sqrt(np.mean(error[known] ** 2))) if known.any() else 0.0
-        return cls.likeliest(error, known, least_K, max(least_K, rms_K))[0]
+        """Return what is likeliest to have left an error (n,), its noise at least `least_K`.
 
-    @classmethod
-    def likeliest(
-        cls, error: FloatArray, known: np.ndarray, least_K: float, expected_K: float
-    ) -> tuple[Discrepancy, float]:
-        """Return what is likeliest to have left an error (n,) where about `expected_K` is expected, and -2 log of that.
-
-        Its noise is at least `least_K`; the prior is a factor of e wide: a few days say little of what hangs together
-        for days.
+        The prior is a factor of e wide around what is missed: a few days say little of what hangs together for days.
         """
         from scipy.optimize import minimize
 
@@ -57,10 +48,12 @@ class Discrepancy:
             white, log_sd = _innovations(error, known, sd, length, float(np.hypot(noise, least_K)))
             return float(white @ white + 2.0 * log_sd) + float(np.sum((x - start) ** 2))
 
+        rms_K = float(np.sqrt(np.mean(error[known] ** 2))) if known.any() else 0.0
+        expected_K = max(least_K, rms_K)
         start = np.log([expected_K, 16.0, 0.3 * expected_K])
         found = minimize(loss, start, method="Nelder-Mead", options={"maxfev": STEPS_MOST, "xatol": 1e-3})
         sd, length, noise = np.exp(found.x)
-        return cls(float(sd), float(length), float(np.hypot(noise, least_K))), float(found.fun)
+        return cls(float(sd), float(length), float(np.hypot(noise, least_K)))
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

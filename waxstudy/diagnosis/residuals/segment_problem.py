@@ -74,11 +74,6 @@ class SegmentProblem:
             found[:count, :count] = np.linalg.inv(np.linalg.cholesky(correlation + 1e-9 * np.eye(count)))
         return found
 
-    def judged_by(self, as_built: AsBuilt) -> SegmentProblem:
-        """Return the same, whose errors are weighed by something else."""
-        same: dict[str, Any] = {"unknowns": self.nuisances, "parts": self.judge.parts, "alike": self}
-        return SegmentProblem(self.segment, self.record, self.belief, self.room_tolerance, as_built=as_built, **same)
-
     def exact(self) -> SegmentProblem:
         """Return the same with the room exactly as believed."""
         return SegmentProblem(self.segment, self.record, self.belief, self.room_tolerance, self.holds_out, True)

@@ -5,31 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from waxstudy.diagnosis.calibration.calibrate import Healthy
-from waxstudy.diagnosis.calibration.presumed import Presumed, presumed
-from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
-from waxstudy.diagnosis.model.segments import Segment
-from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.candidate import Candidate
+from waxstudy.diagnosis.select.posterior import NONE, UNKNOWN, Weighed, posterior, score
 from waxstudy.diagnosis.select.search import Found, Search, Selection
-from waxstudy.diagnosis.select.weigh import LIKELIER, NONE, NOTABLE, UNKNOWN, Tick, Weighed, Weighing, posterior, score
-from waxstudy.plugin import Belief
+from waxstudy.diagnosis.select.weigh import Tick, Weighing
+from waxstudy.diagnosis.weights import WEIGHTS
 
-NAMED = 0.8  # probability from which on anything is named, and an effect alone
-CREDIBLE = 0.9  # that a group holds
 LEAST_TOLD = 1e-4  # of a joint hypothesis
 
 
-def changed(search: Search, healthy: Healthy | Presumed, whole: SegmentProblem, tick: Tick) -> Selection:
+def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick) -> Selection:
     """Return what changed at a link; `whole` is its problem with all days to fit."""
     weighing = Weighing(whole, search.effects, healthy, search.estimator.thorough, tick)
-    if isinstance(healthy, Healthy):
-        search.estimator.before = weighing.estimator.followed
+    search.estimator.before = weighing.estimator.followed
     weighed = weighing.weighed()
     beliefs, tried = posterior(weighed), _tried(search, weighed)
     while True:
@@ -39,28 +31,10 @@ def changed(search: Search, healthy: Healthy | Presumed, whole: SegmentProblem, 
         is_room = search.problem.segment.with_room
         # of what comes and goes the days without it blur what is fitted as if it acted always
         lasting = [] if is_room else [each for each in found if each.pattern is None]
-        blurred = [each for each in lasting if search.distinct(each, selection.after) <= NOTABLE]
+        blurred = [each for each in lasting if search.distinct(each, selection.after) <= WEIGHTS.notable]
         if not blurred:
             return replace(selection, posterior=beliefs)
         beliefs = _without(beliefs, {name for each in blurred for name in each.group})
-
-
-def differing(
-    segment: Segment,
-    record: Record,
-    belief: Belief,
-    effects: Sequence[EffectType],
-    seed: int,
-    thorough: float,
-    tick: Tick,
-    room_tolerance: float = 1.0,
-) -> Selection:
-    """Return what a link differs in from what is believed, by what noise and the form of its model may leave."""
-    healthy = presumed(segment, record, belief, room_tolerance, thorough)
-    problem = SegmentProblem(segment, record, belief, room_tolerance, alike=healthy.problem)
-    estimator = Estimator(problem, thorough, keeps=True)
-    search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
-    return changed(search, healthy, healthy.problem, tick)
 
 
 def _without(beliefs: Mapping[str, float], blurred: set[str]) -> dict[str, float]:
@@ -86,7 +60,7 @@ class Choice:
         for name, probability in beliefs.items():
             effects = frozenset(name.split("+")) - {NONE, UNKNOWN}
             sets[effects] = sets.get(effects, 0.0) + probability
-        if sets.get(frozenset(), 0.0) > 1.0 - NAMED:
+        if sets.get(frozenset(), 0.0) > 1.0 - WEIGHTS.named:
             return cls(())
         best = max((each for each in sets if each), key=lambda each: sets[each])
         groups = [_group(name, best, sets) for name in sorted(best)]
@@ -97,7 +71,7 @@ def _group(name: str, best: frozenset[str], sets: Mapping[frozenset[str], float]
     """Return an effect and what may stand in its place, the likeliest first; nothing where it may as well not be."""
     rest = best - {name}
     held = sum(probability for effects, probability in sets.items() if name in effects)
-    if held >= NAMED:
+    if held >= WEIGHTS.named:
         return (name,)
     instead: dict[str, float] = {}
     for effects, probability in sets.items():
@@ -107,10 +81,10 @@ def _group(name: str, best: frozenset[str], sets: Mapping[frozenset[str], float]
             instead[other] = instead.get(other, 0.0) + probability
     chosen, sum_, all_ = [name], instead.pop(name, 0.0), sum(instead.values())
     whole = sum_ + all_
-    if rest and whole < LIKELIER:
+    if rest and whole < WEIGHTS.likelier:
         return ()
     for other in sorted(instead, key=lambda each: -instead[each]):
-        if sum_ >= CREDIBLE * whole:
+        if sum_ >= WEIGHTS.credible * whole:
             break
         chosen.append(other)
         sum_ += instead[other]

@@ -15,8 +15,9 @@ from waxstudy.diagnosis.result import Unexplained, When, in_floors
 from waxstudy.diagnosis.select.evidence import Left, departure
 from waxstudy.diagnosis.select.null import by_block, redrawn
 from waxstudy.diagnosis.select.patterns import concentrated
+from waxstudy.diagnosis.select.posterior import UNKNOWN
 from waxstudy.diagnosis.select.search import Found, Selection, runs_on_at
-from waxstudy.diagnosis.select.weigh import LIKELIER, UNKNOWN
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 DRAWS = 1000
@@ -42,7 +43,7 @@ def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
 def _unknown(selection: Selection) -> Iterator[Unexplained]:
     """Yield the channel of a link that is missed by most, where something unknown is likelier there than not."""
     held = sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+"))
-    if held >= LIKELIER:
+    if held >= WEIGHTS.likelier:
         floor = selection.floor.plain
         worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
         stage = stage_of(selection, worst.channel)

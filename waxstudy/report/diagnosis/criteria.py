@@ -1,8 +1,9 @@
-"""The criteria as people read them: what is asked, the limit, why, and where it comes from."""
+"""Criteria and weights as people read them: what is asked, the number, why, and where it comes from."""
 
 from __future__ import annotations
 
 from waxstudy.diagnosis.criteria import Criterion, criteria
+from waxstudy.diagnosis.weights import Weight, weights
 from waxstudy.report.formats import terminal
 from waxstudy.report.table import Column, Table, text
 
@@ -18,5 +19,16 @@ def table() -> Table[Criterion]:
     return Table("criteria", columns, criteria())
 
 
+def table_of_weights() -> Table[Weight]:
+    columns: tuple[Column[Weight], ...] = (
+        text("weight", lambda each: each.name),
+        text("value", lambda each: f"{each.value:g}"),
+        text("what it is", lambda each: each.what, "prose"),
+        text("because", lambda each: each.reason, "prose"),
+        text("from", lambda each: each.source, "prose"),
+    )
+    return Table("weights", columns, weights())
+
+
 def as_terminal(width: int) -> str:
-    return terminal([table()], [], width, colour=False)
+    return terminal([table(), table_of_weights()], [], width, colour=False)

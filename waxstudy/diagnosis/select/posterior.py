@@ -1,0 +1,141 @@
+"""How probable each hypothesis of a link is: what speaks for each, weighed against the others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.select.gain_spread import Uneven
+from waxstudy.diagnosis.select.patterns import Pattern
+from waxstudy.diagnosis.weights import WEIGHTS
+
+UNKNOWN = "unknown"
+NONE = "none"
+NEVER = Uneven()
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A hypothesis of one link: its effects as fitted, and what speaks for it, as logarithms."""
+
+    fitted: Hypothesis
+    names: tuple[str, ...]  # of its effects that are large enough to be worth a name, in alphabetical order
+    gain: float  # of likelihood over that of nothing, by what is missed
+    ease: float  # the same by how far the room need not depart
+    always: float  # how much likelier the healthy record would be, had it been so from the start
+    misfit: float  # what it leaves beyond what healthy records do, in standard deviations
+    price: float  # of its parameters, and that anything of the kind happens
+    spread: float  # variance of the gain from day to day or cycle to cycle, over that which independent errors have
+    most: float  # gain that so many days or cycles can tell at all
+    unlike: float = 0.0  # how much less likely the later record is then: the healthy one would have taught otherwise
+    left: float = 1.0  # share of what is missed beyond what nothing amiss leaves
+    is_of_room: bool = False
+    stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
+    pattern: Pattern | None = None  # where it does not act always
+    uneven: Uneven = NEVER  # by how much what it does to a room varies over time
+
+
+def score(weighed: Weighed) -> float:
+    """Return the logarithm of what speaks for a hypothesis by itself, with nothing unknown beside it."""
+    return (
+        weighed.gain / weighed.spread
+        + weighed.ease
+        - max(0.0, weighed.always)
+        - 0.5 * weighed.misfit**2
+        - weighed.price
+    )
+
+
+def posterior(found: Sequence[Weighed], soft: float = WEIGHTS.soft, unseen: float | None = None) -> dict[str, float]:
+    """Return the probability of each hypothesis of a link, with something unknown beside it or not; they sum to 1.
+
+    The first is that nothing changed. What was so from the start is no change. `python -m benchmarks.posterior` asks
+    for other values of what is learned.
+    """
+    best = max(found, key=score)
+    gains = _gains(found, best)
+    logs: dict[str, float] = {}
+    for each, gain in zip(found, gains, strict=True):
+        _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
+        if len(each.fitted.effects) == 1:
+            _raise(logs, (UNKNOWN,), _mimicked(each, gain))
+        if each.always > 0.0:
+            _add(logs, (), gain - each.unlike - each.price, each.misfit)
+    most = max(logs.values())
+    weights = {name: float(np.exp((value - most) / soft)) for name, value in logs.items()}
+    whole = sum(weights.values())
+    share = WEIGHTS.unseen(found[0].is_of_room) if unseen is None else unseen
+    return _with_unseen({name: weight / whole for name, weight in weights.items()}, found, share)
+
+
+def _with_unseen(beliefs: Mapping[str, float], found: Sequence[Weighed], share: float) -> dict[str, float]:
+    """Return probabilities that leave a share of nothing to effects which may be there and would not show."""
+    told = dict(beliefs)
+    singles = {each.fitted.names[0] for each in found if len(each.fitted.effects) == 1}
+    hidden = sorted(name for name in singles if told.get(name, 0.0) < WEIGHTS.least_seen)
+    if not hidden or NONE not in told:
+        return told
+    unseen = told[NONE] * share
+    told[NONE] -= unseen
+    for name in hidden:
+        told[name] = told.get(name, 0.0) + unseen / len(hidden)
+    return told
+
+
+def _mimicked(each: Weighed, gain: float) -> float:
+    """Return what speaks for something unknown that looks like an effect: the less likely the more alike."""
+    freedom = each.price + float(np.log(WEIGHTS.prior))  # of its parameters, and of when it acts
+    alike = gain + WEIGHTS.alike * float(np.log(each.left))
+    if each.uneven.apart and each.gain > 0.0:
+        # an effect would act alike at all times: it has a strength at each, and one of several courses
+        alike = max(alike, each.uneven.gain + each.ease - WEIGHTS.price - float(np.log(each.uneven.times)))
+    return alike - max(0.0, each.always) - freedom - WEIGHTS.unknown_price
+
+
+def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
+    """Return what speaks for each hypothesis; more cannot outdo less by more than what stands out without it."""
+    gains = [each.gain / (best.spread if best.names else each.spread) + each.ease for each in found]
+    order = sorted(range(len(found)), key=lambda place: -len(found[place].fitted.effects))
+    for place in order:
+        each = found[place]
+        if best.names and not each.names:
+            # days and cycles can speak against it only so much
+            gains[place] = max(gains[place], best.gain / best.spread - best.most)
+        more = [
+            gains[n] - WEIGHTS.sure * other.stands**2
+            for n, other in enumerate(found)
+            if _is_within(each.fitted, other.fitted)
+        ]
+        gains[place] = max([gains[place], *more])
+    return _with_peers(found, gains)
+
+
+def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]:
+    """Return what speaks for each: of single effects of a chain one that leaves nothing amiss is outdone by little.
+
+    A finer name must be earned: real motors have no form of the library exactly.
+    """
+    singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and each.stands < np.inf]
+    most = max((gains[place] for place in singles), default=0.0)
+    least = {place: most - WEIGHTS.unknown_price - WEIGHTS.sure * found[place].misfit ** 2 for place in singles}
+    return [max(gain, least.get(place, gain)) for place, gain in enumerate(gains)]
+
+
+def _is_within(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether another hypothesis is one effect on top of this."""
+    return bool(other.names) and other.names[:-1] == one.names
+
+
+def _add(logs: dict[str, float], names: Sequence[str], value: float, misfit: float) -> None:
+    """Take a hypothesis in, with something unknown beside it and without; of several the best counts."""
+    pairs = (("+".join(names) or NONE, 0.5 * misfit**2), ("+".join((*names, UNKNOWN)), WEIGHTS.unknown_price))
+    for key, price in pairs:
+        _raise(logs, key.split("+"), value - price)
+
+
+def _raise(logs: dict[str, float], names: Sequence[str], value: float) -> None:
+    key = "+".join(names)
+    logs[key] = max(logs.get(key, -np.inf), value)

@@ -1,0 +1,84 @@
+"""The numbers by which hypotheses are weighed: the table weights.csv, each with its reason and where it comes from."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass, fields
+from functools import cache
+from importlib.resources import files
+
+
+@dataclass(frozen=True)
+class Weight:
+    """One number, as the table has it."""
+
+    name: str
+    value: float
+    what: str
+    reason: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Weights:
+    """All of them by name."""
+
+    prior: float
+    price: float
+    unknown_price: float
+    form: float
+    scatter: float
+    coarse_scatter: float
+    least_left: float
+    least_off: float
+    sure: float
+    alike: float
+    least_share: float
+    block_s: float
+    screened: float
+    open: float
+    least_power: float
+    strongest: float
+    notable: float
+    soft: float
+    unseen_chain: float
+    unseen_room: float
+    least_seen: float
+    named: float
+    credible: float
+    likelier: float
+    right_chain: float
+    right_room: float
+    hidden_chain: float
+    hidden_room: float
+    open_unknown: float
+    open_hidden: float
+
+    def unseen(self, is_of_room: bool) -> float:
+        return self.unseen_room if is_of_room else self.unseen_chain
+
+    def right(self, is_of_room: bool) -> float:
+        return self.right_room if is_of_room else self.right_chain
+
+    def hidden(self, is_of_room: bool) -> float:
+        return self.hidden_room if is_of_room else self.hidden_chain
+
+
+@cache
+def weights() -> tuple[Weight, ...]:
+    """Return the table, in its order."""
+    text = files("waxstudy.diagnosis").joinpath("weights.csv").read_text(encoding="utf-8")
+    return tuple(_read(row) for row in csv.DictReader(text.splitlines()))
+
+
+def _read(row: dict[str, str]) -> Weight:
+    return Weight(row["name"], float(row["value"]), row["what"], row["reason"], row["source"])
+
+
+def _all() -> Weights:
+    found = {each.name: each.value for each in weights()}
+    assert list(found) == [each.name for each in fields(Weights)], "weights.csv and Weights name the same, in order"
+    return Weights(**found)
+
+
+WEIGHTS = _all()
