@@ -13,7 +13,7 @@ from tests.diagnosis.realities import EFFECTS, study
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.select.gain_spread import Uneven, gain_spread, unevenness
+from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import concentrated, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, posterior
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
@@ -75,52 +75,6 @@ def test_a_gain_of_one_day_among_many_is_no_effect_s() -> None:
     (spread, most), (_, always_most) = (gain_spread(each, each - 1.0, day) for each in (once, always))
     assert spread > 5.0
     assert most < 0.2 * always_most
-
-
-# --- an effect of a room acts alike at all times -----------------------------------------------------
-
-DAYS = np.arange(960) // 96
-COURSES = [day <= DAYS for day in range(1, 10)]
-
-
-def _errors(seed: int, strength: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Whitened residuals of ten days without and with an effect that truly has a strength at each sample."""
-    random = np.random.default_rng(seed)
-    change, noise = random.normal(size=960), random.normal(size=960)
-    return noise + strength * change, noise + (strength - 1.0) * change
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_an_effect_that_begins_in_the_middle_is_uneven_and_gains_more_with_two_strengths(seed: int) -> None:
-    before, after = _errors(seed, np.where(DAYS < 5, 0.0, 1.0))
-    found = unevenness(before, after, DAYS, COURSES)
-    assert found.apart > 4.0
-    assert found.gain > 0.5 * float(before @ before - after @ after) + 50.0
-
-
-def test_an_effect_that_always_acts_is_even() -> None:
-    apart = [unevenness(*_errors(seed, np.ones(960)), DAYS, COURSES).apart for seed in range(40)]
-    assert sum(each > 0.0 for each in apart) <= 8
-    assert max(apart) < 3.0
-
-
-def test_what_acts_in_no_course_is_not_asked() -> None:
-    before, after = _errors(1, np.ones(960))
-    found = unevenness(before, after, DAYS, [DAYS >= 0, DAYS >= 99])
-    assert (found.apart, found.times) == (0.0, 0)
-
-
-def test_what_works_against_itself_at_all_times_is_even() -> None:
-    before, after = _errors(1, np.full(960, -1.0))
-    assert unevenness(before, after, DAYS, COURSES).apart == 0.0
-
-
-def test_what_is_uneven_is_likelier_unknown_than_an_effect_that_always_acts() -> None:
-    uneven = Uneven(apart=4.0, gain=45.0, times=13)
-    even = posterior([NOTHING, LEAK])
-    found = posterior([NOTHING, replace(LEAK, misfit=4.0, uneven=uneven)])
-    assert even["infiltration"] > 0.9
-    assert found["unknown"] > 0.8 > found["infiltration"]
 
 
 # --- probabilities -----------------------------------------------------------------------------------

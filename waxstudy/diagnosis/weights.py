@@ -37,7 +37,6 @@ class Weights:
     block_s: float
     screened: float
     open: float
-    least_power: float
     strongest: float
     notable: float
     soft: float

@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.select.gain_spread import Uneven
 from waxstudy.diagnosis.select.patterns import Pattern
 from waxstudy.diagnosis.weights import WEIGHTS
 
 UNKNOWN = "unknown"
 NONE = "none"
-NEVER = Uneven()
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,6 @@ class Weighed:
     is_of_room: bool = False
     stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
-    uneven: Uneven = NEVER  # by how much what it does to a room varies over time
 
 
 def score(weighed: Weighed) -> float:
@@ -88,11 +85,7 @@ def _with_unseen(beliefs: Mapping[str, float], found: Sequence[Weighed], share: 
 def _mimicked(each: Weighed, gain: float) -> float:
     """Return what speaks for something unknown that looks like an effect: the less likely the more alike."""
     freedom = each.price + float(np.log(WEIGHTS.prior))  # of its parameters, and of when it acts
-    alike = gain + WEIGHTS.alike * float(np.log(each.left))
-    if each.uneven.apart and each.gain > 0.0:
-        # an effect would act alike at all times: it has a strength at each, and one of several courses
-        alike = max(alike, each.uneven.gain + each.ease - WEIGHTS.price - float(np.log(each.uneven.times)))
-    return alike - max(0.0, each.always) - freedom - WEIGHTS.unknown_price
+    return gain - max(0.0, each.always) - freedom + WEIGHTS.alike * float(np.log(each.left)) - WEIGHTS.unknown_price
 
 
 def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:

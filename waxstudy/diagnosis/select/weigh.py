@@ -16,7 +16,7 @@ from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.evidence import departure
-from waxstudy.diagnosis.select.gain_spread import Uneven, gain_spread, unevenness
+from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import Pattern, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.superposed import Superposed
@@ -144,20 +144,18 @@ class Weighing:
         spread, most = self._spread(fitted)
         price = WEIGHTS.price * parameters - float(np.log(WEIGHTS.prior)) * len(fitted.effects)
         names = tuple(sorted(self._notable(fitted)))
-        uneven = self._uneven(fitted)
         return Weighed(
             fitted,
             names,
             gain,
             ease,
             always / spread if always > 0.0 else always,
-            float(np.hypot(self.misfit(fitted), uneven.apart)),
+            self.misfit(fitted),
             price,
             spread,
             most,
             unlike=self._unlike(fitted, moved) if always > 0.0 else 0.0,
             left=self._left(fitted),
-            uneven=uneven,
             is_of_room=self.problem.segment.with_room,
             stands=self._stands(fitted, given or self.none),
         )
@@ -241,18 +239,6 @@ class Weighing:
         missed = self._missed(given or self.none)
         block = np.concatenate([self._block(each) for each in fitted.residuals])
         return gain_spread(missed, self._missed(fitted), block)
-
-    def _uneven(self, fitted: Hypothesis) -> Uneven:
-        """Return how what an effect of a room does varies from one day on, or by the hour, where it should not."""
-        if not self.problem.segment.with_room or not fitted.effects:
-            return Uneven()
-        block = np.concatenate([self._block(each) for each in fitted.residuals])
-        sample = np.concatenate([each.sample for each in fitted.residuals])
-        record = self.problem.record
-        day = record.day[sample]
-        quarter = ((record.start_s + sample * record.interval_s) // WEIGHTS.block_s % 4).astype(int)
-        times = [*(day >= each for each in np.unique(day)[1:]), *(quarter == each for each in range(4))]
-        return unevenness(self._missed(self.none), self._missed(fitted), block, times)
 
     def _block(self, residual: Residual) -> np.ndarray:
         """Return the number of the cycle, of a room of the quarter of a day, of each residual."""
