@@ -145,6 +145,7 @@ def test_loops_are_drawn_from_a_table_of_rooms_by_how_many_there_are(tmp_path: P
         ("low = 0.7", "low = 2.0", "low must be less than high, not 2 and 1"),
         ("high = 1.0", "high = 3.0", "flow_share = 3.0: must be from 0.05 to 2.0 (high)"),
         ("[0.3, 0.5]", "{ low = 0.3, high = 0.5 }", "rooms are built for a list of values"),
+        ("actuator.product =", '"actuator.product" = ["A"]\nactuator.product =', "actuator.product: is given twice"),
         ("pause_s = [7200]", "pause_s = 7200", "must be a distribution"),
         ("[activation]", '[activation]\nrooms = "none.csv"', 'rooms = "none.csv": no such file'),
         ("[activation]", ROOMS, "rooms.csv:1: loops: this column is missing (columns: name, loop, room.height_m)"),
