@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import waxstudy as wx
 from tests.cli.conftest import Entry, entry
-from tests.conftest import WAXSTUDY, Waxstudy
+from tests.conftest import WAXSTUDY
 from tests.fleet.conftest import FLEET, study
 from waxstudy.api.activating import activate
 from waxstudy.simulation.run import Progress
@@ -48,7 +48,7 @@ def test_a_larger_fleet_takes_over_the_loops_of_a_smaller_one_and_workers_change
 
 
 @pytest.mark.slow
-def test_a_call_that_is_killed_loses_no_finished_batch(waxstudy: Waxstudy, tmp_path: Path) -> None:
+def test_a_call_that_is_killed_loses_no_finished_batch(entry: Entry, tmp_path: Path) -> None:
     (tmp_path / "long.toml").write_text(LONG)
     command = [str(WAXSTUDY), "run", "long.toml", "--out", "killed", "--quiet"]
     process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -58,9 +58,9 @@ def test_a_call_that_is_killed_loses_no_finished_batch(waxstudy: Waxstudy, tmp_p
     process.wait()
     kept = batches(tmp_path / "killed")
     assert 1 <= len(kept) < 4
-    told = waxstudy("report", "killed")
-    assert (told.returncode, "has not finished" in told.stderr) == (INVALID, True)
-    assert waxstudy("run", "long.toml", "--out", "killed").returncode == 0
+    told = entry("report", "killed")
+    assert (told.code, "has not finished" in told.stderr) == (INVALID, True)
+    assert entry("run", "long.toml", "--out", "killed").code == 0
     assert kept.items() <= batches(tmp_path / "killed").items()
     activate(study(tmp_path, LONG), tmp_path / "whole", workers=1)
     assert contents(tmp_path / "killed") == contents(tmp_path / "whole")
@@ -145,6 +145,7 @@ def test_loops_are_drawn_from_a_table_of_rooms_by_how_many_there_are(tmp_path: P
         ("low = 0.7", "low = 2.0", "low must be less than high, not 2 and 1"),
         ("high = 1.0", "high = 3.0", "flow_share = 3.0: must be from 0.05 to 2.0 (high)"),
         ("[0.3, 0.5]", "{ low = 0.3, high = 0.5 }", "rooms are built for a list of values"),
+        ("actuator.product =", '"actuator.product" = ["A"]\nactuator.product =', "actuator.product: is given twice"),
         ("pause_s = [7200]", "pause_s = 7200", "must be a distribution"),
         ("[activation]", '[activation]\nrooms = "none.csv"', 'rooms = "none.csv": no such file'),
         ("[activation]", ROOMS, "rooms.csv:1: loops: this column is missing (columns: name, loop, room.height_m)"),

@@ -48,7 +48,8 @@ def command(
 ) -> None:
     """Print the comparison of a run again, or what each step of its ladders adds whatever their order.
 
-    The cases that --attribution computes are kept in the run folder; those that it holds are not computed again.
+    Of a fleet that was called, print its tables. The cases that --attribution computes are kept in the run folder;
+    those that it holds are not computed again.
     """
     form = "json" if as_json else form or _by_suffix(out)
     if attribution and against is not None:

@@ -26,6 +26,7 @@ from waxstudy.results.parquet import write_parquet
 from waxstudy.simulation.run import Progress
 from waxstudy.simulation.software import software
 from waxstudy.simulation.sources import digest
+from waxstudy.study import activation, spread
 from waxstudy.study.activation import FLOW, SETPOINT, of_block
 from waxstudy.study.model import Study
 from waxstudy.sweep.point import key_of
@@ -50,7 +51,8 @@ def run(study: Study, folder: Path, workers: int, told: Progress, jit: bool = Tr
         for _ in range(len(batches) - len(missing)):
             told.done(None, False)
         units = {**figures.UNITS, **units_of(study)}
-        failed = compute_points(missing, files, Where("threads", workers), told, partial(computed, fleet), units)
+        quiet = replace(told, warn=lambda text: None)  # no loop is left out: the first failure is raised
+        failed = compute_points(missing, files, Where("threads", workers), quiet, partial(computed, fleet), units)
         if failed:
             raise SimulationError(next(iter(failed.values())))
         return _finish(fleet, folder, files, told)
@@ -65,7 +67,10 @@ def _warn_of_slow_blocks(fleet: Fleet, told: Progress) -> None:
 
 def _keys(fleet: Fleet, batches: Sequence[range]) -> list[str]:
     """Return a digest for each batch of all that its rows depend on: a larger fleet begins with the same loops."""
-    code = sorted(Path(__file__).parent.glob("*.py"))
+    code = [
+        *sorted(Path(__file__).parent.glob("*.py")),
+        *(Path(module.__file__ or "") for module in (activation, spread)),
+    ]
     said = fleet.activation.described()
     apart = ("loops", "cop", "idle_limit")
     stated = {key: value for key, value in said.items() if key not in apart}
@@ -81,11 +86,10 @@ def _key_of_cases(study: Study) -> str:
 
 def units_of(study: Study) -> dict[str, str]:
     """Return the unit of each key that is drawn."""
-    activation = study.activation
-    assert activation
+    assert study.activation
     found = {SETPOINT: "C", FLOW: "1"}
     choices = [study.room, *(choice for case in study.cases.values() for choice in case.blocks.values())]
-    for key in activation.keys:
+    for key in study.activation.keys:
         kind, name = of_block(key)
         for choice in choices:
             declared = type(choice.parameters).model_fields.get(name)

@@ -102,8 +102,12 @@ def _is_pause(value: object) -> bool:
 
 
 def _draws(check: Check) -> Iterator[tuple[str, Spread]]:
+    seen: set[str] = set()
     for key, value, spot in _flat(check.table(Spot.table(TABLE, "draw")) or {}, Spot.table(TABLE, "draw"), ""):
-        if spread := _spread(check, spot, value):
+        if key in seen:
+            check.problem(spot, "is given twice: as one key, and as tables in each other")
+        elif spread := _spread(check, spot, value):
+            seen.add(key)
             yield key, spread
 
 

@@ -50,6 +50,7 @@ def _reserve(found: Activated) -> list[Column[Row]]:
     return [
         _band("limit_W", f"at {found.said['limit_s']:g} s, W per loop"),
         _band("firm_W", "firm, W per loop"),
+        _band("mean_W", "on the mean, W per loop"),
         _band("loops_per_MW_heat", "loops for 1 MW of heat"),
         _band("loops_per_MW_electric", "loops for 1 MW of electricity"),
     ]
@@ -60,7 +61,6 @@ def _heat(found: Activated) -> list[Column[Row]]:
     return [
         *early,
         _band("added_Wh", "in the call, Wh"),
-        _band("mean_W", "on the mean, W"),
         _band("later_Wh", f"in {found.said['rebound_h']:g} h after, Wh"),
     ]
 
