@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import date
 from typing import Any
 
 import numpy as np
 import pandas as pd
-
 from numpy.typing import NDArray
 
 from waxstudy.plugin import FloatArray
@@ -62,11 +62,14 @@ FIGURES = {
     "return_mean_C": "C",
     "starts": "1",
     "starts_over_300_s": "1",
+    "counted_days": "1",
 }
-# EN 16798-1, homes, heating season: operative temperatures of categories I to III, each of the time in all stricter ones
+# EN 16798-1, homes in the heating season: operative temperatures of categories I to III
 CATEGORIES_C = {"I": (21.0, 25.0), "II": (20.0, 25.0), "III": (18.0, 25.0)}
 IN_CATEGORY = {name: f"in_category_{name}_share" for name in CATEGORIES_C}
+FIGURES |= dict.fromkeys(IN_CATEGORY.values(), "1")
 HEAT_OF_MONTH = "heat_{month}_kWh_m2"  # of records that reach into several months (YYYY-MM)
+_OF_MONTH = re.compile(re.escape(HEAT_OF_MONTH).replace(r"\{month\}", r"(\d{4}-\d\d)"))
 MEANS = ("flow_L_h", "opening", "signal", "output", "water_heat_W_m2", "floor_heat_W_m2")
 
 
@@ -191,6 +194,16 @@ class Figures:
             values = np.concatenate(samples)
             frame[name] = np.percentile(values, DURATION_PERCENT) if len(values) else np.full(101, np.nan)
         return pd.DataFrame(frame)
+
+
+def months_of(columns: Iterable[str]) -> dict[str, str]:
+    """Return the columns that are heat of a month -> its month, in order."""
+    return {column: found[1] for column in sorted(columns) if (found := _OF_MONTH.fullmatch(column))}
+
+
+def units_of(columns: Iterable[str]) -> dict[str, str]:
+    """Return the unit of every key figure, the months among these columns too."""
+    return {**FIGURES, **dict.fromkeys(months_of(columns), "kWh/m2")}
 
 
 def key_figures(week: MemberWeek) -> dict[str, float]:

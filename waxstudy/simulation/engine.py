@@ -33,7 +33,10 @@ START = Start(0.0, 0.0)
 
 @dataclass(frozen=True)
 class Week:
-    """What one simulated week gives, hours as far as comfort is counted. `trace` has a row per step (columns `kernel.TRACE`), or none."""
+    """What one simulated week gives, hours while comfort counts.
+
+    `trace` has a row per step (columns `kernel.TRACE`), or none.
+    """
 
     hours_below: float
     trace: FloatArray
@@ -171,7 +174,10 @@ class Loop:
             below, record = self.advance(state, span, begin_s, setpoint_C, trace=trace, stop=stop)
             cold += below if counts else 0
             records.append(record)
-        return Week(hours_below=cold * self.driven.step_s / 3600.0, trace=records[0] if len(records) == 1 else np.concatenate(records))
+        return Week(
+            hours_below=cold * self.driven.step_s / 3600.0,
+            trace=records[0] if len(records) == 1 else np.concatenate(records),
+        )
 
     def _warm(self, setpoint_C: float, start: Start, stop: np.ndarray) -> State:
         """Return the state after a warm-up with the first day's weather."""
