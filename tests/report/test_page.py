@@ -128,7 +128,7 @@ def test_the_parts_come_in_the_order_that_a_reader_needs(against_text: str) -> N
 
 def test_every_figure_is_drawn_when_the_run_has_what_it_needs(text: str) -> None:
     page = Page(text)
-    assert text.count("<svg") == text.count("</svg>") == 1 + len(PAPER_FIGURES) == 8
+    assert text.count("<svg") == text.count("</svg>") == 1 + len(PAPER_FIGURES) == 9
     for number in (12, 17, 18, 19, 20, 21, 22):
         assert any(heading.startswith(f"Figure {number}. ") for heading in page.headings)
     assert "Not drawn" not in text
