@@ -231,11 +231,11 @@ reference = "{CASES_OF_ROOM[1]}"
 start = {{ id = "{CASES_OF_ROOM[0]}", controller = {{ use = "on-off" }} }}
 steps = [{{ id = "{CASES_OF_ROOM[1]}", valve = {{ use = "quick-opening" }}, actuator = {{ use = "variable-times" }} }}]
 """
-    study.write_text(whole[: whole.index("[weather.february]")] + "[ensemble]\nmembers = 4\n" + ladder)
+    study.write_text(whole[: whole.index("[weather.february]")] + "[ensemble]\nmembers = 1\n" + ladder)
     vary = "room.window_U_W_m2K = { low = 0.6, high = 1.2 }"
     sweep.write_text(f'[sweep]\nmethod = "latin-hypercube"\nsamples = {ROOMS}\n[vary]\n{vary}\n')
     weeks = ROOMS * len(CASES_OF_ROOM)
-    print(f"\na sweep of {weeks} room-weeks, 4 members, in processes\n{'':40} {'wall':>8}  {'peak':>8}")
+    print(f"\na sweep of {weeks} room-weeks, one member, in processes\n{'':40} {'wall':>8}  {'peak':>8}")
     options = ["run", str(study), "--sweep", str(sweep), "--executor", "processes"]
     one, two = (
         command_figure(f"workers: {n}", [*options, "--workers", str(n), "--out", str(folder / f"rooms-{n}")], "")

@@ -62,7 +62,7 @@ def swept(folder: Path) -> pd.DataFrame:
     points = pd.DataFrame(rows, columns=["room.window_U_W_m2K", "room.shading.passes"])
     frame = sweep(stated, points, folder).frame
     groups = frame.groupby(["point", "case"], sort=False)[list(SWEPT)]
-    return groups.mean().join(groups.std(), rsuffix="_sd").reset_index()
+    return groups.mean().join(groups.std().add_suffix("_sd")).reset_index()
 
 
 def table(folder: Path) -> pd.DataFrame:
