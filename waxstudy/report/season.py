@@ -64,7 +64,7 @@ def by_month(run: Run) -> list[Months]:
 
 def _names(run: Run, week: str) -> list[str]:
     rows = run.kpis[run.kpis["week"] == week].dropna(axis=1, how="all")
-    return list(months_of(rows).values())
+    return list(months_of(map(str, rows)).values())
 
 
 def _months(run: Run, ladder: Ladder, case: str, week: str, names: Sequence[str]) -> Months:
@@ -111,6 +111,9 @@ def _comfort(kpis: pd.DataFrame, case: str, week: str) -> Comfort:
     return Comfort(
         case,
         week,
-        *(mean(column) for column in ("counted_days", "hours_below_per_week", "mae_K", "over_setpoint_1K_share")),
-        {name: mean(IN_CATEGORY[name]) for name in CATEGORIES_C},
+        days=mean("counted_days"),
+        hours_below_per_week=mean("hours_below_per_week"),
+        mae_K=mean("mae_K"),
+        over_setpoint_1K_share=mean("over_setpoint_1K_share"),
+        in_category={name: mean(IN_CATEGORY[name]) for name in CATEGORIES_C},
     )

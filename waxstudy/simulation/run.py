@@ -127,7 +127,7 @@ def _driven(study: Study, room: LinearRoom, week: str, choice: Choice, table: st
 
 def _counts(record: WeatherRecord, season: Season | None, week: str) -> BoolArray | None:
     try:
-        return season and heating(record, season)
+        return heating(record, season) if season else None
     except ValueError as error:
         raise InputError("season", f"{week}: {error}") from error
 

@@ -136,7 +136,7 @@ class Check:
         else:
             if self.needs_files:
                 self.problem(path.spot, f"{DATA} is not set: it names the folder of the data", value=path.value)
-            return path.value
+            return str(path.value)
         if self.needs_files and (wrong := lacking(full)):
             self.problem(path.spot, wrong, value=path.value, allowed=f"looked for {full}")
         return str(full)
