@@ -140,7 +140,7 @@ def test_a_bare_run_gives_one_line_of_reason_for_each_figure_that_it_cannot_draw
     assert len(reasons) == 4
     assert sum("keeps no traces" in reason for reason in reasons) == 3
     assert sum("single one" in reason for reason in reasons) == 1
-    assert page.count("<svg") == 4
+    assert page.count("<svg") == 5
     assert "One member" not in page
     assert "no difference can be called resolved" in page
 
