@@ -52,10 +52,10 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
     waxstudy: Waxstudy, tmp_path: Path, record: pd.DataFrame
 ) -> None:
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
-    for study in (tmp_path / "studies" / name for name in ("table5.toml", "table5_smaller_floor.toml")):
+    for file in (tmp_path / "studies" / name for name in ("table5.toml", "table5_smaller_floor.toml")):
         for as_printed, shorter in SHORTER.items():
-            assert as_printed in study.read_text(encoding="utf-8")
-            study.write_text(study.read_text(encoding="utf-8").replace(as_printed, shorter))
+            assert as_printed in file.read_text(encoding="utf-8")
+            file.write_text(file.read_text(encoding="utf-8").replace(as_printed, shorter))
     standby = tmp_path / "studies" / "standby.toml"
     standby.write_text(
         standby.read_text(encoding="utf-8").replace("members = 8", "members = 2").replace("= 5\n", "= 20\n")
@@ -100,10 +100,10 @@ def test_the_diagnosis_tutorial_prints_the_verdicts_and_causes_that_it_shows(
 )
 def test_the_commands_of_the_season_run_and_two_months_have_its_differences(waxstudy: Waxstudy, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
-    study = tmp_path / "studies" / "season.toml"
+    file = tmp_path / "studies" / "season.toml"
     for as_printed, shorter in SHORT_SEASON.items():
-        assert as_printed in study.read_text(encoding="utf-8")
-        study.write_text(study.read_text(encoding="utf-8").replace(as_printed, shorter))
+        assert as_printed in file.read_text(encoding="utf-8")
+        file.write_text(file.read_text(encoding="utf-8").replace(as_printed, shorter))
     (block,) = blocks(SEASON, "sh")
     for line in block.splitlines():
         done = waxstudy(*line.split("  #")[0].split()[1:], env={"WAXSTUDY_DATA": str(DATA)})

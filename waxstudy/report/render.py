@@ -104,19 +104,31 @@ def season_tables(content: Content) -> list[Table[Any]]:
 
 def _months_table(content: Content, week: str) -> Table[Months]:
     rows = [row for row in content.months if row.week == week]
-    columns = [Column(name, lambda row, name=name: row.heat_kWh_m2[name], ".2f") for name in _names(rows)]
+    columns = [Column(name, partial(_heat, name), ".2f") for name in _names(rows)]
     whole: Column[Months] = Column("all", attrgetter("total_kWh_m2"), ".2f")
     return Table(f"{week}: heat by month, kWh/m², members' mean", [text("case"), *columns, whole], rows)
 
 
 def _month_differences_table(content: Content, week: str) -> Table[Months]:
     rows = [row for row in content.months if row.week == week and row.difference_percent]
-    columns = [Column(name, lambda row, name=name: row.difference_percent[name], "+.1f") for name in _names(rows)]
+    columns = [Column(name, partial(_difference, name), "+.1f") for name in _names(rows)]
     whole: Column[Months] = Column(
         "all", lambda row: with_spread(row.whole_percent, row.interval_percent, ".1f"), kind="figure"
     )
     title = f"{week}: heat against the reference by month, %; of all ± half the 95 % interval over the months"
     return Table(title, [text("case"), *columns, whole], rows)
+
+
+def _heat(month: str, row: Months) -> float:
+    return row.heat_kWh_m2[month]
+
+
+def _difference(month: str, row: Months) -> float:
+    return row.difference_percent[month]
+
+
+def _in_category(category: str, row: Comfort) -> str:
+    return f"{100.0 * row.in_category[category]:.1f} %"
 
 
 def _names(rows: Sequence[Months]) -> list[str]:
@@ -135,7 +147,7 @@ def _comfort_table(content: Content, week: str) -> Table[Comfort]:
             *(
                 Column(
                     name,
-                    lambda row, name=name: f"{100.0 * row.in_category[name]:.1f} %",
+                    partial(_in_category, name),
                     heading=f"{name} ({low:g} to {high:g} °C)",
                 )
                 for name, (low, high) in CATEGORIES_C.items()

@@ -112,7 +112,7 @@ def compute_points(
         try:
             figures = outcome.result()
             with whole_file(files[number]) as path:
-                write_parquet(figures, path, {**units_of(figures), **(units or {})})
+                write_parquet(figures, path, {**units_of(map(str, figures)), **(units or {})})
         except SimulationError as error:
             failed[number] = str(error)
             told.warn(f"point {number}: {error}; it is left out")
@@ -158,7 +158,7 @@ def _attempt(
 def _finish(folder: Path, study: Study, sweep: Sweep, files: Sequence[Path], failed: dict[int, str]) -> None:
     places_of = places(study)
     table = tidy(sweep, files, failed)
-    units = {"point": "1", NAME: "1", **{key: places_of[key].unit for key in sweep.keys}, **units_of(table)}
+    units = {"point": "1", NAME: "1", **{key: places_of[key].unit for key in sweep.keys}, **units_of(map(str, table))}
     with whole_file(folder / TABLE) as path:
         write_parquet(table, path, units)
     said = {
