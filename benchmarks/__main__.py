@@ -32,6 +32,7 @@ from waxstudy.study.model import Choice, Study
 from waxstudy.study.read import read_study
 
 STUDY = Path(__file__).parents[1] / "studies" / "table5.toml"
+SEASON = STUDY.with_name("season.toml")
 WAXSTUDY = Path(sys.executable).with_name("waxstudy")
 
 
@@ -207,12 +208,41 @@ def long_figures(folder: Path) -> None:
         return str(path)
 
     command_figure("a year at 5 s, 4 members", ["run", study(365, 4), "--out", str(folder / "year")], "500 MB")
+    if "WAXSTUDY_DATA" in os.environ and weather.name in SEASON.read_text():
+        arguments = ["run", str(SEASON), "--out", str(folder / "season")]
+        command_figure("a season of eleven cases, 4 members", arguments, "500 MB")
     for days, interval_s in ((14, 60), (60, 60), (14, 1)):
         record = str(folder / f"{days}-{interval_s}")
         options = ["--case", "O_WM", "--believed", "O_0", "--interval-s", str(interval_s)]
         making = [WAXSTUDY, "reality", study(days, 1, min(5.0, interval_s)), *options, "--out", record]
         subprocess.run(making, stdout=subprocess.DEVNULL, check=True)
         command_figure(f"diagnosis of {days} days at {interval_s} s", ["diagnose", record, "--json", "--quiet"], "")
+
+
+ROOMS, CASES_OF_ROOM = 100, ("O_0", "O_WM")  # together 200 room-weeks
+
+
+def sweep_figure(folder: Path) -> None:
+    """What a second worker is worth in a sweep of 200 room-weeks: 100 rooms, two cases each in one week."""
+    study, sweep = folder / "rooms.toml", folder / "rooms-sweep.toml"
+    whole = STUDY.read_text()
+    ladder = f"""
+[ladder.on-off]
+reference = "{CASES_OF_ROOM[1]}"
+start = {{ id = "{CASES_OF_ROOM[0]}", controller = {{ use = "on-off" }} }}
+steps = [{{ id = "{CASES_OF_ROOM[1]}", valve = {{ use = "quick-opening" }}, actuator = {{ use = "variable-times" }} }}]
+"""
+    study.write_text(whole[: whole.index("[weather.february]")] + "[ensemble]\nmembers = 1\n" + ladder)
+    vary = "room.window_U_W_m2K = { low = 0.6, high = 1.2 }"
+    sweep.write_text(f'[sweep]\nmethod = "latin-hypercube"\nsamples = {ROOMS}\n[vary]\n{vary}\n')
+    weeks = ROOMS * len(CASES_OF_ROOM)
+    print(f"\na sweep of {weeks} room-weeks, one member, in processes\n{'':40} {'wall':>8}  {'peak':>8}")
+    options = ["run", str(study), "--sweep", str(sweep), "--executor", "processes"]
+    one, two = (
+        command_figure(f"workers: {n}", [*options, "--workers", str(n), "--out", str(folder / f"rooms-{n}")], "")
+        for n in (1, 2)
+    )
+    print(f"{'':40} two workers are {one / two:.2f} times as fast as one (at least 1.7)")
 
 
 def import_figures(folder: Path) -> None:
@@ -238,6 +268,7 @@ def main() -> None:
         house_figure(folder)
         command_figures(folder)
         import_figures(folder)
+        sweep_figure(folder)
         long_figures(folder)
     finally:
         shutil.rmtree(folder)

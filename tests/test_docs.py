@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -22,6 +23,16 @@ TUTORIAL = ROOT / "docs" / "plugin-tutorial.md"  # has a test and an environment
 # fewer members and longer steps than printed: attribution runs each member 44 times, and the sweep ten times the study
 SHORTER = {"members = 16": "members = 2", "step_s = 5": "step_s = 20"}
 DIAGNOSIS = ROOT / "docs" / "diagnosis-tutorial.md"  # its output is compared
+SEASON = ROOT / "docs" / "season.md"  # it needs a weather year from outside the repository
+DATA = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data"))
+HELSINKI = DATA / "weather" / "FIN_Helsinki.029740_IWEC.epw"
+# two months of the season, one member in long steps
+SHORT_SEASON = {
+    '"09-01"': '"11-01"',
+    "days = 273": "days = 61",
+    "members = 4": "members = 1",
+    "step_s = 5": "step_s = 60",
+}
 WIDTH = {"COLUMNS": "100"}  # as it says
 
 
@@ -31,7 +42,7 @@ def blocks(page: Path, language: str) -> list[str]:
 
 def commands(program: str) -> list[str]:
     """Every command of a program in the shell blocks of the pages, without its comment, in order."""
-    told = [block for page in PAGES if page not in (TUTORIAL, DIAGNOSIS) for block in blocks(page, "sh")]
+    told = [block for page in PAGES if page not in (TUTORIAL, DIAGNOSIS, SEASON) for block in blocks(page, "sh")]
     lines = [line for block in told for line in block.replace("\\\n", "").splitlines()]
     return [line.split("  #")[0].strip() for line in lines if line.startswith(program)]
 
@@ -41,10 +52,10 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
     waxstudy: Waxstudy, tmp_path: Path, record: pd.DataFrame
 ) -> None:
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
-    table5 = tmp_path / "studies" / "table5.toml"
-    for as_printed, shorter in SHORTER.items():
-        assert as_printed in table5.read_text(encoding="utf-8")
-        table5.write_text(table5.read_text(encoding="utf-8").replace(as_printed, shorter))
+    for file in (tmp_path / "studies" / name for name in ("table5.toml", "table5_smaller_floor.toml")):
+        for as_printed, shorter in SHORTER.items():
+            assert as_printed in file.read_text(encoding="utf-8")
+            file.write_text(file.read_text(encoding="utf-8").replace(as_printed, shorter))
     standby = tmp_path / "studies" / "standby.toml"
     standby.write_text(
         standby.read_text(encoding="utf-8").replace("members = 8", "members = 2").replace("= 5\n", "= 20\n")
@@ -83,6 +94,36 @@ def test_the_diagnosis_tutorial_prints_the_verdicts_and_causes_that_it_shows(
         done = [waxstudy(*line.split()[1:], env=WIDTH) for line in block.splitlines()]
         assert [each.returncode for each in done] == [0] * len(done), done[-1].stderr
         assert told("".join(each.stdout for each in done)) == told(expected)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    not HELSINKI.is_file(), reason=f"{HELSINKI} is not there; WAXSTUDY_DATA names the folder of the data"
+)
+def test_the_commands_of_the_season_run_and_two_months_have_its_differences(waxstudy: Waxstudy, tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "studies", tmp_path / "studies")
+    file = tmp_path / "studies" / "season.toml"
+    for as_printed, shorter in SHORT_SEASON.items():
+        assert as_printed in file.read_text(encoding="utf-8")
+        file.write_text(file.read_text(encoding="utf-8").replace(as_printed, shorter))
+    (block,) = blocks(SEASON, "sh")
+    for line in block.splitlines():
+        done = waxstudy(*line.split("  #")[0].split()[1:], env={"WAXSTUDY_DATA": str(DATA)})
+        assert done.returncode == 0, f"{line}: {done.stderr}"
+    assert "Months and season" in (tmp_path / "season.html").read_text(encoding="utf-8")
+    kpis = pd.read_csv(tmp_path / "results" / "season" / "kpis.csv").set_index("case")
+    heat = kpis["heat_2001-11_kWh_m2"] + kpis["heat_2001-12_kWh_m2"]
+    printed = {row[0].removesuffix(", %"): row for row in rows_of(SEASON) if row[0].endswith(", %") and len(row) == 10}
+    for case, reference in (("O_0", "O_WM"), ("P_CP", "P_WM"), ("P_MC", "P_WM")):
+        november, december = (float(printed[case][place].replace("−", "-")) for place in (3, 4))
+        difference = 100.0 * (heat[case] / heat[reference] - 1.0)
+        assert difference == pytest.approx((november + december) / 2.0, abs=1.0), case
+
+
+def rows_of(page: Path) -> list[list[str]]:
+    """The rows of a page's tables."""
+    lines = [line for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
 
 def told(printed: str) -> list[str]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from waxstudy.plugin import FloatArray, WeatherRecord
@@ -33,20 +31,20 @@ def inputs(room: RoomDescription, weather: WeatherRecord) -> dict[str, FloatArra
         objects.EXCHANGE: np.full(len(outdoor_C), exchange_W_K(room)),
         objects.SUPPLY: supply_C,
         objects.GAINS: columns["gains_W"],
-        **_sun(room, weather.irradiance_W_m2, len(outdoor_C)),
+        **_sun(room, weather),
     }
 
 
-def _sun(room: RoomDescription, irradiance_W_m2: Mapping[str, FloatArray], count: int) -> dict[str, FloatArray]:
-    through_W, panes_W = np.zeros(count), np.zeros(count)
+def _sun(room: RoomDescription, weather: WeatherRecord) -> dict[str, FloatArray]:
+    through_W, panes_W = np.zeros((2, len(weather.outdoor_C)))
     for window in room.windows:
-        gain_W = window.area_m2 * window.g * irradiance_W_m2[facade_name(window.facade)]
+        gain_W = window.area_m2 * window.g * room.shading.passed(weather, facade_name(window.facade))
         through_W += gain_W * (1 - window.secondary_share) * (1 - room.sun.reflected_share)
         panes_W += gain_W * window.secondary_share
     on_surfaces_W = through_W * (1 - room.sun.air_share)
     shares = sun_shares(room)
     outside = {
-        objects.sun_outside(s.name): s.solar_absorptance * irradiance_W_m2[facade_name(s.facade)]
+        objects.sun_outside(s.name): s.solar_absorptance * weather.irradiance_W_m2[facade_name(s.facade)]
         for s in room.surfaces
         if s.facade is not None
     }

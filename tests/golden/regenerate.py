@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from tests.golden.results import GOLDEN, fleet, table, traces
+from tests.golden.results import GOLDEN, fleet, swept, table, traces
 
 
 def main() -> None:
@@ -14,6 +14,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         table(Path(folder) / "run").to_csv(GOLDEN / "table5.csv", index=False)
         fleet(Path(folder) / "fleet").to_csv(GOLDEN / "activation.csv", index=False)
+        swept(Path(folder) / "sweep").to_csv(GOLDEN / "sweep.csv", index=False)
 
 
 if __name__ == "__main__":

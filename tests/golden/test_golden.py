@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from tests.golden.compare import differences
-from tests.golden.results import GOLDEN, KEYS, fleet, table, traces
+from tests.golden.results import GOLDEN, KEYS, SWEEP_MEMBERS, SWEPT, fleet, swept, table, traces
 from waxstudy.report.comparison import COLUMNS
 from waxstudy.simulation import kernel
 
@@ -25,6 +25,7 @@ WITHOUT_BAND = {
     **dict.fromkeys(("below_min", "below_without_min"), 1.0),
     **dict.fromkeys(("opening_before", "idle_share"), 0.1),
 }
+SHIFT_K = 2e-3  # of the search for equal comfort: a quarter of an hour a week
 STANDARD_ERRORS = 2.0  # the 95 % interval of an ensemble mean
 
 
@@ -40,6 +41,25 @@ def test_ensemble_means_lie_within_their_standard_error(tmp_path: Path) -> None:
     # whether a difference is resolved may turn with the last digit of an interval; its figures are compared
     golden, fresh = golden.drop(columns=TURNING), fresh.drop(columns=TURNING)
     assert differences(golden, fresh, KEYS, _tolerance(golden)) == []
+
+
+@pytest.mark.slow
+def test_the_rooms_of_a_sweep_have_their_golden_figures(tmp_path: Path) -> None:
+    golden = pd.read_csv(GOLDEN / "sweep.csv")
+    assert differences(golden, swept(tmp_path / "sweep"), ("point", "case"), _tolerance_of_rooms(golden)) == []
+
+
+def _tolerance_of_rooms(golden: pd.DataFrame) -> dict[str, float | pd.Series]:
+    """Means within two standard errors, spreads within their 95 % range, all within what the search for shifts leaves.
+
+    A kelvin of shift is at most a kelvin of error, and 0.5 kWh/m2 a week of heat in these rooms.
+    """
+    allowed: dict[str, float | pd.Series] = {}
+    for column in SWEPT:
+        spread = golden[f"{column}_sd"]
+        allowed[column] = STANDARD_ERRORS * spread / np.sqrt(SWEEP_MEMBERS) + SHIFT_K
+        allowed[f"{column}_sd"] = STANDARD_ERRORS * spread / np.sqrt(2.0 * (SWEEP_MEMBERS - 1)) + SHIFT_K
+    return allowed
 
 
 def _tolerance(golden: pd.DataFrame) -> dict[str, float | pd.Series]:

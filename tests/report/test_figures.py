@@ -25,6 +25,7 @@ from waxstudy.report.figures import (
     figure_20,
     figure_21,
     figure_22,
+    figure_b1,
 )
 from waxstudy.report.figures.overview import figure_overview
 from waxstudy.report.figures.places import steps
@@ -264,3 +265,13 @@ def test_an_actuator_with_other_numbers_has_a_curve_of_its_own() -> None:
     with_slower = replace(study, cases={**study.cases, "WAX": replace(wax, blocks={**wax.blocks, "actuator": slower})})
     found = activations(with_slower)
     assert [curve.actuator for curve in found] == [*plain, "variable-times, WAX"]
+
+
+def test_the_heating_curve_is_the_room_s_and_its_weeks_lie_on_it(small: Content) -> None:
+    axes = figure_b1(small).axes[0]
+    outdoor_C, supply_C = line(axes, "nzeb").get_data()
+    assert np.interp([-22.0, -1.0, 20.0], outdoor_C, supply_C) == pytest.approx([34.0, 28.0, 22.0])
+    for week in small.run.weeks:
+        used = small.run.traces("precise", week)["supply_C"]
+        part = line(axes, week).get_ydata()
+        assert [part.max(), part.min()] == pytest.approx([used.max(), used.min()], abs=0.1)

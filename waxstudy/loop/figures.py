@@ -66,8 +66,8 @@ def heat_of(frame: pd.DataFrame) -> float:
 
 def _hours_below(plan: Plan, members: Sequence[tuple[Loop | OutsideLoop, Start]], setpoint_C: float) -> FloatArray:
     weeks = (week for loop, start in members for week in loop.weeks(setpoint_C, [start], stop=plan.stop))
-    duration_s = members[0][0].driven.weather.duration_s
-    return np.array([week.hours_below for week in weeks]) * WEEK_H * 3600.0 / duration_s
+    counted_s = np.array([loop.driven.counted_s for loop, _ in members])
+    return np.asarray(np.array([week.hours_below for week in weeks]) * WEEK_H * 3600.0 / counted_s)
 
 
 def _of_member(plan: Plan, loop: Loop | OutsideLoop, start: Start, setpoint_C: float) -> dict[str, float]:

@@ -13,6 +13,7 @@ from waxstudy.report.activation import Activation, activations
 from waxstudy.report.against import Against, published
 from waxstudy.report.comparison import Row, comparison, member_values
 from waxstudy.report.other_run import other_run
+from waxstudy.report.season import Comfort, Months, by_month, comfort
 from waxstudy.report.spread import Spread, spreads
 from waxstudy.report.words import counted
 from waxstudy.results.comfort import Reached, reached
@@ -48,6 +49,8 @@ class Content:
     against: Against | None = None
     notes: Sequence[str] = ()
     spreads: Sequence[Spread] = ()
+    months: Sequence[Months] = ()
+    comfort: Sequence[Comfort] = ()
 
     def members_told(self, week: str) -> str:
         """Return the number of members of a week, and the starts and weathers that they are."""
@@ -74,6 +77,8 @@ def gather(run: Run, study: Study, against: str | Run | None = None) -> Content:
         against=None if against is None else _against(run, rows, members, against),
         notes=[*_off_comfort(run, study.comfort.hours_below_per_week), *_notes(study, rows, members)],
         spreads=spreads(run),
+        months=by_month(run),
+        comfort=comfort(run),
     )
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from waxstudy.report.content import Content
 from waxstudy.report.figures import PAPER_FIGURES
+from waxstudy.report.figures.months import figure_months
 from waxstudy.report.figures.overview import figure_overview
 from waxstudy.report.figures.plot import plots
 from waxstudy.report.html import filled, provenance
-from waxstudy.report.render import activation_tables, all_notes, comparison_tables
+from waxstudy.report.render import activation_tables, all_notes, comparison_tables, season_tables
 from waxstudy.report.words import counted
 
 
@@ -19,6 +20,8 @@ def as_html(content: Content) -> str:
         summary=summary(content),
         overview=figure_overview.plot(content),
         comparison=comparison_tables(content),
+        months=figure_months.plot(content) if content.months else None,
+        season=season_tables(content),
         against=[table for table in content.against.tables() if table.rows] if content.against else [],
         activation=activation_tables(content),
         starts={ladder.cases[0] for ladder in content.run.ladders},

@@ -14,9 +14,11 @@ from waxstudy.report.against import Against
 from waxstudy.report.comparison import CORRECTED_FIGURES, FIGURES, Row
 from waxstudy.report.content import Content, Starts
 from waxstudy.report.formats import csv_text, json_text, markdown, terminal
+from waxstudy.report.season import Comfort, Months
 from waxstudy.report.spread import Spread
 from waxstudy.report.table import Column, Table, text
-from waxstudy.report.words import MEAN_DECIDES, SINGLE_RUN, percent, yes_or_no
+from waxstudy.report.words import MEAN_DECIDES, SINGLE_RUN, percent, with_spread, yes_or_no
+from waxstudy.results.kpis import CATEGORIES_C, HEAT_OF_MONTH
 
 OF_SPREAD = ("start", "weather", "rest")
 PICKED_MIN = (1.0, 5.0, 15.0, 30.0, 45.0, 120.0)  # of the times off
@@ -25,7 +27,7 @@ PICKED_MIN = (1.0, 5.0, 15.0, 30.0, 45.0, 120.0)  # of the times off
 def tables(content: Content) -> list[Table[Any]]:
     """Every table of the report."""
     against = content.against.tables() if content.against else []
-    return [*comparison_tables(content), *against, *activation_tables(content)]
+    return [*comparison_tables(content), *season_tables(content), *against, *activation_tables(content)]
 
 
 def comparison_tables(content: Content) -> list[Table[Any]]:
@@ -94,6 +96,67 @@ def _beside(content: Content, week: str) -> Against | None:
     return against if against and any(cell.week == week for cell in against.cells) else None
 
 
+def season_tables(content: Content) -> list[Table[Any]]:
+    """Of each record of several months, heat and differences by month; of one with a season, comfort in it."""
+    made = (_months_table, _month_differences_table, _comfort_table)
+    return [table for week in content.run.weeks for make in made if (table := make(content, week)).rows]
+
+
+def _months_table(content: Content, week: str) -> Table[Months]:
+    rows = [row for row in content.months if row.week == week]
+    columns = [Column(name, partial(_heat, name), ".2f") for name in _names(rows)]
+    whole: Column[Months] = Column("all", attrgetter("total_kWh_m2"), ".2f")
+    return Table(f"{week}: heat by month, kWh/m², members' mean", [text("case"), *columns, whole], rows)
+
+
+def _month_differences_table(content: Content, week: str) -> Table[Months]:
+    rows = [row for row in content.months if row.week == week and row.difference_percent]
+    columns = [Column(name, partial(_difference, name), "+.1f") for name in _names(rows)]
+    whole: Column[Months] = Column(
+        "all", lambda row: with_spread(row.whole_percent, row.interval_percent, ".1f"), kind="figure"
+    )
+    title = f"{week}: heat against the reference by month, %; of all ± half the 95 % interval over the months"
+    return Table(title, [text("case"), *columns, whole], rows)
+
+
+def _heat(month: str, row: Months) -> float:
+    return row.heat_kWh_m2[month]
+
+
+def _difference(month: str, row: Months) -> float:
+    return row.difference_percent[month]
+
+
+def _in_category(category: str, row: Comfort) -> str:
+    return f"{100.0 * row.in_category[category]:.1f} %"
+
+
+def _names(rows: Sequence[Months]) -> list[str]:
+    return list(rows[0].heat_kWh_m2) if rows else []
+
+
+def _comfort_table(content: Content, week: str) -> Table[Comfort]:
+    rows = [row for row in content.comfort if row.week == week]
+    days = f"{rows[0].days:.0f} heating days" if rows else ""
+    return Table(
+        f"{week}: comfort on {days}; shares of the time within the categories of EN 16798-1, homes",
+        [
+            text("case"),
+            Column("hours_below_per_week", form=".1f", heading="below", unit="h a week"),
+            Column("over_setpoint_1K_share", lambda row: percent(row.over_setpoint_1K_share), heading="over 1 K warm"),
+            *(
+                Column(
+                    name,
+                    partial(_in_category, name),
+                    heading=f"{name} ({low:g} to {high:g} °C)",
+                )
+                for name, (low, high) in CATEGORIES_C.items()
+            ),
+        ],
+        rows,
+    )
+
+
 def activation_tables(content: Content) -> list[Table[Any]]:
     """How fast valves answer on their own, and in the study."""
     return [_activation_table(content), _starts_table(content)]
@@ -139,8 +202,20 @@ def as_csv(content: Content) -> str:
     columns: list[Column[Row]] = [Column("case"), Column("week"), *_with_spreads(FIGURES)]
     columns += [Column("cycles_per_week", attrgetter("cycles_per_week.mean"), ".4g"), *_csv_verdicts("")]
     columns += [*_with_spreads(CORRECTED_FIGURES), *_csv_verdicts("corrected_")]
+    columns += _month_columns(content)
     columns += content.against.csv_columns() if content.against else []
     return csv_text(Table("", columns, content.rows))
+
+
+def _month_columns(content: Content) -> list[Column[Row]]:
+    """The members' mean heat of each month, where a record has several."""
+    heat = {(row.case, row.week): row.heat_kWh_m2 for row in content.months}
+    names = sorted({name for months in heat.values() for name in months})
+
+    def of(name: str) -> Column[Row]:
+        return Column(HEAT_OF_MONTH.format(month=name), lambda row: heat.get((row.case, row.week), {}).get(name), ".5f")
+
+    return [of(name) for name in names]
 
 
 def _with_spreads(figures: Sequence[Column[Row]]) -> list[Column[Row]]:
@@ -167,6 +242,8 @@ def as_json(content: Content) -> str:
         "rows": [asdict(row) for row in content.rows],
         "starts": [{**asdict(s), "share": s.share} for s in content.starts],
         "spread": [_described(spread) for spread in content.spreads],
+        "months": [{**asdict(row), "total_kWh_m2": row.total_kWh_m2} for row in content.months],
+        "comfort": [asdict(row) for row in content.comfort],
         "activation": [
             {
                 "actuator": a.actuator,

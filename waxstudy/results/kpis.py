@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from datetime import date
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from waxstudy.plugin import FloatArray
 
+BoolArray = NDArray[np.bool_]
 # an opening valve counts as a start when its flow rises over the half after having been below a tenth
 CYCLE_LOW, CYCLE_HIGH = 0.1, 0.5
 FULLY_OPEN = 0.999
@@ -58,7 +62,14 @@ FIGURES = {
     "return_mean_C": "C",
     "starts": "1",
     "starts_over_300_s": "1",
+    "counted_days": "1",
 }
+# EN 16798-1, homes in the heating season: operative temperatures of categories I to III
+CATEGORIES_C = {"I": (21.0, 25.0), "II": (20.0, 25.0), "III": (18.0, 25.0)}
+IN_CATEGORY = {name: f"in_category_{name}_share" for name in CATEGORIES_C}
+FIGURES |= dict.fromkeys(IN_CATEGORY.values(), "1")
+HEAT_OF_MONTH = "heat_{month}_kWh_m2"  # of records that reach into several months (YYYY-MM)
+_OF_MONTH = re.compile(re.escape(HEAT_OF_MONTH).replace(r"\{month\}", r"(\d{4}-\d\d)"))
 MEANS = ("flow_L_h", "opening", "signal", "output", "water_heat_W_m2", "floor_heat_W_m2")
 
 
@@ -73,6 +84,8 @@ class MemberWeek:
     unshifted_setpoint_C: float
     operative_limit_C: float
     stored_kWh_m2: float = np.nan  # how much more heat the room holds at its end; NaN where that is not known
+    counts: BoolArray | None = None  # whether comfort is counted at a step; None where it always is
+    months: Mapping[str, slice] = field(default_factory=dict)  # which steps lie in which month
 
 
 class Figures:
@@ -84,6 +97,7 @@ class Figures:
     def __init__(self) -> None:
         self.steps = 0
         self.sums: dict[str, float] = {}
+        self.months: dict[str, float] = {}
         self.highest_C = -np.inf
         self.levels = [np.zeros(0, dtype=np.int8)]  # of the flow, where it is low or high
         self.valve = Valve()
@@ -104,7 +118,14 @@ class Figures:
             "flow_L_h": c["flow_L_h"],
             "return": c["return_C"] * c["flow_L_h"],
         }
+        counts = np.True_ if part.counts is None else part.counts
+        summed |= {"counted": np.broadcast_to(counts, fraction.shape)}
+        summed |= {name: summed[name] & counts for name in ("below", "warm")} | {"error_K": summed["error_K"] * counts}
+        for category, (low_C, high_C) in CATEGORIES_C.items():
+            summed[category] = (c["operative_C"] >= low_C) & (c["operative_C"] <= high_C) & counts
         now = {name: float(np.sum(values)) for name, values in summed.items()}
+        for month, steps in part.months.items():
+            self.months[month] = self.months.get(month, 0.0) + float(np.sum(c["water_heat_W_m2"][steps]))
         now["stored"] = part.stored_kWh_m2
         self.sums = {name: self.sums[name] + value for name, value in now.items()} if self.steps else now
         self.highest_C = max(self.highest_C, float(np.max(c["operative_C"])))
@@ -124,27 +145,44 @@ class Figures:
             samples.append(values[flowing] if name == "return_C" else values.copy())
 
     def key_figures(self) -> dict[str, float]:
-        """Return the KPIs of one member; per week where the name says so, whatever the record's length."""
+        """Return the KPIs of one member; per week where the name says so, whatever the record's length.
+
+        Hours below, the mean error, hours over the setpoint and categories are of the time in which comfort counts.
+        """
         part, hours, sums = self.part, self.part.step_s / 3600.0, self.sums
+        counted = sums["counted"]
+        counted_weeks = counted * part.step_s / (7 * 86400.0)
         weeks = self.steps * part.step_s / (7 * 86400.0)
         starts = self.valve.opening_times_s(part.step_s)
         return {
-            "hours_below_per_week": sums["below"] * hours / weeks,
-            "mae_K": sums["error_K"] / self.steps,
+            "hours_below_per_week": sums["below"] * hours / counted_weeks,
+            "mae_K": sums["error_K"] / counted,
             "heat_kWh_m2_week": sums["heat"] * hours / 1000.0 / weeks,
             "heat_corrected_kWh_m2_week": (sums["heat"] * hours / 1000.0 - sums["stored"]) / weeks,
             "cycles_per_week": rises(np.concatenate(self.levels)) / weeks,
             "air_mean_C": sums["air_C"] / self.steps,
             "operative_mean_C": sums["operative_C"] / self.steps,
             "operative_max_C": self.highest_C,
-            "over_setpoint_1K_share": sums["warm"] / self.steps,
+            "over_setpoint_1K_share": sums["warm"] / counted,
             "valve_open_h": sums["flowing"] * hours / weeks,
             "flow_mean_L_h": sums["flow_L_h"] / self.steps,
             "full_flow_L_h": part.full_flow_L_h,
             "return_mean_C": sums["return"] / sums["flow_L_h"] if sums["flow_L_h"] > 0 else np.nan,
             "starts": float(len(starts)),
             "starts_over_300_s": float(np.sum(starts > ACTIVATION_LIMIT_S)),
+            **self._of_season(),
         }
+
+    def _of_season(self) -> dict[str, float]:
+        """Return comfort of a heating season, where there is one, and heat of each month, where there are several."""
+        figures = {}
+        if self.part.counts is not None:
+            figures["counted_days"] = self.sums["counted"] * self.part.step_s / 86400.0
+            figures |= {IN_CATEGORY[name]: self.sums[name] / self.sums["counted"] for name in CATEGORIES_C}
+        if len(self.months) > 1:
+            kWh = self.part.step_s / 3.6e6
+            figures |= {HEAT_OF_MONTH.format(month=month): heat * kWh for month, heat in self.months.items()}
+        return figures
 
     def durations(self) -> pd.DataFrame:
         """Return each channel's value that is not exceeded for a share of the time: percentiles 0 to 100.
@@ -156,6 +194,16 @@ class Figures:
             values = np.concatenate(samples)
             frame[name] = np.percentile(values, DURATION_PERCENT) if len(values) else np.full(101, np.nan)
         return pd.DataFrame(frame)
+
+
+def months_of(columns: Iterable[str]) -> dict[str, str]:
+    """Return the columns that are heat of a month -> its month, in order."""
+    return {column: found[1] for column in sorted(columns) if (found := _OF_MONTH.fullmatch(column))}
+
+
+def units_of(columns: Iterable[str]) -> dict[str, str]:
+    """Return the unit of every key figure, the months among these columns too."""
+    return {**FIGURES, **dict.fromkeys(months_of(columns), "kWh/m2")}
 
 
 def key_figures(week: MemberWeek) -> dict[str, float]:

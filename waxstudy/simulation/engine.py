@@ -33,7 +33,10 @@ START = Start(0.0, 0.0)
 
 @dataclass(frozen=True)
 class Week:
-    """What one simulated week gives. `trace` has a row per step (columns `kernel.TRACE`), or none."""
+    """What one simulated week gives, hours while comfort counts.
+
+    `trace` has a row per step (columns `kernel.TRACE`), or none.
+    """
 
     hours_below: float
     trace: FloatArray
@@ -165,9 +168,16 @@ class Loop:
 
     def _week(self, setpoint_C: float, start: Start, trace: bool, stop: np.ndarray) -> Week:
         """Warm up from one start, then simulate the week."""
-        state, week = self._warm(setpoint_C, start, stop), np.arange(len(self.driven.supply_C))
-        cold, record = self.advance(state, week, 0.0, setpoint_C, trace=trace, stop=stop)
-        return Week(hours_below=cold * self.driven.step_s / 3600.0, trace=record)
+        state, cold, records = self._warm(setpoint_C, start, stop), 0, []
+        for span, counts in self.driven.spans:
+            begin_s = float(span[0]) * self.driven.weather.interval_s
+            below, record = self.advance(state, span, begin_s, setpoint_C, trace=trace, stop=stop)
+            cold += below if counts else 0
+            records.append(record)
+        return Week(
+            hours_below=cold * self.driven.step_s / 3600.0,
+            trace=records[0] if len(records) == 1 else np.concatenate(records),
+        )
 
     def _warm(self, setpoint_C: float, start: Start, stop: np.ndarray) -> State:
         """Return the state after a warm-up with the first day's weather."""

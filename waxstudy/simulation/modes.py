@@ -8,11 +8,14 @@ from functools import lru_cache
 from math import isqrt
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import svd
 
 from waxstudy.plugin import FloatArray, LinearRoom, WeatherRecord
+from waxstudy.results.kpis import BoolArray
 from waxstudy.simulation.lanes import LANES
 
+IntArray = NDArray[np.int64]
 CURVE_POINTS = 1001  # table of the floor conductance over the flow fraction
 AFTER_S = np.geomspace(5.0, 864000.0, 40)  # when after a step the error is looked at
 SNAPSHOTS_S = np.append(0.0, np.geomspace(2.0, 432000.0, 60))  # when the responses are taken that few modes are to span
@@ -36,10 +39,25 @@ class DrivenRoom:
     to_modes: FloatArray  # (modes, nodes): node temperatures -> modes
     dropped_error_K: float  # of any temperature against the full room, after the largest change of every input at once
     engine: str = ""  # an outside room's, with its version
+    counts: BoolArray | None = None  # (intervals,) whether comfort is counted; None where it always is
 
     @property
     def steps_per_interval(self) -> int:
         return round(self.weather.interval_s / self.step_s)
+
+    @property
+    def counted_s(self) -> float:
+        """Time over which comfort is counted [s]."""
+        return self.weather.duration_s if self.counts is None else self.weather.interval_s * float(self.counts.sum())
+
+    @property
+    def spans(self) -> list[tuple[IntArray, bool]]:
+        """The weather intervals one stretch after another, each with whether comfort is counted in it."""
+        intervals = np.arange(len(self.supply_C))
+        if self.counts is None:
+            return [(intervals, True)]
+        stretches = np.split(intervals, np.flatnonzero(np.diff(self.counts)) + 1)
+        return [(stretch, bool(self.counts[stretch[0]])) for stretch in stretches]
 
     @property
     def stored_J(self) -> FloatArray:

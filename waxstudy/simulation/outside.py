@@ -57,7 +57,10 @@ class OutsideLoop:
         asked = np.zeros(1, dtype=np.int64) if stop is None else stop
         for start in starts:
             record = self._record(setpoint_C, start, asked)
-            cold = np.count_nonzero(record[:, OPERATIVE] < self.stand_in.limit_C)
+            below = record[:, OPERATIVE] < self.stand_in.limit_C
+            counts = self.driven.counts
+            steps = self.driven.steps_per_interval
+            cold = np.count_nonzero(below if counts is None else below & np.repeat(counts, steps))
             yield Week(hours_below=cold * self.driven.step_s / 3600.0, trace=record if trace else record[:0])
 
     def parts(self, setpoint_C: float, start: Start, intervals: int, stop: np.ndarray) -> Iterator[Part]:

@@ -29,7 +29,7 @@ from waxstudy.plugin import (
 from waxstudy.plugin.registry import PluginError, described, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
 from waxstudy.results.folder import run_folder
-from waxstudy.results.kpis import WEATHER, Figures, MemberWeek, thinned
+from waxstudy.results.kpis import WEATHER, BoolArray, Figures, MemberWeek, thinned
 from waxstudy.results.run import CaseFolder, damaged, finish, what_is_wrong, writing_case
 from waxstudy.simulation import ensemble, kernel, shift
 from waxstudy.simulation.budget import Needs, free_disk, free_memory
@@ -37,9 +37,10 @@ from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import DAY_S, Loop, Part, Start
 from waxstudy.simulation.modes import DrivenRoom, drive
 from waxstudy.simulation.outside import OutsideLoop, engine_of, given_to
+from waxstudy.simulation.season import heating
 from waxstudy.simulation.software import software
 from waxstudy.simulation.sources import component_digest, digest, source_digest
-from waxstudy.study.model import Case, Choice, Study, is_multiple
+from waxstudy.study.model import Case, Choice, Season, Study, is_multiple
 
 WEEK_H = 168.0
 CLOSE_K = 0.02  # how near the few members' shift is to that of all
@@ -120,7 +121,15 @@ def _driven(study: Study, room: LinearRoom, week: str, choice: Choice, table: st
     _keeps_its_contract("room", _named(table, lambda: list(driving_problems(room, record))))
     engine = _named("room", partial(engine_of, study.room, record, study.step_s), week)
     with told("[room]"):
-        return replace(drive(room, record, study.step_s), engine=engine)
+        driven = replace(drive(room, record, study.step_s), engine=engine)
+    return replace(driven, counts=_counts(record, study.season, week))
+
+
+def _counts(record: WeatherRecord, season: Season | None, week: str) -> BoolArray | None:
+    try:
+        return heating(record, season) if season else None
+    except ValueError as error:
+        raise InputError("season", f"{week}: {error}") from error
 
 
 def _keeps_its_contract(table: str, problems: Iterable[str]) -> None:
@@ -263,11 +272,13 @@ class _NotWritten(Exception):
 def equal_comfort(plan: Plan, loops: Sequence[Loop | OutsideLoop]) -> shift.Shift:
     """Return the setpoint shift at which the members of a case are as comfortable as the study asks, on their mean."""
     comfort = plan.study.comfort
-    per_week = WEEK_H * 3600.0 / loops[0].driven.weather.duration_s
 
     def hours_at(of: Sequence[Loop | OutsideLoop], starts: Sequence[Start], shift_K: float) -> FloatArray:
-        weeks = (week for each in of for week in each.weeks(comfort.setpoint_C + shift_K, starts, stop=plan.stop))
-        return np.array([week.hours_below for week in weeks]) * per_week
+        return np.concatenate([each_hours(each, starts, shift_K) for each in of])
+
+    def each_hours(loop: Loop | OutsideLoop, starts: Sequence[Start], shift_K: float) -> FloatArray:
+        weeks = loop.weeks(comfort.setpoint_C + shift_K, starts, stop=plan.stop)
+        return np.array([week.hours_below for week in weeks]) * WEEK_H * 3600.0 / loop.driven.counted_s
 
     target_h = comfort.hours_below_per_week
     # a few members, or the room that stands in, find the neighbourhood at a fraction of the cost
@@ -350,7 +361,7 @@ def member_week(
     return_C = np.where(flowing, supply_C - heat_W / np.where(flowing, capacity_W_K, 1.0), columns["layer_C"])
     more = {"supply_C": supply_C, "return_C": return_C, "flow_L_h": flow_L_h}
     columns |= more | {"water_heat_W_m2": heat_W / room.floor_area_m2}
-    comfort = study.comfort
+    comfort, steps = study.comfort, driven.steps_per_interval
     return MemberWeek(
         columns,
         driven.step_s,
@@ -359,7 +370,21 @@ def member_week(
         comfort.setpoint_C,
         comfort.operative_limit_C,
         simulated.stored_J / 3.6e6 / room.floor_area_m2,
+        None if driven.counts is None else np.repeat(driven.counts[first:last], steps),
+        months(driven.weather, first, last, steps),
     )
+
+
+def months(weather: WeatherRecord, first: int, last: int, steps_per_interval: int) -> dict[str, slice]:
+    """Return which steps of a part, of intervals `first` to `last`, lie in which month (YYYY-MM)."""
+    since_s = np.arange(first, last) * weather.interval_s
+    days = np.datetime64(weather.first_day) + (since_s // DAY_S).astype("timedelta64[D]")
+    names, begins = np.unique(days.astype("datetime64[M]"), return_index=True)
+    ends = [*begins[1:], last - first]
+    return {
+        str(name): slice(begin * steps_per_interval, end * steps_per_interval)
+        for name, begin, end in zip(names, begins, ends, strict=True)
+    }
 
 
 def provenance(plan: Plan, jobs: Iterable[CaseFolder]) -> dict[str, Any]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
@@ -17,6 +19,8 @@ from waxstudy.study.problems import Problem, listed, shown
 from waxstudy.study.sentences import refused_default, sentences, value_at
 from waxstudy.study.source import Source
 from waxstudy.study.spots import RawTable, Spot, Written
+
+DATA = "WAXSTUDY_DATA"  # folder of data that no study holds, such as weather
 
 P = TypeVar("P", bound=Parameters)
 
@@ -120,8 +124,19 @@ class Check:
         return None
 
     def resolved(self, path: Written) -> str:
-        """Return a path relative to the study file's folder as an absolute one; note it if there is no file."""
-        full = self.source.folder / path.value
+        """Return a path relative to the study file's folder as an absolute one; note it if there is no file.
+
+        What begins with `$WAXSTUDY_DATA/` lies in the folder that this variable of the environment names.
+        """
+        below = path.value.removeprefix(f"${DATA}/")
+        if below == path.value:
+            full = self.source.folder / path.value
+        elif data := os.environ.get(DATA):
+            full = Path(data).absolute() / below
+        else:
+            if self.needs_files:
+                self.problem(path.spot, f"{DATA} is not set: it names the folder of the data", value=path.value)
+            return str(path.value)
         if self.needs_files and (wrong := lacking(full)):
             self.problem(path.spot, wrong, value=path.value, allowed=f"looked for {full}")
         return str(full)

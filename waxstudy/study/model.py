@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import date
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
-from pydantic import field_validator
+from pydantic import field_validator, model_validator
 
 from waxstudy.plugin import Choice as Choice
 from waxstudy.plugin import Parameters, parameter
@@ -127,6 +128,39 @@ class Comfort(Parameters):
     )
 
 
+class Season(Parameters):
+    """`[season]`: comfort is counted on heating days only, found from the outdoor temperature or given."""
+
+    limit_C: float = parameter(
+        10.0,
+        unit="C",
+        description="running mean outdoor temperature of the days before, below which a day is a heating day",
+        source="EN 16798-1: its limits for warm seasons begin at 10 C; bounds chosen",
+        ge=-30.0,
+        le=30.0,
+    )
+    first_day: str | None = parameter(
+        None, unit="", description="first heating day as MM-DD, in place of that rule", source="given by the user"
+    )
+    last_day: str | None = parameter(None, unit="", description="last heating day as MM-DD", source="given by the user")
+
+    @field_validator("first_day", "last_day")
+    @classmethod
+    def _is_a_day(cls, day: str | None) -> str | None:
+        try:
+            return day and f"{date.fromisoformat(f'2000-{day}'):%m-%d}"
+        except ValueError:
+            raise ValueError(f"'{day}' is not a day of the year as MM-DD") from None
+
+    @model_validator(mode="after")
+    def _both_or_none(self) -> Self:
+        if (self.first_day is None) != (self.last_day is None):
+            raise ValueError("first_day and last_day belong together: give both, or none")
+        if self.first_day is not None and "limit_C" in self.model_fields_set:
+            raise ValueError("limit_C is a rule for days that are not given: leave it out, or first_day and last_day")
+        return self
+
+
 class Ensemble(Parameters):
     """`[ensemble]`: initial states shared by all cases; `[ensemble.weather.WEEK]` is in `Study.drawn`."""
 
@@ -150,13 +184,19 @@ class Output(Parameters):
     trace_members: int = parameter(1, unit="1", description="members with traces", source="chosen", ge=0, le=1000)
 
 
+def _stated(season: Season) -> dict[str, Any]:
+    """Return a season in the study file's words: its days, or else the rule."""
+    return season.model_dump(exclude_none=True, exclude={"limit_C"} if season.first_day else set())
+
+
 @dataclass(frozen=True)
 class Study:
     """Everything a run needs. Weeks and cases keep the order of the file.
 
     `fragments` are the files that blocks were taken from, with their hashes; the blocks hold what they said.
     `file` is the study's own, None of a study that was made otherwise. `drawn` has the weeks of which the ensemble
-    has several weathers; `activation` the fleet that is switched instead of the cases being compared.
+    has several weathers; `activation` the fleet that is switched instead of the cases being compared. Without a
+    `season` comfort counts all the time.
     """
 
     name: str
@@ -173,6 +213,7 @@ class Study:
     file: Path | None = field(default=None, compare=False)
     drawn: Mapping[str, Drawn] = field(default_factory=dict)
     activation: Activation | None = None
+    season: Season | None = None
 
     def weathers(self, week: str) -> Sequence[Choice]:
         """Return what a week is drawn from: the weather that its table states, where nothing else is said."""
@@ -186,6 +227,7 @@ class Study:
             "room": self.room.described(),
             "weather": {week: choice.described() for week, choice in self.weeks.items()},
             "comfort": self.comfort.model_dump(),
+            **({"season": _stated(self.season)} if self.season else {}),
             "ensemble": {**self.ensemble.model_dump(), **self._drawn()},
             "output": self.output.model_dump(),
             "ladder": {name: self._ladder(ladder) for name, ladder in self.ladders.items()},

@@ -22,6 +22,7 @@ from waxstudy.study.model import (
     Ensemble,
     Ladder,
     Output,
+    Season,
     Study,
     StudyTable,
     is_multiple,
@@ -34,7 +35,7 @@ from waxstudy.study.spots import RawTable, Spot
 
 __all__ = ["Problem", "StudyError", "problem_at", "read_study"]
 
-TABLES = ("study", "room", "weather", "comfort", "ensemble", "output", "ladder", "activation")
+TABLES = ("study", "room", "weather", "comfort", "season", "ensemble", "output", "ladder", "activation")
 
 P = TypeVar("P", bound=Parameters)
 
@@ -54,6 +55,7 @@ def study_of(source: Source, registry: Registry, file: Path | None = None, *, ne
     study, comfort = _part(check, "study", StudyTable), _part(check, "comfort", Comfort)
     if study and study.against is not None:
         check.reference(Spot.table("study").at("against"), study.against)
+    season = _part(check, "season", Season) if "season" in check.source.values else None
     ensemble = _part(check, "ensemble", Ensemble, apart=("weather",))
     output = _output(check, study, ensemble)
     room = _room(check)
@@ -66,7 +68,7 @@ def study_of(source: Source, registry: Registry, file: Path | None = None, *, ne
         raise StudyError(check.problems)
     named = {ladder.name: Ladder(ladder.name, ladder.reference, [c.id for c in ladder.cases]) for ladder in ladders}
     tables = (study.name, study.step_s, study.against, room, weeks, comfort, ensemble, output)
-    return Study(*tables, named, cases, check.fragments, file, drawn, activation)
+    return Study(*tables, named, cases, check.fragments, file, drawn, activation, season)
 
 
 def problem_at(path: Path, table: KeyPath, wrong: str, key: str = "", value: object = None) -> Problem:

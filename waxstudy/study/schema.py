@@ -21,7 +21,7 @@ from waxstudy.plugin.registry import Registry
 from waxstudy.study.activation import ActivationTable, StateTable
 from waxstudy.study.drawn import MOST_WEATHERS
 from waxstudy.study.fragment import FROM
-from waxstudy.study.model import NAME_PATTERN, NAME_RULE, Comfort, Ensemble, Output, StudyTable
+from waxstudy.study.model import NAME_PATTERN, NAME_RULE, Comfort, Ensemble, Output, Season, StudyTable
 
 DIALECT = "http://json-schema.org/draft-07/schema#"
 NAME = f"^{NAME_PATTERN}$"
@@ -47,6 +47,7 @@ def schema(registry: Registry) -> Json:
             "room": ref("room"),
             "weather": _named("Weeks, or other periods, that every case is run under.", ref("weather")),
             "comfort": parameters(Comfort),
+            "season": parameters(Season),
             "ensemble": _ensemble(),
             "output": parameters(Output),
             "ladder": _named("Ladders: cases that grow step by step.", LADDER),

@@ -9,14 +9,17 @@ from typing import Any
 
 from waxstudy.plugin import Choice, Parameters
 from waxstudy.plugin.registry import installed, nearest
-from waxstudy.study.model import Comfort, Ensemble, Study
+from waxstudy.study.model import Comfort, Ensemble, Season, Study
 from waxstudy.study.problems import Problem, StudyError
 from waxstudy.study.read import study_of
 from waxstudy.study.source import Source
 from waxstudy.sweep.axes import Sweep
 
-ALLOWED = "allowed: room.KEY, weather.KEY, weather.WEEK.KEY, comfort.KEY, ensemble.KEY, BLOCK.KEY or CASE.BLOCK.KEY"
-TABLES: dict[str, type[Parameters]] = {"comfort": Comfort, "ensemble": Ensemble}
+ALLOWED = (
+    "allowed: room.KEY, weather.KEY, weather.WEEK.KEY, comfort.KEY, season.KEY, ensemble.KEY, BLOCK.KEY or "
+    "CASE.BLOCK.KEY"
+)
+TABLES: dict[str, type[Parameters]] = {"comfort": Comfort, "season": Season, "ensemble": Ensemble}
 
 
 @dataclass(frozen=True)

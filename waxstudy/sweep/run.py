@@ -24,7 +24,7 @@ from waxstudy.plugin import SimulationError
 from waxstudy.plugin.files import check_file
 from waxstudy.results.atomic import sole_use, whole_file
 from waxstudy.results.folder import RunError, holds_run
-from waxstudy.results.kpis import FIGURES
+from waxstudy.results.kpis import units_of
 from waxstudy.results.parquet import write_parquet
 from waxstudy.simulation.run import Progress
 from waxstudy.study.model import Study
@@ -64,7 +64,7 @@ def run(
         for _ in range(len(keys) - len(first)):
             told.done(None, True)
         todo = {number: studies[number].described() for number in sorted(first.values())}
-        failed = compute_points(todo, files, where, told, partial(computed, jit=jit), FIGURES)
+        failed = compute_points(todo, files, where, told, partial(computed, jit=jit))
         reasons = {number: failed[first[key]] for number, key in enumerate(keys) if first.get(key, -1) in failed}
         _finish(folder, studies[0], sweep, files, reasons)
     return reasons
@@ -98,9 +98,11 @@ def compute_points(
     where: Where,
     told: Progress,
     work: Callable[[Stated], pd.DataFrame],
-    units: Mapping[str, str],
+    units: Mapping[str, str] | None = None,
 ) -> dict[int, str]:
     """Compute points until all have ended, and keep each in its file; return why which failed.
+
+    `units` are of columns that are no key figures.
 
     Those that a dying process had are computed again, one by one.
     """
@@ -108,8 +110,9 @@ def compute_points(
 
     def ended(number: int, outcome: Future[pd.DataFrame]) -> None:
         try:
+            figures = outcome.result()
             with whole_file(files[number]) as path:
-                write_parquet(outcome.result(), path, units)
+                write_parquet(figures, path, {**units_of(map(str, figures)), **(units or {})})
         except SimulationError as error:
             failed[number] = str(error)
             told.warn(f"point {number}: {error}; it is left out")
@@ -154,9 +157,10 @@ def _attempt(
 
 def _finish(folder: Path, study: Study, sweep: Sweep, files: Sequence[Path], failed: dict[int, str]) -> None:
     places_of = places(study)
-    units = {"point": "1", NAME: "1", **{key: places_of[key].unit for key in sweep.keys}, **FIGURES}
+    table = tidy(sweep, files, failed)
+    units = {"point": "1", NAME: "1", **{key: places_of[key].unit for key in sweep.keys}, **units_of(map(str, table))}
     with whole_file(folder / TABLE) as path:
-        write_parquet(tidy(sweep, files, failed), path, units)
+        write_parquet(table, path, units)
     said = {
         "format": FORMAT,
         "study": study.name,

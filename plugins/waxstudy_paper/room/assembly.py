@@ -62,12 +62,22 @@ def inputs_of(room: RoomDescription) -> dict[str, Role]:
     ground = {} if room.ground_temperature_C is None else {"ground_C": Role.OWN}
     sky = {"sky_C": Role.SKY} if room.films.sky_W_m2K else {}
     air = {"outdoor_C": Role.OUTDOOR, "ventilation_supply_C": Role.SUPPLY_AIR}
-    sun = dict.fromkeys(map(irradiance, room.facades), Role.SUN)
+    sun = dict.fromkeys([*map(irradiance, room.facades), *map(behind_shading, _shaded(room))], Role.SUN)
     return {**air, **ground, **sky, "gains_W": Role.GAINS, **sun}
 
 
 def irradiance(facade: str) -> str:
     return f"irradiance {facade} W_m2"
+
+
+def behind_shading(facade: str) -> str:
+    return f"irradiance {facade} behind shading W_m2"
+
+
+def _shaded(room: RoomDescription) -> list[str]:
+    """The facades whose windows see the sun through shading: only the windows do, not the walls beside them."""
+    names = dict.fromkeys(facade_name(window.facade) for window in room.windows)
+    return list(names) if room.shading.passes < 1.0 else []
 
 
 def drive(room: RoomDescription, weather: WeatherRecord) -> tuple[FloatArray, FloatArray]:
@@ -90,6 +100,7 @@ def drive(room: RoomDescription, weather: WeatherRecord) -> tuple[FloatArray, Fl
         "sky_C": weather.sky_C,
         "gains_W": room.gains.mean_W_m2 * room.floor.area_m2 * factors[hour],
         **{irradiance(facade): weather.irradiance_W_m2[facade] for facade in room.facades},
+        **{behind_shading(facade): room.shading.passed(weather, facade) for facade in _shaded(room)},
     }
     columns = [np.broadcast_to(np.asarray(values[name], dtype=float), count) for name in inputs_of(room)]
     return np.column_stack(columns), supply_C(room.circuit, weather.outdoor_C)
@@ -177,7 +188,8 @@ def _add_window(assembly: Assembly, window: Window) -> None:
     assembly.faces[window.name] = pane
     _hold_outdoors(assembly, pane, window, area / (1 / window.U_W_m2K - inner_m2K_W))
     network.join(pane, assembly.air, area * room.films.wall_W_m2K)
-    sun = irradiance(facade_name(window.facade))
+    facade = facade_name(window.facade)
+    sun = behind_shading(facade) if facade in _shaded(room) else irradiance(facade)
     secondary = window.g * window.secondary_share
     network.heat(pane, sun, area * secondary / (1 - window.U_W_m2K * inner_m2K_W))
     through_m2 = area * (window.g - secondary) * (1 - room.sun.reflected_share)

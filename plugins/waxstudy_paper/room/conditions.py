@@ -5,9 +5,10 @@ from __future__ import annotations
 from math import cos, radians
 from typing import Self
 
+import numpy as np
 from pydantic import model_validator
 
-from waxstudy.plugin import Parameters, parameter
+from waxstudy.plugin import FloatArray, Parameters, WeatherRecord, parameter
 from waxstudy_paper.room.construction import STUDY, Facing
 
 
@@ -181,6 +182,61 @@ class Sun(Parameters):
         ge=0,
         le=1,
     )
+
+
+class Shading(Parameters):
+    """External shading of all windows, each drawn by the sun on its own facade, the clock and the month."""
+
+    passes: float = parameter(
+        1.0,
+        unit="1",
+        description="share of the sun that passes while it is drawn; 1 is none",
+        source="chosen: none, the paper names none; external blinds and screens let through 0.1 to 0.3",
+        ge=0,
+        le=1,
+    )
+    above_W_m2: float = parameter(
+        300.0,
+        unit="W/m2",
+        description="irradiance on the window from which it is drawn; 0 leaves it to the schedule",
+        source="chosen: EN ISO 13790 draws movable shading above 300 W/m2",
+        ge=0,
+        le=2000,
+    )
+    from_hour: float = parameter(
+        0.0, unit="h", description="time of day from which it may be drawn", source="chosen", ge=0, le=24
+    )
+    to_hour: float = parameter(
+        24.0, unit="h", description="time of day until which it may be drawn", source="chosen", ge=0, le=24
+    )
+    months: tuple[int, ...] = parameter(
+        tuple(range(1, 13)),
+        unit="1",
+        description="months in which it may be drawn, 1 to 12",
+        source="chosen: all",
+        strict=False,
+    )
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        if self.from_hour >= self.to_hour:
+            raise ValueError(f"from_hour = {self.from_hour:g} must lie before to_hour = {self.to_hour:g}")
+        if not self.months or not set(self.months) <= set(range(1, 13)):
+            raise ValueError("months: at least one of 1 to 12, and no other")
+        return self
+
+    def passed(self, weather: WeatherRecord, facade: str) -> FloatArray:
+        """Return the irradiance behind it (intervals,); an interval counts by its middle.
+
+        Behind counted panes the limit is of the irradiance that they count.
+        """
+        middle_s = (np.arange(len(weather.outdoor_C)) + 0.5) * weather.interval_s
+        hour = middle_s % 86_400 / 3600
+        day = np.datetime64(weather.first_day) + (middle_s // 86_400).astype("timedelta64[D]")
+        month = day.astype("datetime64[M]").astype(int) % 12 + 1
+        sun = weather.irradiance_W_m2[facade]
+        is_time = (hour >= self.from_hour) & (hour < self.to_hour) & np.isin(month, self.months)
+        return np.where(is_time & (sun > self.above_W_m2), self.passes * sun, sun)
 
 
 class Sensing(Parameters):

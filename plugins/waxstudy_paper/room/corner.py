@@ -87,6 +87,7 @@ def describe(p: NzebParameters) -> RoomDescription:
         films=p.films,
         gains=p.gains,
         sun=p.sun,
+        shading=p.shading,
         sensing=p.sensing,
         cell_time_s=p.cell_time_s,
     )

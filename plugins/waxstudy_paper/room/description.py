@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import model_validator
 
 from waxstudy.plugin import Facade, Parameters, parameter
-from waxstudy_paper.room.conditions import Air, Films, Gains, Sensing, Sun
+from waxstudy_paper.room.conditions import Air, Films, Gains, Sensing, Shading, Sun
 from waxstudy_paper.room.construction import STUDY, Layer, Part, Surface, Window
 from waxstudy_paper.room.hydronics import Circuit, exchange_W_m2K, nominal_film_m2K_W
 
@@ -35,6 +35,7 @@ class RoomDescription(Parameters):
     films: Films = parameter(Films(), unit="", description="films", source="EN ISO 6946, EN 1264-2")
     gains: Gains = parameter(Gains(), unit="", description="internal gains", source="section 3.3")
     sun: Sun = parameter(Sun(), unit="", description="sun in the room", source="chosen")
+    shading: Shading = parameter(Shading(), unit="", description="external shading of the windows", source="chosen")
     sensing: Sensing = parameter(Sensing(), unit="", description="operative point and sensor", source="chosen")
     ground_temperature_C: float | None = parameter(
         None, unit="C", description="behind surfaces on the ground", source=STUDY, ge=-40, le=60

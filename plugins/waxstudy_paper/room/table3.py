@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from waxstudy.plugin import Parameters, parameter
-from waxstudy_paper.room.conditions import Films, Gains, Sensing, Sun
+from waxstudy_paper.room.conditions import Films, Gains, Sensing, Shading, Sun
 from waxstudy_paper.room.construction import Material
 from waxstudy_paper.room.hydronics import Circuit
 
@@ -155,6 +155,7 @@ class Table3(Parameters):
     films: Films = parameter(Films(), unit="", description="films", source="EN ISO 6946, EN 1264-2")
     gains: Gains = parameter(Gains(), unit="", description="internal gains", source="section 3.3")
     sun: Sun = parameter(Sun(), unit="", description="sun in the room", source="chosen")
+    shading: Shading = parameter(Shading(), unit="", description="external shading of the windows", source="chosen")
     sensing: Sensing = parameter(Sensing(), unit="", description="operative point and sensor", source="chosen")
     operative_height_m: float = parameter(
         0.6,

@@ -12,6 +12,7 @@ from waxstudy.report.figures.plot import drawing, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, ladder_dash, legend_below, look
 
 BAND_K = 0.25
+MOST_TICKS = 14
 
 
 @drawing(
@@ -117,4 +118,4 @@ def _week(panel: Axes, content: Content, cases: list[str], week: str) -> None:
         style["linewidth"] = min(1.6, style.get("linewidth", 1.2))
         panel.plot(places.days(frame), frame["air_C"], label=case, **style)
     last = int(np.ceil(places.days(frame)[-1]))
-    panel.set(xticks=range(last + 1), xlim=(0, last))
+    panel.set(xticks=range(0, last + 1, -(-last // MOST_TICKS)), xlim=(0, last))
