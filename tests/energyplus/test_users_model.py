@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 import pytest
 
 from tests.cli.conftest import Entry
@@ -282,3 +283,50 @@ def test_what_energyplus_finds_wrong_ends_the_run_with_its_own_words(written: Ca
 def test_an_engine_that_is_silent_too_long_is_ended(written: Callable[..., Path]) -> None:
     with pytest.raises(EnergyPlusError, match=r"silent for longest_silence_s = 0.01 s before the first step"):
         simulated(written(house()), 0.5, longest_silence_s=0.01)
+
+
+STUDY = """\
+study = {{ name = "small", step_s = 60 }}
+room = {{ use = "energyplus-model", path = "house.epJSON", {room} }}
+weather.january = {{ use = "epw", path = "{weather}", start = "01-14", days = 1 }}
+ensemble = {{ members = 1 }}
+
+[ladder.on-off]
+reference = "O_CP"
+start = {{ id = "O_CP", controller = {{ use = "on-off", dead_band_K = 0.5 }}, valve = {{ use = "linear" }} }}
+"""
+
+
+def an_unknown_construction(model: Model) -> None:
+    del model["Construction"]["roof"]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "room", "code", "said"),
+    [
+        (without_hydronics, 'zone = "Living"', 3, "nothing in it is heated by water"),
+        (two_units, 'zone = "Living"', 3, "say which by unit"),
+        (of_another_version, 'zone = "Living"', 3, "IDFVersionUpdater"),
+        (lambda model: None, 'zone = "Livign"', 3, "did you mean 'Living'?"),
+        (an_unknown_construction, 'zone = "Living"', 6, "EnergyPlus gave up with code 1"),
+        (lambda model: None, 'zone = "Living", longest_silence_s = 0.01', 6, "silent for longest_silence_s"),
+    ],
+)
+def test_the_command_says_what_is_wrong_with_a_model_and_leaves_nothing_behind(
+    written: Callable[..., Path],
+    entry: Entry,
+    tmp_path: Path,
+    spoil: Callable[[Model], None],
+    room: str,
+    code: int,
+    said: str,
+) -> None:
+    model, before = house(), {each.pid for each in psutil.Process().children()}
+    spoil(model)
+    written(model)
+    (tmp_path / "study.toml").write_text(STUDY.format(room=room, weather=chicago()))
+    done = entry("run", "study.toml", "--out", "run")
+    assert done.code == code, done.stderr
+    assert said in done.stderr
+    assert not list(tmp_path.glob("run/cases/*"))
+    assert {each.pid for each in psutil.Process().children()} <= before
