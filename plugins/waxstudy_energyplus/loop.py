@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from waxstudy.simulation.standalone import ROW, Address, Number, Standalone
 from waxstudy_energyplus.chain import carried
@@ -58,17 +58,17 @@ class Loop(ABC):
         self.sensed_C: list[float] = []  # at the end of the last two steps
         self.values: Callable[[], list[float]] | None = None
         number, self.width = ctypes.c_double, job.chain_steps * ROW
-        self.rows = (number * (job.steps * len(job.variables)))()
-        self.chain = (number * (job.steps * self.width))()
-        self.spare = (number * self.width)()  # for steps that are not kept
+        self.rows: Any = (number * (job.steps * len(job.variables)))()
+        self.chain: Any = (number * (job.steps * self.width))()
+        self.spare: Any = (number * self.width)()  # for steps that are not kept
         for name, key in job.variables:
             engine.request(name, key)
         if job.codes and isinstance(self.chain_of, Standalone):
             self.chain_of.codes = [*self.chain_of.codes, *job.codes]
             self.native = Native(self.chain_of, self.wire)
             engine.watch_also(lambda: int(self.wire.step))
-        engine.at(BEFORE_PREDICTOR, self.drive, self.native and partial(self.native.callback, DRIVE))
-        engine.at(AFTER_REPORTING, self.read, self.native and partial(self.native.callback, READ))
+        for moment, call, name in ((BEFORE_PREDICTOR, self.drive, DRIVE), (AFTER_REPORTING, self.read, READ)):
+            engine.at(moment, call, partial(self.native.callback, name) if self.native else None)
 
     @abstractmethod
     def hold(self) -> None:

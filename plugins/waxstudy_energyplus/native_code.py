@@ -15,13 +15,24 @@ from waxstudy.simulation.carry import addresses_at, numbers_at, of_plain, of_tex
 from waxstudy.simulation.standalone import Address, Told
 from waxstudy_energyplus.native import AT, DRIVE, READ, Wire
 
-FIELDS = [name for name, _ in Wire._fields_]
-ADDRESSES = sum(kind is Address for _, kind in Wire._fields_)
+FIELDS = [each[0] for each in Wire._fields_]
+ADDRESSES = sum(each[1] is Address for each in Wire._fields_)  # the first ones
 NUMBERS = len(FIELDS) - ADDRESSES
-(ACTIVE, STATE, GET, SET, CARRY, TOLD, HANDLES, VARIABLES, ROWS, PLACES, WEIGHTS, SENSED, FLOW, STEP, STEPS) = range(15)
-CHAIN, SPARE, CHAIN_BYTES = range(15, ADDRESSES)
-BEFORE, LAST, ENGINE_STEP, FULL, FAILED = range(NUMBERS)
-TOLD_NAMES = [name for name, _ in Told._fields_]
+
+
+def _places(*names: str) -> list[int]:
+    """Return where fields stand among the addresses, or among the numbers."""
+    return [place if (place := FIELDS.index(name)) < ADDRESSES else place - ADDRESSES for name in names]
+
+
+ACTIVE, STATE, GET, SET, CARRY, TOLD = _places("is_active", "state", "get_value", "set_value", "carry", "told")
+HANDLES, VARIABLES, ROWS = _places("handles", "variables", "rows")
+PLACES, WEIGHTS, SENSED = _places("places", "weights", "sensed")
+FLOW, STEP, STEPS = _places("flow", "step", "steps")
+CHAIN, SPARE, CHAIN_BYTES = _places("chain", "spare", "chain_bytes")
+BEFORE, LAST, ENGINE_STEP = _places("before_C", "last_C", "engine_step_s")
+FULL, FAILED = _places("full_flow_kg_s", "failed")
+TOLD_NAMES = [each[0] for each in Told._fields_]
 TOLD_FIELDS = len(TOLD_NAMES)
 TOLD_ROWS = TOLD_NAMES.index("rows")
 TOLD_SENSED, TOLD_RISE, TOLD_START = (TOLD_NAMES.index(name) for name in ("sensed_C", "rise_K_s", "start_s"))

@@ -29,7 +29,7 @@ from waxstudy.simulation.standalone import CARRY, ROW, Address, Stage, Standalon
 from waxstudy.simulation.typed import CannotCompile
 from waxstudy.study.model import Choice
 
-ADDRESSES = sum(kind is Address for _, kind in Told._fields_)
+ADDRESSES = sum(each[1] is Address for each in Told._fields_)
 NUMBERS = len(Told._fields_) - ADDRESSES
 
 
@@ -105,9 +105,10 @@ def carry(told):  # type: ignore[no-untyped-def]
 def standalone(blocks: Mapping[str, Choice], step_s: float, setpoint_C: float) -> Standalone | None:
     """Return the chain of a case as machine code at rest, None where a block has to run in Python."""
     chain = Chain(blocks, step_s)
+    code_of: Callable[..., bytes] = _of_block  # a cached function takes hashable arguments, which classes are
     try:
         pairs = zip(chain.blocks, chain.plain, strict=True)
-        codes = [_of_block(block, parameter_record(plain).dtype) for block, plain in pairs if block]
+        codes = [code_of(block, parameter_record(plain).dtype) for block, plain in pairs if block]
     except (CannotCompile, PluginError):  # Python says what is wrong with it, or runs it
         return None
     stages = [
