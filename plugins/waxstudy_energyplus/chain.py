@@ -1,30 +1,34 @@
-"""The chain between two moments at which the engine tells the temperature."""
+"""A chain that is called step by step, carried through a step of the engine as one in machine code is."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import ctypes
+from typing import TYPE_CHECKING
 
-import numpy as np
+from waxstudy.simulation.standalone import CHAIN_ROW, ROW, Standalone
 
-from waxstudy.plugin import Advance, FloatArray
+if TYPE_CHECKING:
+    from waxstudy.plugin import Advance
 
-CHAIN = ("output", "signal", "opening", "flow_fraction")
-CHAIN_ROW = (*CHAIN, "sensed_C")  # what the chain gave in a step, and what it was told
-FLOW = CHAIN.index("flow_fraction")
+FLOW = CHAIN_ROW.index("flow_fraction")
 
 
-def through(
-    advance: Advance, told_C: Sequence[float], time_s: float, step_s: float, engine_step_s: float
-) -> FloatArray:
-    """Return a row (`CHAIN_ROW`) per step of the chain through one step of the engine.
+class Called:
+    """The `carry` of a `Standalone` chain for any `advance`."""
 
-    `told_C` are the temperatures at the ends of the engine's last two steps; the reading goes on as straight as they.
-    """
-    before_C, last_C = told_C
-    rise_K_s = (last_C - before_C) / engine_step_s
-    rows = np.empty((round(engine_step_s / step_s), len(CHAIN_ROW)))
-    for n in range(len(rows)):
-        ahead_s = n * step_s
-        sensed_C = last_C + rise_K_s * ahead_s
-        rows[n] = *advance(sensed_C, time_s + ahead_s, step_s), sensed_C
-    return rows
+    def __init__(self, advance: Advance) -> None:
+        self.advance = advance
+
+    def carry(self, sensed_C: float, rise_K_s: float, time_s: float, step_s: float, count: int, rows: int) -> float:
+        row, total = (ctypes.c_double * (count * ROW)).from_address(rows), 0.0
+        for n in range(count):
+            ahead_s = n * step_s
+            reading_C = sensed_C + rise_K_s * ahead_s
+            given = [float(value) for value in self.advance(reading_C, time_s + ahead_s, step_s)]
+            row[n * ROW : (n + 1) * ROW] = [*given, reading_C]
+            total += given[FLOW]
+        return total / count
+
+
+def carried(advance: Advance) -> Called | Standalone:
+    return advance if isinstance(advance, Standalone) else Called(advance)

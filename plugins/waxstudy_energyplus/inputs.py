@@ -6,11 +6,10 @@ import numpy as np
 
 from waxstudy.plugin import FloatArray, WeatherRecord
 from waxstudy_energyplus import objects
+from waxstudy_energyplus.described import EXCHANGE_C, OUTDOOR
 from waxstudy_energyplus.model import exchange_W_K
 from waxstudy_paper.room.assembly import AIR_J_L_K, drive, inputs_of, sun_shares
 from waxstudy_paper.room.description import RoomDescription, facade_name
-
-OUTDOOR, EXCHANGE_C = "outdoor", "air exchange temperature"
 
 
 def inputs(room: RoomDescription, weather: WeatherRecord) -> dict[str, FloatArray]:

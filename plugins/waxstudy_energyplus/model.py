@@ -36,6 +36,7 @@ Model = dict[str, dict[str, dict[str, Any]]]
 
 VERSION = "25.2"
 STEPS_PER_HOUR = 60
+MINUTE_S = 3600.0 / STEPS_PER_HOUR
 PRECONDITIONING_DAYS = 1
 FIRST_YEAR = 2001  # neither it nor the next is a leap year
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.plugin import TRACE, FloatArray
-from waxstudy_energyplus.chain import CHAIN_ROW
+from waxstudy.simulation.standalone import CHAIN_ROW
 
 # columns of a step of the engine; temperatures at its end, the rest its mean
 MINUTE = (
@@ -24,7 +24,7 @@ MINUTE = (
 
 @dataclass(frozen=True)
 class Simulated:
-    """What a run gives: a row per step of the engine (`MINUTE`) and a row per step of the chain (`chain.CHAIN_ROW`)."""
+    """What a run gives: a row per step of the engine (`MINUTE`) and one per step of the chain (`CHAIN_ROW`)."""
 
     minutes: FloatArray
     chain: FloatArray
@@ -35,23 +35,33 @@ class Simulated:
         """Return a column of the minutes."""
         return self.minutes[:, MINUTE.index(name)]
 
+    @property
+    def per_minute(self) -> int:
+        """Steps of the chain in one of the engine."""
+        return round(self.minute_s / self.step_s)
+
     def stepped(self, name: str) -> FloatArray:
         """Return a column at the chain's step: temperatures straight between the ends of minutes, the rest held."""
-        column, per_minute = self.minute(name), round(self.minute_s / self.step_s)
+        return np.ascontiguousarray(self._in_minutes(name)).ravel()
+
+    def _in_minutes(self, name: str) -> FloatArray:
+        """Return a column at the chain's step, a row for each minute."""
+        ends = self.minute(name)
         if not name.endswith("_C"):
-            return np.repeat(column, per_minute)
-        ends_s = (np.arange(len(column)) + 1.0) * self.minute_s
-        steps_s = (np.arange(len(column) * per_minute) + 1.0) * self.step_s
-        return np.asarray(np.interp(steps_s, ends_s, column))
+            return np.broadcast_to(ends[:, None], (len(ends), self.per_minute))
+        before = np.concatenate((ends[:1], ends[:-1]))
+        return before[:, None] + np.outer(ends - before, (np.arange(self.per_minute) + 1.0) / self.per_minute)
 
     def trace(self) -> FloatArray:
         """Return the run in the columns of `kernel.TRACE`; the minute's heat is shared out as the water flowed."""
-        columns = {name: self.chain[:, place] for place, name in enumerate(CHAIN_ROW)}
-        flow = columns["flow_fraction"].reshape(len(self.minutes), -1)
+        chain = self.chain.reshape(len(self.minutes), self.per_minute, len(CHAIN_ROW))
+        trace = np.empty((*chain.shape[:2], len(TRACE)))
+        for place, name in enumerate(TRACE):
+            trace[..., place] = chain[..., CHAIN_ROW.index(name)] if name in CHAIN_ROW else self._in_minutes(name)
+        flow = chain[..., CHAIN_ROW.index("flow_fraction")]
         mean = flow.mean(axis=1, keepdims=True)
-        share = np.divide(flow, mean, out=np.ones_like(flow), where=mean > 0)
-        columns["water_heat_W"] = self.stepped("water_heat_W") * share.ravel()
-        return np.column_stack([columns[name] if name in columns else self.stepped(name) for name in TRACE])
+        trace[..., TRACE.index("water_heat_W")] *= np.divide(flow, mean, out=np.ones_like(flow), where=mean > 0)
+        return trace.reshape(-1, len(TRACE))
 
     def hours_below(self, limit_C: float) -> float:
         """Return the hours of the run with an operative temperature below the limit."""

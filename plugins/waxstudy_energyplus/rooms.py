@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from waxstudy.plugin import Advance, FloatArray, LinearRoom, ModelError, OutsideRoom, Refused, Room, WeatherRecord
-from waxstudy_energyplus.library import installed_version
+from waxstudy_energyplus.installation import installed_version
 from waxstudy_energyplus.shell import refuse_names, refuse_windows
 from waxstudy_paper.room import NzebRoom, RoomDescription, SurfacesRoom
 from waxstudy_paper.room.corner import NzebParameters

@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+import io
 import json
 import pickle
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from waxstudy.plugin import Advance, FloatArray, Refused, WeatherRecord
+import numpy as np
+
+from waxstudy.plugin import Advance, BackendMissing, FloatArray, Refused, WeatherRecord
 from waxstudy.results.atomic import scratch_folder
-from waxstudy.simulation.engine import START, WARM_UP_DAYS, Start
+from waxstudy.simulation.engine import DAY_S, SLAB_ABOVE_K, START, WARM_UP_DAYS, Start
 from waxstudy.simulation.own_process import ask
+from waxstudy.simulation.standalone import ROW
 from waxstudy.study.model import is_multiple
+from waxstudy_energyplus import objects
+from waxstudy_energyplus.described import DescribedJob
 from waxstudy_energyplus.error_file import error_file
-from waxstudy_energyplus.library import MODEL, WEATHER, EnergyPlusError, installed_version
-from waxstudy_energyplus.loop import MINUTE_S, Job
-from waxstudy_energyplus.model import Model, model
-from waxstudy_energyplus.record import Simulated
+from waxstudy_energyplus.inputs import inputs
+from waxstudy_energyplus.installation import EnergyPlusError, folder
+from waxstudy_energyplus.library import LONGEST_SILENCE_S, MODEL, WEATHER, EngineFailed
+from waxstudy_energyplus.loop import Job
+from waxstudy_energyplus.model import MINUTE_S, Model, model
+from waxstudy_energyplus.native_code import codes_for
+from waxstudy_energyplus.plant import full_flow_kg_s
+from waxstudy_energyplus.record import MINUTE, Simulated
 from waxstudy_energyplus.weather_file import still_year
 from waxstudy_paper.room.description import RoomDescription
 
@@ -51,24 +61,71 @@ def simulate(
     or `OSError`.
     """
     refuse_times(weather, step_s)
-    installed_version()
-    job = Job(room, weather, advance, step_s, setpoint_C, start, warm_up_days, dict(told or {}))
-    minutes, chain = asked(job, model(room, job.days), still_year(), stop)
-    return Simulated(minutes, chain, step_s)
+    job = job_of(
+        room, weather, advance, setpoint_C=setpoint_C, step_s=step_s, start=start, warm_up_days=warm_up_days, told=told
+    )
+    days = warm_up_days + int(np.ceil(weather.duration_s / DAY_S))
+    rows, chain = asked(job, model(room, days), still_year(), stop)
+    value = dict(zip(variables(room), rows.T, strict=True))
+    radiant_C = sum(weight * value[f"face of {name}"] for name, weight in radiant_weights(room).items())
+    share = room.sensing.operative_air_share
+    value["operative_C"] = share * value["air_C"] + (1 - share) * radiant_C
+    value["floor_heat_W_m2"] = -(value["convection"] + value["radiation"] + value["of gains"])
+    return Simulated(np.column_stack([value[name] for name in MINUTE]), chain, step_s)
+
+
+def job_of(
+    room: RoomDescription,
+    weather: WeatherRecord,
+    advance: Advance,
+    *,
+    setpoint_C: float,
+    step_s: float,
+    start: Start,
+    warm_up_days: int,
+    told: Mapping[str, FloatArray] | None = None,
+) -> DescribedJob:
+    """Return what is asked of a run's process."""
+    read, share = variables(room), room.sensing.sensor_radiant_share
+    places = {name: place for place, name in enumerate(read)}
+    faces = {places[f"face of {name}"]: share * weight for name, weight in radiant_weights(room).items()}
+    given = {**inputs(room, weather), **(told or {})}
+    return DescribedJob(
+        engine=folder(),
+        advance=advance,
+        step_s=step_s,
+        engine_step_s=MINUTE_S,
+        warm_up_steps=round(warm_up_days * DAY_S / MINUTE_S),
+        steps=round(weather.duration_s / MINUTE_S),
+        variables=tuple(read.values()),
+        sensed=tuple({places["air_C"]: 1 - share, **(faces if share else {})}.items()),
+        longest_silence_s=LONGEST_SILENCE_S,
+        codes=codes_for(advance),
+        inputs={name: np.asarray(series, dtype=float).tolist() for name, series in given.items()},
+        interval_s=weather.interval_s,
+        full_flow_kg_s=full_flow_kg_s(room),
+        floor=room.floor.name,
+        floor_surface=places["floor_surface_C"],
+        start_air_C=setpoint_C + start.air_K,
+        start_floor_C=setpoint_C + SLAB_ABOVE_K + start.slab_K,
+        floor_film_m2K_W=room.films.interior_m2K_W("floor"),
+    )
 
 
 def asked(
-    job: object, objects: Model, weather: str, stop: Callable[[], bool], encoding: str = "utf-8"
+    job: Job, run: Model, weather: str, stop: Callable[[], bool], encoding: str = "utf-8"
 ) -> tuple[FloatArray, FloatArray]:
-    """Run a model under the text of a weather file, in a process of its own; `job.loop(engine)` is what happens there.
+    """Run a model under the text of a weather file, in a process of its own.
 
-    Returns the rows of the engine's steps and of the chain's; raises what `simulate` raises.
+    Returns a row of variables for each of the engine's steps, and the chain's rows; raises what `simulate` raises.
     """
-    with scratch_folder("waxstudy-energyplus-") as folder:
-        (folder / MODEL).write_text(json.dumps(objects), encoding="utf-8")
-        (folder / WEATHER).write_text(weather, encoding=encoding)
-        answer, code = ask("waxstudy_energyplus.worker", folder, job, stop)
-        return _understood(answer, code, folder)
+    with scratch_folder("waxstudy-energyplus-") as scratch:
+        (scratch / MODEL).write_text(json.dumps(run), encoding="utf-8")
+        (scratch / WEATHER).write_text(weather, encoding=encoding)
+        answer, code = ask("waxstudy_energyplus.worker", scratch, job, stop)
+        numbers = _understood(answer, code, scratch)
+    rows, chain = np.split(numbers, [job.steps * len(job.variables)])
+    return rows.reshape(job.steps, -1), chain.reshape(-1, ROW)
 
 
 class _Remote(Exception):
@@ -82,13 +139,37 @@ class _Remote(Exception):
         return f"\n{self.text}"
 
 
-def _understood(answer: bytes, code: int, folder: Path) -> tuple[FloatArray, FloatArray]:
+def _understood(answer: bytes, code: int, scratch: Path) -> FloatArray:
     if not answer:
-        raise EnergyPlusError(f"EnergyPlus' process ended by itself (code {code}){error_file(folder)}")
-    result: tuple[FloatArray, FloatArray]
-    result, error, text = pickle.loads(answer)
-    if isinstance(error, EnergyPlusError):
-        raise EnergyPlusError(f"{error}{error_file(folder)}")
+        raise EnergyPlusError(f"EnergyPlus' process ended by itself (code {code}){error_file(scratch)}")
+    stream = io.BytesIO(answer)
+    error, text = pickle.load(stream)
+    if isinstance(error, EngineFailed):
+        raise BackendMissing(str(error)) if error.is_missing else EnergyPlusError(f"{error}{error_file(scratch)}")
     if error is not None:
         raise error from _Remote(text)
-    return result
+    return np.frombuffer(answer, dtype=float, offset=stream.tell())
+
+
+def radiant_weights(room: RoomDescription) -> dict[str, float]:
+    """Return the weights of surfaces and windows in the mean radiant temperature, as in the fast room."""
+    weights = {p.name: p.area_m2 if p.operative_weight is None else p.operative_weight for p in room.parts}
+    total = sum(weights.values())
+    return {name: weight / total for name, weight in weights.items()}
+
+
+def variables(room: RoomDescription) -> dict[str, tuple[str, str]]:
+    """Return the output variables that a run reads."""
+    floor, radiant = room.floor.name, objects.RADIANT_FLOOR
+    return {
+        "air_C": ("Zone Air Temperature", objects.ZONE),
+        "floor_surface_C": ("Surface Inside Face Temperature", floor),
+        "layer_C": ("Surface Internal Source Location Temperature", floor),
+        "convection": ("Surface Inside Face Convection Heat Gain Rate per Area", floor),
+        "radiation": ("Surface Inside Face Net Surface Thermal Radiation Heat Gain Rate per Area", floor),
+        "of gains": ("Surface Inside Face Internal Gains Radiation Heat Gain Rate per Area", floor),
+        "water_heat_W": ("Zone Radiant HVAC Heating Rate", radiant),
+        "supply_C": ("Zone Radiant HVAC Inlet Temperature", radiant),
+        "return_C": ("Zone Radiant HVAC Outlet Temperature", radiant),
+        **{f"face of {part.name}": ("Surface Inside Face Temperature", part.name) for part in room.parts},
+    }

@@ -17,13 +17,15 @@ import numpy as np
 from waxstudy.plugin import WeatherRecord
 from waxstudy.simulation.engine import START
 from waxstudy_energyplus import objects
+from waxstudy_energyplus.described import DescribedLoop
 from waxstudy_energyplus.library import Engine
-from waxstudy_energyplus.loop import MINUTE_S, Job, Loop
-from waxstudy_energyplus.model import model
+from waxstudy_energyplus.model import MINUTE_S, model
+from waxstudy_energyplus.run import job_of, variables
 from waxstudy_energyplus.weather_file import still_year
 from waxstudy_paper.room import NzebRoom
 
 SETPOINT_C = 21.0
+WARM_UP_DAYS = 1
 
 
 class Exchange:
@@ -59,14 +61,14 @@ class Exchange:
         return MINUTE_S / 3600.0
 
 
-class Driven(Loop):
+class Driven(DescribedLoop):
     """The loop of a room, with the plugin in the place of the chain."""
 
     motor: Any = None
 
-    def set_flow(self) -> None:
-        if self.engine.warming_up:
-            self.writers["flow"](0.0)
+    def drive(self) -> None:
+        if self.is_warming():
+            self.hold()
         elif self.motor.on_begin_zone_timestep_before_predictor(None):
             raise RuntimeError("the plugin gave up")
 
@@ -80,16 +82,20 @@ def main(plugin: Path, folder: Path) -> None:
     room = NzebRoom.description(NzebRoom.Parameters())
     dark = {facade: np.zeros(24) for facade in room.facades}
     weather = WeatherRecord(3600.0, "2021-01-01", np.full(24, -5.0), dark)
-    engine = Engine()
+    job = job_of(
+        room, weather, lambda *_: [], setpoint_C=SETPOINT_C, step_s=5.0, start=START, warm_up_days=WARM_UP_DAYS
+    )
+    engine = Engine(job.engine)
     engine.request("Zone Mean Air Temperature", objects.ZONE)
-    loop = Driven(Job(room, weather, lambda *_: [], 5.0, SETPOINT_C, START, warm_up_days=1), engine)
+    loop = Driven(job, engine)
     loop.motor = names["Motor"]()
     exchange = Exchange(engine)
     loop.motor.api = SimpleNamespace(exchange=exchange)
-    (folder / "room.epJSON").write_text(json.dumps(model(room, loop.job.days)))
+    (folder / "room.epJSON").write_text(json.dumps(model(room, WARM_UP_DAYS + 1)))
     (folder / "year.epw").write_text(still_year())
     code = engine.run(["-w", str(folder / "year.epw"), "-d", str(folder), str(folder / "room.epJSON")])
-    heat_W = loop.minutes[:, -3]
+    read = np.array(loop.rows).reshape(-1, len(job.variables))
+    heat_W = read[:, list(variables(room)).index("water_heat_W")]
     print(json.dumps({"code": code, "rows": exchange.rows, "heat_W": heat_W.tolist()}))
 
 

@@ -159,3 +159,11 @@ def test_a_sky_colder_than_the_air_is_refused_and_reflected_sun_leaves_again(roo
     sun = room.sun.model_copy(update={"reflected_share": 0.25})
     whole, less = inputs(room, lit), inputs(room.model_copy(update={"sun": sun}), lit)
     assert less[SUN_TO_AIR] == pytest.approx(0.75 * whole[SUN_TO_AIR])
+
+
+def test_the_process_of_a_run_imports_next_to_nothing() -> None:
+    """It is started for every run, and half of a small model's time would go into imports."""
+    heavy = ("numba", "numpy", "pydantic", "waxstudy.plugin", "waxstudy_paper")
+    code = f"import sys, waxstudy_energyplus.worker; print([name for name in {heavy} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

@@ -23,7 +23,7 @@ from waxstudy.simulation.engine import Loop, Start
 from waxstudy.simulation.kernel import TRACE
 from waxstudy.simulation.modes import drive
 from waxstudy.study.model import Choice
-from waxstudy_energyplus.library import EnergyPlusError
+from waxstudy_energyplus.installation import EnergyPlusError
 from waxstudy_energyplus.model import exchange_W_K
 from waxstudy_energyplus.run import Simulated, simulate
 from waxstudy_paper.actuators import VariableTimes

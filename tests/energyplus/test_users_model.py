@@ -11,17 +11,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 import pytest
 
 from tests.cli.conftest import Entry
 from tests.energyplus.house import FLOW_M3_S, SUPPLY_C, Model, house
-from waxstudy.plugin import TRACE, FloatArray, Refused, WeatherRecord
+from waxstudy.plugin import TRACE, Advance, Choice, FloatArray, Refused, Valve, WeatherRecord
 from waxstudy.plugin.registry import installed
-from waxstudy_energyplus.library import EnergyPlusError, payload
+from waxstudy.simulation.advance import ChainAdvance
+from waxstudy.simulation.interpreted import CompiledFailure
+from waxstudy_energyplus.installation import EnergyPlusError, payload
 from waxstudy_energyplus.users.file import read_model
 from waxstudy_energyplus.users.room import EnergyPlusModelRoom
 from waxstudy_energyplus.users.takeover import OURS, first_day, taken_over
 from waxstudy_energyplus.users.zones import unit_of, zones
+from waxstudy_paper.valves import QuickOpeningValve
 
 pytestmark = [
     pytest.mark.slow,
@@ -64,14 +68,14 @@ def written(tmp_path: Path) -> Callable[..., Path]:
     return write
 
 
-def simulated(path: Path, share: float, **given: Any) -> dict[str, FloatArray]:
+def simulated(path: Path, share: float | Advance, **given: Any) -> dict[str, FloatArray]:
     p = EnergyPlusModelRoom.Parameters.model_validate({"path": str(path), "zone": "Living", **given})
     weather = a_day()
     assert EnergyPlusModelRoom.ready(p, weather, STEP_S)
     record = EnergyPlusModelRoom.simulate(
         p,
         weather,
-        Steady(share),
+        Steady(share) if isinstance(share, float) else share,
         setpoint_C=21.0,
         step_s=STEP_S,
         air_K=0.0,
@@ -91,6 +95,49 @@ def test_the_chains_flow_is_what_heats_the_zone(written: Callable[..., Path], zo
     assert 0.0 < half["water_heat_W"].mean() < full["water_heat_W"].mean()
     assert full["water_heat_W"].mean() < FLOW_M3_S * 4.18e6 * (SUPPLY_C - full["air_C"].min())
     assert full["floor_heat_W_m2"].mean() * 20.0 == pytest.approx(full["water_heat_W"].mean(), rel=0.35)
+
+
+CHAIN: dict[str, tuple[str, dict[str, Any]]] = {
+    "sensor": ("delay", {"delay_s": 120.0}),
+    "controller": ("pi", {}),
+    "modulator": ("pwm", {}),
+    "actuator": ("variable-times", {"product": "B"}),
+    "valve": ("quick-opening", {}),
+}
+
+
+def chain(jit: bool) -> ChainAdvance:
+    blocks = {kind: Choice.of(installed().get(kind, name), values) for kind, (name, values) in CHAIN.items()}
+    return ChainAdvance(blocks, STEP_S, 21.0, jit)
+
+
+@pytest.mark.parametrize("zone", ["Living", "Bath"])
+def test_a_chain_in_machine_code_and_in_python_are_one_run_to_the_bit(written: Callable[..., Path], zone: str) -> None:
+    """Living's steps are machine code alone; a baseboard's flow is set by Python."""
+    compiled, interpreted = (simulated(written(house()), chain(jit), zone=zone) for jit in (True, False))
+    assert len(np.unique(compiled["opening"])) > 10
+    for name, column in compiled.items():
+        assert np.array_equal(column, interpreted[name]), name
+
+
+class Failing(Valve):
+    """A valve for a test that breaks when it opens."""
+
+    name = "failing"
+    api_version = "1.0"
+    Parameters = QuickOpeningValve.Parameters
+    State = QuickOpeningValve.State
+    input, output = QuickOpeningValve.input, QuickOpeningValve.output
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        return u / (t - 3600.0)
+
+
+def test_a_block_that_fails_as_machine_code_is_named_with_the_time(written: Callable[..., Path]) -> None:
+    blocks = {"valve": Choice.of(Failing, {})}
+    with pytest.raises(CompiledFailure, match="valve 'failing' failed at 604800 s before the week"):
+        simulated(written(house()), ChainAdvance(blocks, STEP_S, 21.0))
 
 
 def test_the_rest_of_the_house_is_as_its_user_made_it(written: Callable[..., Path]) -> None:
@@ -236,3 +283,50 @@ def test_what_energyplus_finds_wrong_ends_the_run_with_its_own_words(written: Ca
 def test_an_engine_that_is_silent_too_long_is_ended(written: Callable[..., Path]) -> None:
     with pytest.raises(EnergyPlusError, match=r"silent for longest_silence_s = 0.01 s before the first step"):
         simulated(written(house()), 0.5, longest_silence_s=0.01)
+
+
+STUDY = """\
+study = {{ name = "small", step_s = 60 }}
+room = {{ use = "energyplus-model", path = "house.epJSON", {room} }}
+weather.january = {{ use = "epw", path = "{weather}", start = "01-14", days = 1 }}
+ensemble = {{ members = 1 }}
+
+[ladder.on-off]
+reference = "O_CP"
+start = {{ id = "O_CP", controller = {{ use = "on-off", dead_band_K = 0.5 }}, valve = {{ use = "linear" }} }}
+"""
+
+
+def an_unknown_construction(model: Model) -> None:
+    del model["Construction"]["roof"]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "room", "code", "said"),
+    [
+        (without_hydronics, 'zone = "Living"', 3, "nothing in it is heated by water"),
+        (two_units, 'zone = "Living"', 3, "say which by unit"),
+        (of_another_version, 'zone = "Living"', 3, "IDFVersionUpdater"),
+        (lambda model: None, 'zone = "Livign"', 3, "did you mean 'Living'?"),
+        (an_unknown_construction, 'zone = "Living"', 6, "EnergyPlus gave up with code 1"),
+        (lambda model: None, 'zone = "Living", longest_silence_s = 0.01', 6, "silent for longest_silence_s"),
+    ],
+)
+def test_the_command_says_what_is_wrong_with_a_model_and_leaves_nothing_behind(
+    written: Callable[..., Path],
+    entry: Entry,
+    tmp_path: Path,
+    spoil: Callable[[Model], None],
+    room: str,
+    code: int,
+    said: str,
+) -> None:
+    model, before = house(), {each.pid for each in psutil.Process().children()}
+    spoil(model)
+    written(model)
+    (tmp_path / "study.toml").write_text(STUDY.format(room=room, weather=chicago()))
+    done = entry("run", "study.toml", "--out", "run")
+    assert done.code == code, done.stderr
+    assert said in done.stderr
+    assert not list(tmp_path.glob("run/cases/*"))
+    assert {each.pid for each in psutil.Process().children()} <= before

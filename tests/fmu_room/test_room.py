@@ -13,6 +13,7 @@ import numpy as np
 import psutil
 import pytest
 
+from tests.cli.conftest import Entry, entry
 from tests.conftest import SMALL, Waxstudy
 from tests.fmu_room.house import CRASH, HANG, INPUTS, NAN, OUTPUTS, STEP_S, SUN, House, write_house
 from waxstudy.conformance.outside import Clock, levels
@@ -20,6 +21,8 @@ from waxstudy.plugin import TRACE, BackendMissing, Choice, FloatArray, Refused, 
 from waxstudy.plugin.registry import installed
 from waxstudy_fmu import package
 from waxstudy_fmu.room import FmuRoom, facade_name
+
+__all__ = ["entry"]
 
 DAY_S = 86_400.0
 WARM_STEPS = 7 * 1440
@@ -165,17 +168,73 @@ def test_a_run_that_is_asked_to_stop_ends_soon_even_if_the_fmu_never_returns(hou
     assert processes() <= before
 
 
-@pytest.mark.slow
-def test_a_study_runs_in_the_room_of_an_fmu(house: Made, tmp_path: Path, waxstudy: Waxstudy) -> None:
-    write_house(tmp_path / "house.fmu")
-    tables = {"inputs": INPUTS, "outputs": OUTPUTS, "sun": SUN}
-    lines = [f"{name} = {{ {', '.join(f'{k!r} = {v!r}' for k, v in t.items())} }}" for name, t in tables.items()]
-    mine = "\n".join(['use = "fmu"', 'path = "house.fmu"', "floor_area_m2 = 20.0", *lines])
+def study_of(folder: Path, fmu: Path, **changes: Any) -> Path:
+    """Write a study of one case in the room of an FMU."""
+    given = {"inputs": INPUTS, "outputs": OUTPUTS, "sun": SUN, **changes}
+    tables = {name: value for name, value in given.items() if isinstance(value, dict)}
+    lines = [f"{name} = {value!r}" for name, value in given.items() if name not in tables]
+    lines += [f"{name} = {{ {', '.join(f'{k!r} = {v!r}' for k, v in t.items())} }}" for name, t in tables.items()]
+    mine = "\n".join(['use = "fmu"', f'path = "{fmu}"', "floor_area_m2 = 20.0", *lines])
     text = SMALL.replace('use = "nzeb"', mine).replace("members = 2", "members = 1")
     text = text.replace('name = "small"', 'name = "small"\nstep_s = 60.0')
     text = text.replace('"O_WM"', '"O_0"', 1)
     steps = ("O_CP", "O_WM")
-    (tmp_path / "study.toml").write_text("".join(x for x in text.splitlines(True) if not any(s in x for s in steps)))
+    path = folder / "study.toml"
+    path.write_text("".join(x for x in text.splitlines(True) if not any(s in x for s in steps)))
+    return path
+
+
+@pytest.mark.slow
+def test_a_study_runs_in_the_room_of_an_fmu(house: Made, tmp_path: Path, waxstudy: Waxstudy) -> None:
+    write_house(tmp_path / "house.fmu")
+    study_of(tmp_path, Path("house.fmu"))
     done = waxstudy("run", "study.toml", "--out", "run")
     assert done.returncode == 0, done.stderr
     assert "house.fmu (FMI 2.0" in (tmp_path / "run" / "run.json").read_text()
+
+
+INVALID, BACKEND, FAILED = 3, 5, 6
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "changes", "said"),
+    [
+        ("binaries/linux64", "binaries/win64", {}, "has no library for linux64; it has win64"),
+        ("CoSimulation", "ModelExchange", {}, "is not for co-simulation"),
+        ("", "", {"inputs": {**INPUTS, "supply_C": "Tsupp"}}, "no such variable"),
+        ("", "", {"inputs": {**INPUTS, "supply_C": "bare"}}, "has no unit"),
+        ("", "", {"inputs": {**INPUTS, "supply_C": "Tout"}}, "variable of supply_C already"),
+    ],
+)
+def test_the_command_refuses_an_fmu_before_anything_runs(
+    house: Made, entry: Entry, tmp_path: Path, old: str, new: str, changes: dict[str, Any], said: str
+) -> None:
+    fmu = edited(house(), tmp_path / "other.fmu", old, new) if old else house()
+    done = entry("run", study_of(tmp_path, fmu, **changes), "--out", "run")
+    assert done.code == INVALID
+    assert "study.toml:" in done.stderr
+    assert said in done.stderr
+    assert not (tmp_path / "run").exists()
+
+
+def test_the_command_names_the_extra_that_is_missing(
+    house: Made, entry: Entry, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(package, "find_spec", lambda name: None)
+    done = entry("run", study_of(tmp_path, house()), "--out", "run")
+    assert done.code == BACKEND
+    assert 'pip install "waxstudy[fmu]"' in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("trouble", "said"), [(NAN, "the FMU gave nan for air_C"), (HANG, "did not return from doStep within")]
+)
+def test_the_command_ends_with_an_fmu_that_fails_and_leaves_nothing_behind(
+    house: Made, entry: Entry, tmp_path: Path, trouble: float, said: str
+) -> None:
+    before = processes()
+    done = entry("run", study_of(tmp_path, house(trouble=trouble), longest_silence_s=1.0), "--out", "run")
+    assert done.code == FAILED
+    assert said in done.stderr
+    assert not list(tmp_path.glob("run/cases/*"))
+    assert processes() <= before

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import time
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -67,6 +68,14 @@ class Lumped(OutsideRoom):
             air_C += step_s / STORE_J_K * (FULL_W * chain[-1] - LOSS_W_K * (air_C - outdoor_C))
             rows.append([air_C, air_C, air_C, air_C, 0.0, *chain, FULL_W * chain[-1]])
         return np.array(rows[-steps:])
+
+
+class Elsewhere(Lumped):
+    """Runs the chain as another process would get it."""
+
+    @classmethod
+    def simulate(cls, p: Any, weather: WeatherRecord, advance: Advance, **rest: Any) -> FloatArray:
+        return super().simulate(p, weather, pickle.loads(pickle.dumps(advance)), **rest)
 
 
 class Absent(Lumped):

@@ -12,9 +12,9 @@ import pytest
 
 from tests.conftest import SMALL
 from tests.simulation import lumped
-from tests.simulation.lumped import Lumped
+from tests.simulation.lumped import Elsewhere, Lumped
 from waxstudy.conformance import assert_conforms, check
-from waxstudy.plugin import BackendMissing, Facade, OutsideRoom, Weather, WeatherRecord
+from waxstudy.plugin import BackendMissing, Facade, OutsideRoom, SimulationError, Valve, Weather, WeatherRecord
 from waxstudy.plugin.registry import PluginError, Registered, installed
 from waxstudy.simulation.run import InputError, prepare, provenance
 from waxstudy.study.model import Choice, Study
@@ -22,6 +22,7 @@ from waxstudy.study.read import problem_at, read_study
 from waxstudy.synthetic.instruments import Instruments
 from waxstudy.synthetic.simulate import reality_loop, simulate
 from waxstudy.synthetic.write import Telling, truth_of
+from waxstudy_paper.valves import LinearValve
 
 
 class Still(Weather):
@@ -138,3 +139,27 @@ def test_without_the_engine_the_kit_says_what_did_not_run_and_why() -> None:
     assert (outcomes["simulate"].status, outcomes["stop"].status) == ("not run", "not run")
     assert "pip install lumped" in outcomes["simulate"].messages[0]
     assert "failed" not in {outcome.status for outcome in outcomes.values()}
+
+
+class Tired(Valve):
+    """A valve for a test: it divides by nothing on the second day of the warm-up."""
+
+    name = "tired"
+    api_version = "1.0"
+    Parameters = LinearValve.Parameters
+    State = LinearValve.State
+    input, output = LinearValve.input, LinearValve.output
+
+    @staticmethod
+    def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+        return u if t < -6 * 86400.0 else u / (u - u)
+
+
+def test_python_tells_what_machine_code_could_not_of_a_block_that_fails(tmp_path: Path) -> None:
+    study = study_of(tmp_path / "small.toml", Elsewhere)
+    case = replace(
+        study.cases["O_WM"], blocks={**study.cases["O_WM"].blocks, "valve": Choice(Tired, Tired.Parameters())}
+    )
+    loop = reality_loop(study, case, ["january"], None)
+    with pytest.raises(SimulationError, match=r"(?s)valve 'tired' failed at .*ZeroDivisionError.*u / \(u - u\)"):
+        simulate(loop, study, 21.0)

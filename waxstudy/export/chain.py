@@ -11,9 +11,9 @@ import numpy as np
 from pydantic.fields import FieldInfo
 
 from waxstudy.export.model import Model, NotExportable, Stage, Variable
-from waxstudy.export.object_code import machine_code
 from waxstudy.plugin import CHAIN, TEMPERATURE, Block, Choice, Port
 from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.machine_code import machine_code
 from waxstudy.simulation.records import choices_of, parameter_record, state_record
 from waxstudy.simulation.typed import CannotCompile
 
@@ -81,7 +81,7 @@ def _model(blocks: Mapping[str, Choice], step_s: float, kinds: tuple[str, ...]) 
 
 def _code(block: type[Block], plain: Any, symbol: str) -> str:
     try:
-        return machine_code(block, plain, symbol)
+        return machine_code(block, parameter_record(plain).dtype, symbol)
     except CannotCompile as error:
         raise NotExportable(f"{block.kind} '{block.name}' cannot be compiled, and so not exported: {error}") from error
 

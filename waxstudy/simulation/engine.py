@@ -11,7 +11,7 @@ import numpy as np
 from waxstudy.plugin import FloatArray, SimulationError, Stopped
 from waxstudy.simulation import kernel
 from waxstudy.simulation.chain import Chain, CompiledChain
-from waxstudy.simulation.interpreted import checked, clock
+from waxstudy.simulation.interpreted import CompiledFailure, checked, clock
 from waxstudy.simulation.lanes import LANES
 from waxstudy.simulation.modes import DrivenRoom
 
@@ -113,10 +113,7 @@ class Loop:
             return told
         block = self.chain.blocks[error.place]
         assert block
-        return SimulationError(
-            f"{block.kind} '{block.name}' failed at {clock(error.time_s)}, but only when compiled: check it with "
-            f"`waxstudy plugins check {block.name}`, or run with --no-jit"
-        )
+        return CompiledFailure(f"{block.kind} '{block.name}'", clock(error.time_s))
 
     def start(self, setpoint_C: float, start: Start = START) -> State:
         """Return the state of a room near its setpoint, the floor somewhat warmer, and of a chain at rest."""

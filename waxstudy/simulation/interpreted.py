@@ -22,6 +22,21 @@ _NUMBER, _OBJECT = ctypes.c_double, ctypes.py_object
 _CALLBACK = ctypes.CFUNCTYPE(_NUMBER, _OBJECT, _OBJECT, _NUMBER, _NUMBER, _NUMBER)
 
 
+class CompiledFailure(SimulationError):
+    """A block failed as machine code, which cannot tell why: Python, asked next, is to say."""
+
+    def __init__(self, block: str, when: str) -> None:
+        super().__init__(block, when)
+        self.block, self.when = block, when
+
+    def __str__(self) -> str:
+        name = self.block.split("'")[1]
+        return (
+            f"{self.block} failed at {self.when}, but only when compiled: check it with "
+            f"`waxstudy plugins check {name}`, or run with --no-jit"
+        )
+
+
 def checked(block: type[Block], watch: bool = False) -> Step:
     """Return a block's step that raises `SimulationError` for anything but a number in the declared range.
 

@@ -12,6 +12,7 @@ from waxstudy.plugin.registry import PluginError, told
 from waxstudy.plugin.shapes import array_problems
 from waxstudy.simulation.advance import ChainAdvance
 from waxstudy.simulation.engine import Loop, Part, Start, Week
+from waxstudy.simulation.interpreted import CompiledFailure
 from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.study.model import Case, Choice
 
@@ -74,21 +75,28 @@ class OutsideLoop:
 
     def _record(self, setpoint_C: float, start: Start, stop: np.ndarray) -> FloatArray:
         """Return what the room gives; what it breaks off or leaves unfinished must not be kept as a result."""
+        try:
+            record = self._simulated(setpoint_C, start, stop, self.stand_in.compiled is not None)
+        except CompiledFailure:
+            self._simulated(setpoint_C, start, stop, False)  # Python tells the exception and its line
+            raise
+        if stop[0]:
+            raise Stopped
+        for problem in record_problems(record, len(self.driven.supply_C) * self.driven.steps_per_interval):
+            raise PluginError(f"[room]: {problem}")
+        return record
+
+    def _simulated(self, setpoint_C: float, start: Start, stop: np.ndarray, jit: bool) -> FloatArray:
         component, driven = self.room.component, self.driven
         assert issubclass(component, OutsideRoom)
         with told("[room]", Stopped, BackendMissing, SimulationError, OSError):
-            record = component.simulate(
+            return component.simulate(
                 self.room.parameters,
                 driven.weather,
-                ChainAdvance(self.case.blocks, driven.step_s, setpoint_C),
+                ChainAdvance(self.case.blocks, driven.step_s, setpoint_C, jit),
                 setpoint_C=setpoint_C,
                 step_s=driven.step_s,
                 air_K=start.air_K,
                 slab_K=start.slab_K,
                 stop=lambda: bool(stop[0]),
             )
-        if stop[0]:
-            raise Stopped
-        for problem in record_problems(record, len(driven.supply_C) * driven.steps_per_interval):
-            raise PluginError(f"[room]: {problem}")
-        return record

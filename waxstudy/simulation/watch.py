@@ -15,6 +15,7 @@ class Watch:
     def __init__(self, longest_s: float, give_up: Callable[[str], None]) -> None:
         self.longest_s, self.give_up = longest_s, give_up
         self.call, self.since_s = "", 0.0
+        self.progress: Callable[[], int] = int  # a number that changes while calls go on without being told of
         threading.Thread(target=self._look, daemon=True).start()
 
     def begin(self, call: str) -> None:
@@ -25,8 +26,11 @@ class Watch:
         self.call = ""
 
     def _look(self) -> None:
+        seen = self.progress()
         while True:
             time.sleep(POLL_S)
+            if seen != (seen := self.progress()):
+                self.since_s = time.monotonic()
             call = self.call
             if call and time.monotonic() - self.since_s > self.longest_s:
                 self.give_up(call)

@@ -16,7 +16,7 @@ from waxstudy.plugin import BackendMissing, Refused
 from waxstudy.plugin.files import read_file, why
 from waxstudy.results.atomic import scratch_folder
 from waxstudy_energyplus.error_file import error_file
-from waxstudy_energyplus.library import installed_version, payload
+from waxstudy_energyplus.installation import installed_version, payload
 from waxstudy_energyplus.model import VERSION, Model
 
 KEY = "room.path"

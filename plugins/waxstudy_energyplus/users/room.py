@@ -18,7 +18,8 @@ from waxstudy.plugin import (
 )
 from waxstudy.plugin.files import DATA_BYTES, read_file, why
 from waxstudy.study.model import is_multiple
-from waxstudy_energyplus.library import LONGEST_SILENCE_S, installed_version
+from waxstudy_energyplus.installation import installed_version
+from waxstudy_energyplus.library import LONGEST_SILENCE_S
 from waxstudy_energyplus.users.file import UsersModel, read_model
 from waxstudy_energyplus.users.takeover import steps_per_hour
 from waxstudy_energyplus.users.zones import Unit, Zone, unit_of, zones

@@ -10,11 +10,10 @@ from typing import Any
 
 from waxstudy_energyplus.model import UNWANTED, Model
 from waxstudy_energyplus.users.file import UsersModel
+from waxstudy_energyplus.users.loop import ALWAYS_WARM_C, NEVER_C, STILL_WARMER_C
 from waxstudy_energyplus.users.zones import BASEBOARDS, VARIABLE, Unit
 
 OURS = "waxstudy"
-# outside all that a room comes to, so that the unit asks for heat always and never cools
-ALWAYS_WARM_C, STILL_WARMER_C, NEVER_C = 98.0, 99.0, 199.0
 WARM, WARMER, NEVER = f"{OURS} always", f"{OURS} always above", f"{OURS} never"
 AVAILABLE = f"{OURS} availability"
 OUTDOORS = "outdoor"  # in the name of a control temperature: then the schedules are a heating curve

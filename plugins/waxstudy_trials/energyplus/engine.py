@@ -37,7 +37,7 @@ class EnergyPlusRoom(Engine):
 
     @classmethod
     def hindrance(cls) -> str:
-        from waxstudy_energyplus.library import installed_version
+        from waxstudy_energyplus.installation import installed_version
 
         if find_spec("waxstudy_enthalpy") is None:
             return "its wax motor is not installed: pip install ./plugins/waxstudy-enthalpy"

@@ -81,7 +81,7 @@ def held(values: FloatArray) -> FloatArray:
 def _of_room(house: House, assumed: Weather, found: Simulated) -> dict[str, FloatArray]:
     """Return what EnergyPlus shows; where no water flows, the return stands at the floor's temperature."""
     from waxstudy_energyplus.chain import FLOW
-    from waxstudy_energyplus.loop import MINUTE_S
+    from waxstudy_energyplus.model import MINUTE_S
     from waxstudy_paper.room.hydronics import WATER_J_L_K
 
     per_minute = round(MINUTE_S / STEP_S)

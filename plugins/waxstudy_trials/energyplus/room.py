@@ -121,7 +121,8 @@ def run(house: House, weather: Weather, setpoint_C: float, advance: Any) -> Simu
 def told(house: House, weather: Weather, room: RoomDescription, record: WeatherRecord) -> dict[str, FloatArray]:
     """Return what EnergyPlus is told otherwise than by the room's description: water, gains, a stove, and air."""
     from waxstudy_energyplus import objects
-    from waxstudy_energyplus.inputs import EXCHANGE_C, inputs
+    from waxstudy_energyplus.described import EXCHANGE_C
+    from waxstudy_energyplus.inputs import inputs
 
     hour = (np.arange(len(weather.sun_W)) + 0.5) * PART_S / 3600.0 % 24.0
     is_lit = (hour >= 18.0) & (hour < 22.0) & (weather.outdoor_C < -2.0)

@@ -9,11 +9,12 @@ import re
 from typing import Any
 
 import llvmlite.binding as llvm
+import numpy as np
 from numba import from_dtype, njit, types
 
 from waxstudy.plugin import Block
 from waxstudy.simulation.compiled import jitted
-from waxstudy.simulation.records import parameter_record, state_dtype
+from waxstudy.simulation.records import state_dtype
 from waxstudy.simulation.typed import CannotCompile, examine, reason
 
 # what LLVM itself and every C library have
@@ -26,12 +27,12 @@ COUNTED = re.compile(r'!"_Z[^":]*')  # names in remarks for the compiler: numba 
 PLATFORM = re.compile(r"^(target (datalayout|triple)|source_filename) = .*\n", re.MULTILINE)
 
 
-def machine_code(block: type[Block], plain: Any, symbol: str) -> str:
-    """Return LLVM's text with one function `symbol`, of the type `Step` of `shell/chain.h`.
+def machine_code(block: type[Block], parameters: np.dtype[Any], symbol: str) -> str:
+    """Return LLVM's text with one function `symbol`, of the type `Step` of `shell/chain.h`; parameters have a layout.
 
     Raises `CannotCompile` with the reason, `PluginError` for a mistake that would give other results than Python does.
     """
-    parameters, state = parameter_record(plain).dtype, state_dtype(block.State)
+    state = state_dtype(block.State)
     step: Any = jitted(block.step)  # type: ignore[arg-type]  # a static method is its function
     examine(block, step, parameters, state)
 
@@ -41,9 +42,14 @@ def machine_code(block: type[Block], plain: Any, symbol: str) -> str:
     number = types.float64
     compiled = njit((from_dtype(parameters), from_dtype(state), number, number, number), error_model="python")(entry)
     (found,) = compiled.overloads.values()
+    return alone(found, symbol)
+
+
+def alone(compiled: Any, symbol: str) -> str:
+    """Return what numba has compiled as LLVM's text with one function `symbol`; raise `CannotCompile`."""
     try:
-        module = llvm.parse_assembly(found.library.get_llvm_str())
-        _leave_only(module, found.fndesc.llvm_func_name, symbol)
+        module = llvm.parse_assembly(compiled.library.get_llvm_str())
+        _leave_only(module, compiled.fndesc.llvm_func_name, symbol)
     except RuntimeError as error:
         raise CannotCompile(reason(error)) from error
     if foreign := sorted(f.name for f in module.functions if f.is_declaration and not LIBRARY.fullmatch(f.name)):
