@@ -53,7 +53,7 @@ HOUSES = {
         ("sensor.heat_pump_flow_temperature", "supply", "°C", "supply_temperature_C"),
         ("sensor.heat_pump_power", "watts", "W", ""),
         ("sensor.living_room_battery", "other", "%", ""),
-        ("sensor.solar_power", "watts", "W", ""),
+        ("sensor.solar_power", "watts", "W", "photovoltaic_power_W"),
     ],
     "building": [
         ("Zone 1 Temp", "room", "°C", "sensor_temperature_C"),

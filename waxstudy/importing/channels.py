@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.channels import CHANNELS, UNITS
+from waxstudy.dataset.channels import CHANNELS, LIGHT, UNITS
 from waxstudy.dataset.checks import AS_LOGGED, Record, run
 from waxstudy.dataset.grid import LONGEST
 from waxstudy.dataset.notes import Notes
@@ -25,7 +25,8 @@ from waxstudy.importing.seen import Seen, level_unit
 from waxstudy.plugin import FloatArray
 from waxstudy.study.problems import StudyError
 
-SLOW = ("outdoor_temperature_C", "setpoint_C", "solar_gain_W", "neighbour_temperature_C")  # tell no interval
+# tell no interval
+SLOW = ("outdoor_temperature_C", "setpoint_C", "solar_gain_W", "neighbour_temperature_C", *LIGHT)
 COUNTED = 6.0**-0.5  # standard deviation of a difference of two values that are rounded to 1
 MINUTE_NS = 60 * NS  # to which signs of life are told apart
 RESTING = ("flow", "gain")  # of which 0 is a state
@@ -222,7 +223,8 @@ def _on_grid(each: _Made, grid: Grid, hold_s: float, notes: Notes) -> tuple[Floa
         return each.how.scale * rates, each.how.scale * COUNTED * found.resolution * 3600.0 / interval_s
     ns = logged.ns
     if logged.is_mean and each.kind.usual_s > COARSER * interval_s:  # of an interval that ended: it was there before
-        ns = ns - round((1.0 if channel.is_mean else 0.5) * each.kind.usual_s * NS)
+        usual_ns = round(each.kind.usual_s * NS)
+        ns = ns - (usual_ns - grid.step_ns if channel.is_mean else usual_ns // 2)  # a sample stamps its end, too
     values = each.how.scale * logged.values + each.how.offset
     taken = on_grid(ns, values, each.kind, grid, hold_s, channel.is_mean)
     # where readings come as often as samples, these tell their noise themselves
