@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -38,6 +38,7 @@ class Sky:
     zenith_deg: FloatArray  # refraction included
     azimuth_deg: FloatArray
     extra_W_m2: FloatArray  # outside the atmosphere
+    day_of_year: FloatArray
     global_W_m2: FloatArray
     diffuse_W_m2: FloatArray
     direct_W_m2: FloatArray
@@ -46,6 +47,10 @@ class Sky:
     @property
     def is_up(self) -> np.ndarray:
         return self.zenith_deg < 90.0 - LOW_SUN_DEG
+
+    @property
+    def stands(self) -> tuple[FloatArray, ...]:
+        return self.zenith_deg, self.azimuth_deg, self.extra_W_m2, self.day_of_year
 
     @property
     def height(self) -> FloatArray:
@@ -73,10 +78,10 @@ def recorded_sun_W(
 ) -> FloatArray:
     """Return what the sun gives to all nodes of a room (n,) [W] by the light (n,) that was recorded, NaN for no sample.
 
-    The share of diffuse light is recorded, or that of Erbs, its directions are those of Perez, and from the plane of
-    panels to level ground it is the two of them the other way round, all as Driesse et al. have them
-    (doi:10.1016/j.solener.2023.112093). Hours without a sample or with a low sun have as much of a clear sky's light as
-    those beside them.
+    The share of diffuse light is recorded, or that of DISC (Maxwell 1987, SERI/TR-215-3087); the directions are those
+    of Perez. From the plane of panels to level ground it is Perez and Erbs the other way round, and Erbs back, all as
+    Driesse et al. have them (doi:10.1016/j.solener.2023.112093). Hours without a sample or with a low sun have as much
+    of a clear sky's light as those beside them.
     """
     sky = _sky(time, interval_s, site)
     hours = _Hours.of(sky, light, site)
@@ -87,6 +92,15 @@ def recorded_sun_W(
 
 
 # --- hours --------------------------------------------------------------------------------------------
+
+
+class _At(NamedTuple):
+    """Where the sun stood in each hour that is told, on which day."""
+
+    zenith_deg: FloatArray
+    azimuth_deg: FloatArray
+    extra_W_m2: FloatArray
+    day_of_year: FloatArray
 
 
 @dataclass(frozen=True)
@@ -100,18 +114,17 @@ class _Hours:
     def of(cls, sky: Sky, light: Mapping[str, FloatArray], site: Site) -> _Hours:
         recorded = light[GLOBAL if GLOBAL in light else PANELS]
         known = np.isfinite(recorded) & sky.is_up
-        means = (sky.zenith_deg, sky.azimuth_deg, sky.extra_W_m2, sky.global_W_m2, recorded)
-        zenith_deg, azimuth_deg, extra, clear, seen = (sky.by_hour(each, known) for each in means)
+        clear, seen = (sky.by_hour(each, known) for each in (sky.global_W_m2, recorded))
         is_told = np.isfinite(seen) & (clear > 0.0)
-        about = zenith_deg[is_told], azimuth_deg[is_told], extra[is_told]
-        told = seen[is_told] if GLOBAL in light else _from_panels(seen[is_told], *about, site)
+        at = _At(*(sky.by_hour(each, known)[is_told] for each in sky.stands))
+        told = seen[is_told] if GLOBAL in light else _from_panels(seen[is_told], at, site)
         share = np.clip(told / clear[is_told], 0.0, MOST_CLEAR)
         if GLOBAL in light and DIFFUSE in light:
             under = sky.by_hour(light[DIFFUSE], known & np.isfinite(light[DIFFUSE]))[is_told]
             part = np.clip(np.divide(under, told, out=np.full(len(told), np.nan), where=told > 0.0), 0.0, 1.0)
-            part = np.where(np.isfinite(part), part, _diffuse_share(told, *about))
+            part = np.where(np.isfinite(part), part, 1.0)
         else:
-            part = _diffuse_share(told, *about)
+            part = (_by_disc if GLOBAL in light else _by_erbs)(told, at)
         return cls(_filled(share, is_told), _filled(part, is_told))
 
 
@@ -120,16 +133,21 @@ def _filled(told: FloatArray, is_told: np.ndarray) -> FloatArray:
     return np.interp(np.arange(len(is_told)), places, told) if len(places) else np.zeros(len(is_told))
 
 
-def _diffuse_share(total: FloatArray, zenith_deg: FloatArray, azimuth_deg: FloatArray, extra: FloatArray) -> FloatArray:
+def _by_disc(total: FloatArray, at: _At) -> FloatArray:
+    from pvlib.irradiance import disc
+
+    direct = np.asarray(disc(total, at.zenith_deg, at.day_of_year)["dni"]) * np.cos(np.radians(at.zenith_deg))
+    return np.clip(np.divide(total - direct, total, out=np.ones(len(total)), where=total > 0.0), 0.0, 1.0)
+
+
+def _by_erbs(total: FloatArray, at: _At) -> FloatArray:
     from pvlib.irradiance import erbs_driesse
 
-    diffuse = np.asarray(erbs_driesse(total, zenith_deg, dni_extra=extra)["dhi"])
+    diffuse = np.asarray(erbs_driesse(total, at.zenith_deg, dni_extra=at.extra_W_m2)["dhi"])
     return np.divide(diffuse, total, out=np.ones(len(total)), where=total > 0.0)
 
 
-def _from_panels(
-    power_W: FloatArray, zenith_deg: FloatArray, azimuth_deg: FloatArray, extra: FloatArray, site: Site
-) -> FloatArray:
+def _from_panels(power_W: FloatArray, at: _At, site: Site) -> FloatArray:
     """Return the light on level ground from the power of panels."""
     from pvlib import irradiance
 
@@ -138,7 +156,7 @@ def _from_panels(
     assert site.panels_peak_W
     plane = STANDARD_W_M2 * np.clip(power_W, 0.0, None) / (PANELS_YIELD * site.panels_peak_W)
     lie = site.panels_tilt_deg, site.panels_azimuth_deg
-    found = to_level(*lie, zenith_deg, azimuth_deg, plane, dni_extra=extra, albedo=ALBEDO)
+    found = to_level(*lie, at.zenith_deg, at.azimuth_deg, plane, dni_extra=at.extra_W_m2, albedo=ALBEDO)
     return np.nan_to_num(np.asarray(found))
 
 
@@ -157,7 +175,8 @@ def _sky(time: pd.DatetimeIndex, interval_s: float, site: Site) -> Sky:
     sun = get_solarposition(middle, site.latitude, longitude, site.altitude)
     clear = simplified_solis(sun["apparent_elevation"])
     hour = (middle.as_unit("s").asi8 // 3600).astype(int)
-    columns: list[Any] = [sun["apparent_zenith"], sun["azimuth"], get_extra_radiation(middle.day_of_year.to_numpy())]
+    day = middle.day_of_year.to_numpy()
+    columns: list[Any] = [sun["apparent_zenith"], sun["azimuth"], get_extra_radiation(day), day]
     columns += [clear[name].fillna(0.0) for name in ("ghi", "dhi", "dni")]  # none below the horizon
     return Sky(*(np.asarray(each, dtype=float) for each in columns), hour=hour - hour[0])
 
