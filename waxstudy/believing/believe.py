@@ -18,7 +18,7 @@ from waxstudy.dataset.channels import GLOBAL, PANELS
 from waxstudy.dataset.description import FILES
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.dataset.stand_ins import SUN
-from waxstudy.importing.asking import Ask
+from waxstudy.importing.asking import Ask, Proposed
 from waxstudy.importing.asking import Question as Asked
 from waxstudy.results.atomic import scratch_folder
 from waxstudy.study.fragment import FROM
@@ -216,7 +216,7 @@ def _asked(request: Request, question: Question, known: Mapping[str, Any], recor
     where = str(request.folder / "dataset.toml")
     text = f"{question.text} [default {proposal.text}: {proposal.source}]"
     typed = ask(Asked(text, choices, proposal.text, f"--set {question.key}=", where, None, wrong))
-    is_default = typed == proposal.text
+    is_default = isinstance(typed, Proposed)  # who types the same knows it
     is_guess = is_default and question.key not in NO_GUESS
     return Answer(question.key, typed, question.read(typed), proposal.source if is_default else STATED, is_guess)
 

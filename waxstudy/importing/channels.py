@@ -142,7 +142,8 @@ def _refuse_misfits(values: pd.DataFrame, made: Mapping[str, _Made], grid: Grid)
         notes = Notes(each.logged.where)
         run(AS_LOGGED, Record(values[[channel]].copy(), grid.step_ns / NS), notes)
         entity, unit = each.match.seen.entity, each.match.seen.unit
-        mend = f"say its unit: --unit '{entity}=degF' or what it is; or another: --map {channel}=NAME"
+        usual = "degF" if CHANNELS[channel].name.endswith("_C") else UNITS[CHANNELS[channel].quantity]
+        mend = f"say its unit: --unit '{entity}={usual}' or what it is; or another: --map {channel}=NAME"
         found += [replace(one, key=f"{entity} in '{unit}' as {channel}", allowed=mend) for one in notes.problems]
     if found:
         raise StudyError(found)
