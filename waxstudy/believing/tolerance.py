@@ -1,6 +1,7 @@
 """By how much what is guessed widens what a diagnosis may change of a room.
 
-All spreads but that of walls are chosen: of the logarithm of what a room itself says is uncertain. They join the room's own, as squares.
+All spreads but that of walls are chosen: of the logarithm of what a room itself says is uncertain. They join the
+room's own, as squares.
 """
 
 from __future__ import annotations

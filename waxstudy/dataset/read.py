@@ -81,7 +81,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     record = _record(path, described, full_L_h, notes) if path and is_clear else None
     if room and record:
         look_at_roles(check, room, record[0], notes)
-        if wrong := why_dark(list(record[0]), described.site):
+        if wrong := why_dark(record[0].columns, described.site):
             notes.warn(wrong)
     problems = [*check.problems, *notes.problems]
     if problems or record is None:

@@ -61,7 +61,7 @@ class Sky:
         """Return means over the samples of each hour that count; NaN where none does."""
         count = np.bincount(self.hour, within, minlength=self.hour[-1] + 1)
         total = np.bincount(self.hour, np.where(within, values, 0.0), minlength=len(count))
-        return np.divide(total, count, out=np.full(len(count), np.nan), where=count > 0)
+        return np.asarray(np.divide(total, count, out=np.full(len(count), np.nan), where=count > 0))
 
 
 def clear_sky_W(room: LinearRoom, time: pd.DatetimeIndex, interval_s: float, site: Site) -> FloatArray:
@@ -121,8 +121,7 @@ class _Hours:
         share = np.clip(told / clear[is_told], 0.0, MOST_CLEAR)
         if GLOBAL in light and DIFFUSE in light:
             under = sky.by_hour(light[DIFFUSE], known & np.isfinite(light[DIFFUSE]))[is_told]
-            part = np.clip(np.divide(under, told, out=np.full(len(told), np.nan), where=told > 0.0), 0.0, 1.0)
-            part = np.where(np.isfinite(part), part, 1.0)
+            part = _share(np.where(np.isfinite(under), under, told), told)
         else:
             part = (_by_disc if GLOBAL in light else _by_erbs)(told, at)
         return cls(_filled(share, is_told), _filled(part, is_told))
@@ -130,21 +129,25 @@ class _Hours:
 
 def _filled(told: FloatArray, is_told: np.ndarray) -> FloatArray:
     places = np.flatnonzero(is_told)
-    return np.interp(np.arange(len(is_told)), places, told) if len(places) else np.zeros(len(is_told))
+    return np.asarray(np.interp(np.arange(len(is_told)), places, told)) if len(places) else np.zeros(len(is_told))
 
 
 def _by_disc(total: FloatArray, at: _At) -> FloatArray:
     from pvlib.irradiance import disc
 
     direct = np.asarray(disc(total, at.zenith_deg, at.day_of_year)["dni"]) * np.cos(np.radians(at.zenith_deg))
-    return np.clip(np.divide(total - direct, total, out=np.ones(len(total)), where=total > 0.0), 0.0, 1.0)
+    return _share(total - direct, total)
 
 
 def _by_erbs(total: FloatArray, at: _At) -> FloatArray:
     from pvlib.irradiance import erbs_driesse
 
     diffuse = np.asarray(erbs_driesse(total, at.zenith_deg, dni_extra=at.extra_W_m2)["dhi"])
-    return np.divide(diffuse, total, out=np.ones(len(total)), where=total > 0.0)
+    return _share(diffuse, total)
+
+
+def _share(part: FloatArray, total: FloatArray) -> FloatArray:
+    return np.asarray(np.clip(np.divide(part, total, out=np.ones(len(total)), where=total > 0.0), 0.0, 1.0))
 
 
 def _from_panels(power_W: FloatArray, at: _At, site: Site) -> FloatArray:
@@ -157,7 +160,7 @@ def _from_panels(power_W: FloatArray, at: _At, site: Site) -> FloatArray:
     plane = STANDARD_W_M2 * np.clip(power_W, 0.0, None) / (PANELS_YIELD * site.panels_peak_W)
     lie = site.panels_tilt_deg, site.panels_azimuth_deg
     found = to_level(*lie, at.zenith_deg, at.azimuth_deg, plane, dni_extra=at.extra_W_m2, albedo=ALBEDO)
-    return np.nan_to_num(np.asarray(found))
+    return np.asarray(np.nan_to_num(found))
 
 
 # --- sky ----------------------------------------------------------------------------------------------
@@ -178,7 +181,8 @@ def _sky(time: pd.DatetimeIndex, interval_s: float, site: Site) -> Sky:
     day = middle.day_of_year.to_numpy()
     columns: list[Any] = [sun["apparent_zenith"], sun["azimuth"], get_extra_radiation(day), day]
     columns += [clear[name].fillna(0.0) for name in ("ghi", "dhi", "dni")]  # none below the horizon
-    return Sky(*(np.asarray(each, dtype=float) for each in columns), hour=hour - hour[0])
+    zenith, azimuth, extra, of_year, total, diffuse, direct = (np.asarray(each, dtype=float) for each in columns)
+    return Sky(zenith, azimuth, extra, of_year, total, diffuse, direct, hour - hour[0])
 
 
 def _heat_W(
