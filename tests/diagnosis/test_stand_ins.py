@@ -127,6 +127,14 @@ def test_the_light_of_a_clear_day_gives_the_room_a_clear_sky() -> None:
     assert not found[:20].any()
 
 
+def test_a_night_of_winter_that_lasts_all_day_has_no_sun() -> None:
+    time = pd.date_range("2023-12-20", periods=96, freq="15min")
+    there = Site(latitude=78.0, longitude=15.0)
+    room = built(study().room)
+    assert not recorded_sun_W(room, time, 900.0, there, {GLOBAL: np.zeros(96)}).any()
+    assert not clear_sky_W(room, time, 900.0, there).any()
+
+
 def test_half_the_light_gives_less_than_half_of_the_sun_through_upright_windows() -> None:
     time, light = level_W_m2()
     assert sun_of({GLOBAL: 0.5 * light}, time).sum() < 0.5 * sun_of({GLOBAL: light}, time).sum()

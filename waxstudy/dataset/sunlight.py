@@ -204,13 +204,14 @@ def _on_facade(facade: Facade, sky: Sky, light: tuple[FloatArray, FloatArray, Fl
 
     total, diffuse, direct = light
     lie = facade.tilt_deg, facade.azimuth_deg
-    up, low = sky.is_up, ~sky.is_up
-    found = np.zeros(len(total))
+    up = sky.is_up
+    around = 0.5 * (1.0 + np.cos(np.radians(facade.tilt_deg)))
+    found = total * (around + ALBEDO * (1.0 - around))
+    if not up.any():  # of no sun at all pvlib's spline makes an error
+        return found
     at = sky.zenith_deg[up], sky.azimuth_deg[up], direct[up], total[up], diffuse[up]
     parts = get_total_irradiance(*lie, *at, dni_extra=sky.extra_W_m2[up], albedo=ALBEDO, model=model)
     found[up] = np.nan_to_num(parts["poa_global"])
-    around = 0.5 * (1.0 + np.cos(np.radians(facade.tilt_deg)))
-    found[low] = total[low] * (around + ALBEDO * (1.0 - around))
     return found
 
 
