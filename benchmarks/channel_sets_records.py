@@ -31,7 +31,7 @@ SETS: Mapping[str, Sequence[str]] = {
     "sun as GHI": (LIGHT, GAINS),
     "GHI alone": (LIGHT,),
 }
-INTERVAL_S = 300.0  # of the samples, as houses have them
+INTERVAL_S = 120.0  # of the samples: some effects of the chain last for two minutes
 HEATS, DRAWS = 0.1, 20  # share of the time that the valve of a healthy loop is open, and draws of days until it is
 CHAIN = ("sensor", "controller", "modulator", "actuator", "valve")
 FIRST_DAY, LAST_DAY = pd.Timestamp("2001-01-02"), pd.Timestamp("2001-03-31")

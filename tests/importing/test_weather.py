@@ -21,7 +21,13 @@ ZONE = ("--timezone", "Europe/Tallinn")
 BELIEVE = ("--set", "floor_area_m2=18", "--set", "outer_walls=south,west", "--set", "year=2012", "--yes")
 
 
-def weather_file(start: str = "2026-01-01", days: int = 20, source: str = "SRC-TMYx", year: int | None = None) -> str:
+def weather_file(
+    start: str = "2026-01-01",
+    days: int = 20,
+    source: str = "SRC-TMYx",
+    year: int | None = None,
+    folder: Path = Path(),
+) -> str:
     """Write hours of a plain winter as an EPW file; return its name."""
     ends = pd.date_range(start, periods=24 * days, freq="h")
     hour = ends.hour.to_numpy()
@@ -33,7 +39,7 @@ def weather_file(start: str = "2026-01-01", days: int = 20, source: str = "SRC-T
         values[0:5] = [year or end.year, end.month, end.day, end.hour + 1, 60]
         values[6], values[13], values[15] = round(-3.0 - n / 100.0, 1), round(light[n]), round(0.4 * light[n])
         lines.append(",".join(map(str, values)))
-    Path("tallinn.epw").write_text("\n".join(lines) + "\n")
+    (folder / "tallinn.epw").write_text("\n".join(lines) + "\n")
     return "tallinn.epw"
 
 
