@@ -61,6 +61,17 @@ def test_measured_weather_of_those_days_gives_the_outdoor_temperature_and_the_li
     assert about["dataset"]["inputs"] == {GAINS: 0.7, SUN: 0.12}
 
 
+def test_weather_of_later_days_makes_no_record_longer(entry: Entry) -> None:
+    """The valve is logged when it changes: it rests as long as the house logs anything, not as its weather goes on."""
+    frame = house()
+    readings = frame.drop(columns=["outdoor_temperature", "flow_L_h"]).stack().rename_axis(["time", "name"])
+    long = readings.rename("value").reset_index()
+    changes = long["name"].ne("heating_valve") | long.groupby("name")["value"].diff().ne(0.0)
+    long[changes].to_csv("house.csv", index=False)
+    assert entry("import", "house.csv", weather_file(source="Actual"), *ZONE, "--out", "living").code == 0
+    assert read(Path("living")).index[-1] == frame.index[-1]
+
+
 def test_a_repeated_import_keeps_the_site_that_somebody_wrote(entry: Entry) -> None:
     assert with_weather(entry, weather_file(source="Actual")).code == 0
     path = Path("living/dataset.toml")

@@ -98,9 +98,8 @@ def _logged(readings: Readings, notes: Notes) -> Logged | None:
     ns = readings.times.as_unit("ns").asi8
     rows = readings.written.index.to_numpy()
     unit = readings.unit or numbers.unit
-    return Logged(
-        readings.entity, readings.where, ns, numbers.values, rows, unit, bool(numbers.words), readings.is_mean
-    )
+    how = bool(numbers.words), readings.is_mean, readings.place is None
+    return Logged(readings.entity, readings.where, ns, numbers.values, rows, unit, *how)
 
 
 def _refuse_other_days(readings: Sequence[Readings]) -> None:

@@ -161,7 +161,8 @@ def _while_alive(each: _Made, entities: Sequence[Seen]) -> _Made:
     if each.kind.is_regular or not (is_state or CHANNELS[each.match.channel].quantity in RESTING):
         return each
     logged = each.logged
-    beside = [one.logged.ns for one in entities if _folder(one.logged) == _folder(logged)]
+    own = [one.logged for one in entities if one.logged.is_of_house]
+    beside = [one.ns for one in own if _folder(one) == _folder(logged)]
     minutes = np.unique(np.concatenate([ns // MINUTE_NS for ns in beside])) * MINUTE_NS
     signs = minutes[(minutes > logged.ns[0]) & ~np.isin(minutes, logged.ns)]
     last = np.searchsorted(logged.ns, signs, side="right") - 1

@@ -52,6 +52,7 @@ class Logged(NamedTuple):
     unit: str
     is_words: bool
     is_mean: bool
+    is_of_house: bool = True  # else of a weather station, which says nothing of whether the house's logger lives
 
 
 Layout = Literal["wide", "long"]
