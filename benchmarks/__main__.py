@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -15,10 +14,11 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from benchmarks.command import WAXSTUDY, command_figure
 from benchmarks.energyplus_model import house_figure
 from benchmarks.fleet import fleet_figures
 from benchmarks.fmu import fmu_figures
-from benchmarks.house import write_year
+from benchmarks.imports import import_figures
 from benchmarks.timing import best_s
 from waxstudy.loop import figures as of_loop
 from waxstudy.plugin import Actuator
@@ -33,7 +33,6 @@ from waxstudy.study.read import read_study
 
 STUDY = Path(__file__).parents[1] / "studies" / "table5.toml"
 SEASON = STUDY.with_name("season.toml")
-WAXSTUDY = Path(sys.executable).with_name("waxstudy")
 
 
 @njit(error_model="python")
@@ -133,35 +132,11 @@ def tuning_figure(study: Study, plan: Plan) -> None:
     print(f"\nan evaluation of a tuning (P_WM, January, {len(plan.starts)} members at 5 s): {told}")
 
 
-# a small process of its own: a child's peak memory starts with that of the process that forks it
-MEASURE = """
-import os, subprocess, sys, time
-begin = time.perf_counter()
-child = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL)
-_, status, usage = os.wait4(child.pid, 0)
-print(time.perf_counter() - begin, usage.ru_maxrss * 1024 / 1e6, os.waitstatus_to_exitcode(status))
-"""
-
-
-def command_figure(label: str, arguments: list[str], limit: str, environment: dict[str, str] | None = None) -> float:
-    """Print and return the wall time of a whole command, with its peak memory."""
-    measured = subprocess.run(
-        [sys.executable, "-S", "-c", MEASURE, str(WAXSTUDY), *arguments],
-        env={**os.environ, **(environment or {})},
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    )
-    seconds, megabytes, code = map(float, measured.stdout.split())
-    print(f"{label:40} {seconds:6.2f} s  {megabytes:5.0f} MB  exit {code:.0f}  {limit}")
-    return seconds
-
-
 def command_figures(folder: Path) -> None:
     one = folder / "one.toml"
     one.write_text(STUDY.read_text().replace("members = 16", "members = 1"))
     cold = {"WAXSTUDY_CACHE": str(folder / "cache")}
-    print(f"\nwhole commands\n{'':40} {'wall':>8}  {'peak':>8}          limits; 500 MB for each")
+    print(f"\nwhole commands\n{'':40} {'wall':>8}  {'processor':>11}  {'peak':>8}          limits; 500 MB for each")
     nothing = min(command_figure("waxstudy --help", ["--help"], "0.25 s") for _ in range(3))
     command_figure("1 member, first since the last change", ["run", str(one), "--out", str(folder / "0")], "")
     command_figure("1 member, warm", ["run", str(one), "--out", str(folder / "1")], "3 s")
@@ -197,7 +172,7 @@ steps = [{{ id = "O_WM", valve = {{ use = "quick-opening" }}, actuator = {{ use 
 def long_figures(folder: Path) -> None:
     """Time and memory of long runs and records; they need a year of weather in the folder `WAXSTUDY_DATA`."""
     weather = next(Path(os.environ.get("WAXSTUDY_DATA", "none"), "weather").glob("*.epw"), None)
-    print(f"\nlong runs and records\n{'':40} {'wall':>8}  {'peak':>8}")
+    print(f"\nlong runs and records\n{'':40} {'wall':>8}  {'processor':>11}  {'peak':>8}")
     if weather is None:
         print("left out: WAXSTUDY_DATA names no folder with weather/*.epw")
         return
@@ -243,14 +218,6 @@ steps = [{{ id = "{CASES_OF_ROOM[1]}", valve = {{ use = "quick-opening" }}, actu
         for n in (1, 2)
     )
     print(f"{'':40} two workers are {one / two:.2f} times as fast as one (at least 1.7)")
-
-
-def import_figures(folder: Path) -> None:
-    """Time and memory of imports of a year."""
-    print(f"\na year at 1 min, 12 channels\n{'':40} {'wall':>8}  {'peak':>8}")
-    for file in write_year(folder):
-        arguments = ["import", str(file), "--timezone", "Europe/Tallinn", "--yes", "--out", str(folder / file.stem)]
-        command_figure(f"import of a {file.stem} CSV", arguments, "60 s, 2 GB")
 
 
 def main() -> None:

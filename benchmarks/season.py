@@ -18,7 +18,7 @@ from waxstudy.api.running import Results
 from waxstudy.report.comparison import CORRECTED, HEAT, differences_percent, member_values
 from waxstudy.report.season import Months, interval_percent
 from waxstudy.results.kpis import months_of
-from waxstudy.sweep.result import read_swept
+from waxstudy.sweeps.result import read_swept
 
 ROOT = Path(__file__).parents[1]
 WAXSTUDY = Path(sys.executable).with_name("waxstudy")

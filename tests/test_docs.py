@@ -15,6 +15,7 @@ import pytest
 from tests.conftest import ROOT, Waxstudy
 from tests.importing.conftest import record, study
 from tests.importing.exports import home_assistant_csv
+from tests.importing.test_weather import weather_file
 
 __all__ = ["record", "study"]
 
@@ -70,6 +71,7 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
     (tmp_path / "fitted.toml").write_text(fitted)
     shutil.copytree(ROOT / "docs", tmp_path / "docs")
     assert home_assistant_csv(record, tmp_path).source.name == "history.csv"
+    assert weather_file(f"{record.index[0]:%Y-%m-%d}", source="Actual", folder=tmp_path) == "tallinn.epw"
     done = waxstudy("run", "studies/table5.toml")  # what `make run` calls
     assert done.stdout.splitlines()[-1] == "results/table5", done.stderr
     printed = commands("waxstudy")

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from waxstudy.plugin.registry import PluginError
     from waxstudy.results.folder import RunError
     from waxstudy.study.problems import StudyError
-    from waxstudy.sweep.result import Swept
+    from waxstudy.sweeps.result import Swept
 
 _PLACES = {
     "Activated": "waxstudy.fleet.result",
@@ -61,7 +61,7 @@ _PLACES = {
     "Sensor": "waxstudy.plugin",
     "SimulationError": "waxstudy.plugin",
     "StudyError": "waxstudy.study.problems",
-    "Swept": "waxstudy.sweep.result",
+    "Swept": "waxstudy.sweeps.result",
     "Valve": "waxstudy.plugin",
     "Weather": "waxstudy.plugin",
     "components": "waxstudy.api.components",

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import Belief, Choice, Effect, Inputs, Room, SimulationError
+from waxstudy.plugin import Belief, Choice, Effect, Facade, FloatArray, Inputs, Room, SimulationError, Weather
 from waxstudy.plugin.registry import PluginError, installed
 from waxstudy.plugin.trial import Cause, Engine, Scene, Staged, Unmakeable
 from waxstudy.simulation.run import InputError
@@ -32,6 +32,7 @@ CLEAR_DAY = {"january": 0.08, "february": 0.4}  # kWh/m2 of a day with nearly al
 GAINS_W_M2 = (2.5, 6.0)
 SHIFT_K = 0.7  # of the setpoint, to either side
 WEEK_DAYS = 7
+SITE = {"latitude": 59.4, "longitude": 24.8, "timezone": "Etc/GMT-2"}  # of weather `tallinn-week`
 # how far heat strays from what is recorded of it, as the logarithm of a factor, whatever the causes are
 HEAT_SD = {
     "internal_gain_W": 0.05,  # what a meter of plugs and a count of people leave open
@@ -46,6 +47,7 @@ class FastRoom(Engine):
     """
 
     name = "fast-room"
+    lit_days = WEEK_DAYS  # the second week is of other days than its dates say
 
     @classmethod
     def causes(cls) -> Sequence[Cause]:
@@ -85,10 +87,21 @@ class FastRoom(Engine):
             raise Unmakeable(str(error)) from error
         channels, without = logged(reality.week.channels, reality.week.step_s, choices)
         telling = Telling(ours, true, case, weeks, setpoint_C)
-        described = {"nominal": telling.nominal(), "room": ours.room.described()}
+        channels = {**channels, "global_W_m2": _light(ours, len(channels["outdoor_C"]), reality.week.step_s)}
+        described = {"nominal": telling.nominal(), "room": ours.room.described(), "site": SITE}
         acts = whens(scene["causes"], channels, reality.week.step_s)
         kept = channels, reality.week.step_s, reality.first_day, described
         return Staged(*kept, edits, without, when=acts, departures=departures)
+
+
+def _light(ours: Study, count: int, step_s: float) -> FloatArray:
+    """Return the light on level ground at the end of every step (count,)."""
+    weeks = []
+    for week in ours.weeks.values():
+        assert issubclass(week.component, Weather)
+        record = week.component.load(week.parameters, {"ground": Facade(180.0, tilt_deg=0.0)})
+        weeks.append(np.repeat(record.irradiance_W_m2["ground"], round(record.interval_s / step_s)))
+    return np.concatenate(weeks)[:count]
 
 
 def _is_logger(choice: Choice) -> bool:

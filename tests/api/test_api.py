@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pkgutil
 import subprocess
 import sys
 import tomllib
@@ -40,6 +41,13 @@ def test_the_import_brings_nothing_heavy() -> None:
     asked = "import sys, waxstudy; print(sorted({'numpy', 'pandas', 'numba', 'scipy', 'click'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+def test_no_package_takes_the_place_of_a_public_name_once_it_is_imported() -> None:
+    assert {each.name for each in pkgutil.iter_modules(wx.__path__)} & set(wx.__all__) == set()
+    asked = "import waxstudy as wx; wx.Swept; print(wx.sweep.__name__, callable(wx.sweep))"
+    done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    assert done.stdout == "sweep True\n"
 
 
 def test_it_can_be_called_as_a_module() -> None:

@@ -74,7 +74,7 @@ def about(folder: Path) -> dict[str, dict[str, object]]:
 def test_where_nobody_answers_nothing_is_guessed_and_every_question_is_told(entry: Entry, living: Path) -> None:
     done = entry("believe", "living")
     assert done.code == INVALID
-    assert len(done.stderr.splitlines()) == len(KEYS) - 1  # the flow is in the record
+    assert len(done.stderr.splitlines()) == len(KEYS) - 2  # the flow is in the record, and no panels are
     assert "say --set 'windows=south 2.0', or --yes, or answer on a terminal" in done.stderr
     assert (living / "dataset.toml").read_text() == HEAD
 
@@ -212,15 +212,17 @@ def test_it_asks_on_a_terminal(living: Path, tmp_path: Path) -> None:
     ]
     child = subprocess.Popen(command, cwd=tmp_path, stdin=theirs, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     os.close(theirs)
-    os.write(ours, b"last year\n1995\n2\n")
+    os.write(ours, b"last year\n2005\n\n")  # the year's default typed, the valve's taken
     out, asked = (text.decode() for text in child.communicate(timeout=120))
     os.close(ours)
     assert child.returncode == 0, asked
     assert out.splitlines()[-1] == "living"
     assert asked.index("In which year") < asked.index("give a year from 1700") < asked.index("What curve has the valve")
     found = about(living)
-    assert found["nominal"]["valve"] == {"use": "linear"}
-    assert found["believe"]["answers"]["year"] == "1995"
+    assert found["nominal"]["valve"] == {"use": "quick-opening"}
+    assert found["believe"]["answers"]["year"] == "2005"
+    assert "year" in found["believe"]["stated"]
+    assert "valve" not in found["believe"]["stated"]
 
 
 def test_the_page_shows_every_spread() -> None:

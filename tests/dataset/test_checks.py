@@ -11,6 +11,7 @@ import pytest
 
 from tests.dataset.regenerate_checks import PAGE, page
 from tests.synthetic.conftest import Simulated, written
+from waxstudy.dataset.channels import GLOBAL
 from waxstudy.dataset.checks import CHECKS, Check, Record, run
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import read_dataset
@@ -46,6 +47,8 @@ FAULTS: dict[str, dict[str, Change]] = {
         "refuses": changed("displacement", lambda x: 100.0 * x),
         "warns": changed("displacement", lambda x: 1.1 * x),
     },
+    "light": {"refuses": lambda values: values.assign(**{GLOBAL: 20_000.0})},
+    "light-at-night": {"warns": lambda values: values.assign(**{GLOBAL: 100.0})},
     "gain": {"refuses": changed("internal_gain_W", lambda x: -x), "warns": sample("internal_gain_W", -50.0)},
     "flow": {
         "refuses": changed("flow_L_h", lambda x: x / 1000.0),

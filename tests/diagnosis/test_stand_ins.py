@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, belief, dataset, estimator, rows, study
-from waxstudy.dataset.clear_sky import clear_sky_W
-from waxstudy.dataset.stand_ins import GAINS, SUN, own_gains_W
+from waxstudy.dataset.stand_ins import GAINS, SUN, own_gains_W, why_dark
+from waxstudy.dataset.sunlight import DIFFUSE, GLOBAL, PANELS, PANELS_YIELD, _sky, clear_sky_W, recorded_sun_W
 from waxstudy.dataset.tables import Site
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
@@ -101,3 +101,86 @@ def test_a_room_without_gains_has_none_of_its_own() -> None:
     room = built(study().room)
     hour = np.arange(24.0)
     assert own_gains_W(room, hour).mean() > 0.0
+
+
+# --- the sun by light that was recorded ------------------------------------------------------------------
+
+HERE = Site(latitude=59.4, longitude=24.7, timezone="Europe/Tallinn", panels_peak_W=5000.0)
+
+
+def level_W_m2(day: str = "2023-03-20") -> tuple[pd.DatetimeIndex, np.ndarray]:
+    """Return the light of a clear day on level ground."""
+    time = pd.date_range(day, periods=96, freq="15min") + pd.Timedelta("15min")
+    sky = _sky(time, 900.0, HERE)
+    return time, sky.global_W_m2
+
+
+def sun_of(light: dict[str, np.ndarray], time: pd.DatetimeIndex) -> np.ndarray:
+    return recorded_sun_W(built(study().room), time, 900.0, HERE, light)
+
+
+def test_the_light_of_a_clear_day_gives_the_room_a_clear_sky() -> None:
+    """Within a fifth: a clear sky of pvlib has less diffuse light than that of Erbs."""
+    time, light = level_W_m2()
+    found, clear = sun_of({GLOBAL: light}, time), clear_sky_W(built(study().room), time, 900.0, HERE)
+    assert found.sum() == pytest.approx(clear.sum(), rel=0.2)
+    assert not found[:20].any()
+
+
+def test_a_night_of_winter_that_lasts_all_day_has_no_sun() -> None:
+    time = pd.date_range("2023-12-20", periods=96, freq="15min")
+    there = Site(latitude=78.0, longitude=15.0)
+    room = built(study().room)
+    assert not recorded_sun_W(room, time, 900.0, there, {GLOBAL: np.zeros(96)}).any()
+    assert not clear_sky_W(room, time, 900.0, there).any()
+
+
+def test_half_the_light_gives_less_than_half_of_the_sun_through_upright_windows() -> None:
+    time, light = level_W_m2()
+    assert sun_of({GLOBAL: 0.5 * light}, time).sum() < 0.5 * sun_of({GLOBAL: light}, time).sum()
+
+
+def test_light_that_is_known_to_be_diffuse_comes_from_everywhere() -> None:
+    time, light = level_W_m2()
+    assert sun_of({GLOBAL: light, DIFFUSE: light}, time).sum() < 0.7 * sun_of({GLOBAL: light}, time).sum()
+
+
+def test_panels_that_lie_level_tell_what_a_pyranometer_does() -> None:
+    time, light = level_W_m2()
+    site = HERE.model_copy(update={"panels_tilt_deg": 0.0})
+    power_W = light * PANELS_YIELD * 5.0
+    found = recorded_sun_W(built(study().room), time, 900.0, site, {PANELS: power_W})
+    assert found.sum() == pytest.approx(sun_of({GLOBAL: light}, time).sum(), rel=0.1)  # two models of diffuse light
+
+
+def test_a_gap_in_the_light_is_bridged_by_the_hours_beside_it() -> None:
+    time, light = level_W_m2()
+    gap = light.copy()
+    gap[44:52] = np.nan
+    assert sun_of({GLOBAL: gap}, time).sum() == pytest.approx(sun_of({GLOBAL: light}, time).sum(), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("light", "stated", "spread"), [(GLOBAL, {}, 0.2), (PANELS, {}, 0.3), (GLOBAL, {SUN: 0.5}, 0.5)]
+)
+def test_the_sun_by_recorded_light_is_uncertain_by_as_much_as_is_said(
+    light: str, stated: dict[str, float], spread: float
+) -> None:
+    seen = dataset(rows("REAL", DAYS, without=(SUN,)), "REAL")
+    values = seen.values.assign(**{light: np.where(seen.time.hour.isin(range(10, 15)), 100.0, 0.0)})
+    record = record_of(replace(seen, values=values, site=HERE, spreads=stated))
+    found = record.stand_ins[SUN]
+    assert found.factor_sd == spread
+    assert found.values.any()
+    assert f"the sun that {light} tells" in found.sentence
+    assert f"{spread:.0%}" in found.sentence
+    assert record.inputs.stand_ins == {"solar_W"}
+
+
+@pytest.mark.parametrize(
+    ("site", "why"), [(None, "latitude"), (Site(latitude=59.4), "longitude"), (TALLINN, "panels_peak_W")]
+)
+def test_light_that_tells_nothing_of_the_sun_is_said(site: Site | None, why: str) -> None:
+    assert why in why_dark([PANELS], site)
+    assert not why_dark([PANELS, SUN], site)
+    assert not why_dark([PANELS], HERE)

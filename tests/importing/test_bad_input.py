@@ -270,6 +270,9 @@ def test_a_million_rows_in_the_wrong_layout_are_refused(entry: Entry) -> None:
     names = pd.Series(np.arange(count)).astype(str).radd("reading ")
     pd.DataFrame({"time": time, "entity": names, "value": 21.0}).to_parquet("long.parquet")
     refused(entry("import", "long.parquet", "--out", "living"), "1000000 names in 1000000 rows", "expected is a column")
+    names = pd.Series(np.arange(count) % 5000).astype(str).radd("e")
+    pd.DataFrame({"time": time, "name": names, "value": 21.0}).to_parquet("short.parquet")
+    refused(entry("import", "short.parquet", "--out", "living"), "column 'name' has 5000 names in 1000000 rows")
     turned = house(days=0.5).reset_index().astype({"time": str}).set_index("time").T
     turned.to_csv("turned.csv", index_label="sensor")
     refused(entry("import", "turned.csv", "--out", "living"), "a row for each sensor", "turn it round")

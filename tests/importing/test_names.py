@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 
+from waxstudy.importing.layouts import readings_of
 from waxstudy.importing.matching import matched
 from waxstudy.importing.names import rooms_of
-from waxstudy.importing.reading import Logged
+from waxstudy.importing.reading import Logged, Table
 from waxstudy.importing.seen import seen
 from waxstudy.importing.units import conversion
 from waxstudy.plugin import FloatArray
@@ -53,7 +57,7 @@ HOUSES = {
         ("sensor.heat_pump_flow_temperature", "supply", "°C", "supply_temperature_C"),
         ("sensor.heat_pump_power", "watts", "W", ""),
         ("sensor.living_room_battery", "other", "%", ""),
-        ("sensor.solar_power", "watts", "W", ""),
+        ("sensor.solar_power", "watts", "W", "photovoltaic_power_W"),
     ],
     "building": [
         ("Zone 1 Temp", "room", "°C", "sensor_temperature_C"),
@@ -118,3 +122,10 @@ def test_units_become_those_of_channels(unit: str, quantity: str, one: float) ->
     assert how is not None
     assert how.scale + how.offset == pytest.approx(one, rel=1e-4)
     assert how.is_counter is (unit in ("10 L", "kWh"))
+
+
+def test_names_that_begin_as_a_number_goes_on_are_names() -> None:
+    """Of T1 and E2 all letters may be in a stamp or a number."""
+    frame = pd.DataFrame({"time": pd.date_range("2026-01-01", periods=6, freq="min"), "name": ["T1", "E2"] * 3})
+    found = readings_of(Table("a.csv", frame.assign(value=[21.0, 1.0] * 3).astype({"time": str})), Path("a.csv"), None)
+    assert {each.entity for each in found} == {"T1", "E2"}

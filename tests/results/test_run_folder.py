@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -18,7 +19,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.cli.folders import contents
+from tests.conftest import WAXSTUDY
 from waxstudy.results.atomic import whole_file, whole_folder
+from waxstudy.results.checksums import SUMS
 from waxstudy.results.folder import RunError, run_folder
 from waxstudy.results.run import CaseFolder, Run, finish, is_finished
 from waxstudy.study.model import Ladder
@@ -89,6 +92,13 @@ def test_provenance_says_where_the_figures_come_from(finished: Path) -> None:
     assert {"waxstudy", "numpy", "numba"} <= provenance["packages"].keys()
     assert provenance["plugins"].keys() == {"waxstudy"}
     assert {"python", "machine", "inputs"} <= provenance.keys()
+
+
+def test_the_command_of_a_run_makes_the_same_bytes_from_its_own_folder(finished: Path, tmp_path: Path) -> None:
+    command = shlex.split(json.loads((finished / "run.json").read_text())["provenance"]["command"])
+    again = [str(WAXSTUDY), *command[1:], "--out", str(tmp_path / "again")]
+    subprocess.run(again, cwd=finished, check=True, capture_output=True)
+    assert (tmp_path / "again" / SUMS).read_bytes() == (finished / SUMS).read_bytes()
 
 
 def test_a_case_counts_as_finished_only_as_it_was_written(finished: Path, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.synthetic.conftest import Simulated
-from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.channels import CHANNELS, LIGHT
 from waxstudy.synthetic.instruments import Instruments, gaps, measure
 from waxstudy.synthetic.simulate import RealityError
 
@@ -33,7 +33,7 @@ def test_flow_and_gains_are_means_so_that_their_sums_are_kept(simulated: Simulat
     assert data["flow_L_h"].sum() > 0.0
 
 
-@pytest.mark.parametrize("name", sorted(set(CHANNELS) - {*MEANS, "neighbour_temperature_C"}))
+@pytest.mark.parametrize("name", sorted(set(CHANNELS) - {*MEANS, *LIGHT, "neighbour_temperature_C"}))
 def test_all_else_is_the_value_at_the_end_of_the_interval(simulated: Simulated, name: str) -> None:
     reality = simulated("O_WM")
     data = measure(reality, perfect(60.0))

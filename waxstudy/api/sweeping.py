@@ -13,11 +13,11 @@ from waxstudy.plugin.registry import installed
 from waxstudy.simulation.run import Progress
 from waxstudy.study.read import study_of
 from waxstudy.study.source import read_source, source_of
-from waxstudy.sweep.axes import NAME, Sweep, read_sweep
-from waxstudy.sweep.kinds import Kind
-from waxstudy.sweep.place import studies
-from waxstudy.sweep.result import Swept, read_swept
-from waxstudy.sweep.run import Where, run
+from waxstudy.sweeps.axes import NAME, Sweep, read_sweep
+from waxstudy.sweeps.kinds import Kind
+from waxstudy.sweeps.place import studies
+from waxstudy.sweeps.result import Swept, read_swept
+from waxstudy.sweeps.run import Where, run
 
 
 def sweep(

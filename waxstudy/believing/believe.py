@@ -12,11 +12,13 @@ from typing import Any
 import tomli_w
 
 from waxstudy.believing import shown, tables
-from waxstudy.believing.questions import QUESTIONS, Question
+from waxstudy.believing.questions import NO_GUESS, QUESTIONS, Question
 from waxstudy.believing.tolerance import Widened, tolerance, widened
+from waxstudy.dataset.channels import GLOBAL, PANELS
 from waxstudy.dataset.description import FILES
 from waxstudy.dataset.read import Dataset, read_dataset
-from waxstudy.importing.asking import Ask
+from waxstudy.dataset.stand_ins import SUN
+from waxstudy.importing.asking import Ask, Proposed
 from waxstudy.importing.asking import Question as Asked
 from waxstudy.results.atomic import scratch_folder
 from waxstudy.study.fragment import FROM
@@ -119,7 +121,9 @@ def _is_open(question: Question, values: Mapping[str, Any], earlier: Earlier, re
         return False
     if question.key == "setpoint_C":
         return "setpoint_C" not in record.values
-    return question.key != "place" or "solar_gain_W" not in record.values
+    if question.key == "panels":
+        return PANELS in record.values and not {SUN, GLOBAL} & set(record.values)
+    return question.key != "place" or SUN not in record.values
 
 
 def _refuse_kept(request: Request, asked: Sequence[Question]) -> None:
@@ -179,6 +183,8 @@ def _answers(request: Request, asked: Sequence[Question], earlier: Earlier, reco
     for question in asked:
         if question.key == "dead_band_K" and known.get("thermostat") != "on-off":
             continue
+        if question.key == "panels" and known.get("place") is None:
+            continue
         typed = request.stated.get(question.key, earlier.stated.get(question.key))
         answer = _told(request, question, typed) if typed is not None else _asked(request, question, known, record, ask)
         found[question.key], known[question.key] = answer, answer.value
@@ -210,8 +216,8 @@ def _asked(request: Request, question: Question, known: Mapping[str, Any], recor
     where = str(request.folder / "dataset.toml")
     text = f"{question.text} [default {proposal.text}: {proposal.source}]"
     typed = ask(Asked(text, choices, proposal.text, f"--set {question.key}=", where, None, wrong))
-    is_default = typed == proposal.text
-    is_guess = is_default and question.key != "place"  # to say nothing of it is no guess
+    is_default = isinstance(typed, Proposed)  # who types the same knows it
+    is_guess = is_default and question.key not in NO_GUESS
     return Answer(question.key, typed, question.read(typed), proposal.source if is_default else STATED, is_guess)
 
 

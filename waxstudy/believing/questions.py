@@ -95,6 +95,17 @@ def place(text: str) -> tuple[float, float] | None:
     return number(-90, 90, "degrees north")(parts[0]), number(-180, 180, "degrees east")(parts[1])
 
 
+def panels(text: str) -> tuple[float, float, float] | None:
+    if text == UNASKED:
+        return None
+    parts = text.split(",")
+    if len(parts) != 3:
+        raise ValueError(f"write it as '5000, 35, 180' (W, degrees from level, degrees from north), or '{UNASKED}'")
+    kinds = (number(1, 1e7, "W"), number(0, 90, "degrees from level"), number(0, 360, "degrees from north"))
+    peak_W, tilt_deg, azimuth_deg = (read(part) for read, part in zip(kinds, parts, strict=True))
+    return peak_W, tilt_deg, azimuth_deg
+
+
 def motor(text: str) -> str:
     if text not in PRODUCTS and not text.endswith(".toml"):
         raise ValueError(f"give {' or '.join(PRODUCTS)}, or the file that `waxstudy fit actuator` has written")
@@ -173,5 +184,9 @@ QUESTIONS = (
              usual("21", "EN 16798-1, category I"), table="nominal"),
     Question("place", "Where is the house, as 'latitude, longitude' (59.44, 24.75)", place,
              usual(UNASKED, "each day then has a sun of its own in the fit"), table="site"),
+    Question("panels", "What do the panels give at most, in W, and how do they lie and face (as '5000, 35, 180': W, "
+             "degrees from level, degrees from north by east)", panels,
+             usual(UNASKED, "their power then tells nothing of the sun"), table="site"),
 )  # fmt: skip
+NO_GUESS = ("place", "panels")  # to say nothing of these changes nothing
 KEYS = tuple(question.key for question in QUESTIONS)

@@ -80,4 +80,8 @@ def site(values: Values, timezone: str) -> dict[str, Any]:
     if not values.get("place"):
         return {}
     latitude, longitude = values["place"]
-    return {"latitude": latitude, "longitude": longitude, **({"timezone": timezone} if timezone else {})}
+    made = {"latitude": latitude, "longitude": longitude, **({"timezone": timezone} if timezone else {})}
+    if values.get("panels"):
+        names = ("panels_peak_W", "panels_tilt_deg", "panels_azimuth_deg")
+        made |= dict(zip(names, values["panels"], strict=True))
+    return made

@@ -1,6 +1,7 @@
 """By how much what is guessed widens what a diagnosis may change of a room.
 
-All spreads are chosen: of the logarithm of what a room itself says is uncertain. They join the room's own, as squares.
+All spreads but that of walls are chosen: of the logarithm of what a room itself says is uncertain. They join the
+room's own, as squares.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ SPREADS = (
     Spread("outer_walls", "heat-loss", 0.3, "one outer wall more or less is a third of the loss"),
     Spread("windows", "heat-loss", 0.15, "windows are a third of the loss, and twice as large or half"),
     Spread("year", "heat-loss", 0.5, "U-values fall by three from 1980 to 2010"),
-    Spread("wall_U", "heat-loss", 0.12, "walls of a year differ by a quarter to either side, and are half of it"),
+    Spread("wall_U", "heat-loss", 0.15, "walls that were measured differ by 0.3 (Li et al. 2015), and are half of it"),
     Spread("window_U", "heat-loss", 0.10, "windows of a year differ by a third, and are a third of it"),
     Spread("floor_U", "heat-loss", 0.10, "floors of a year differ by a third, and are a third of it"),
     Spread("below", "heat-loss", 0.15, "a floor above a warm room loses hardly anything"),

@@ -10,7 +10,7 @@ import numpy as np
 
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.plan import Slot, causes_of
-from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.channels import CHANNELS, LIGHT
 from waxstudy.plugin.trial import Cause, Engine, Scene, engine_of
 from waxstudy.synthetic.instruments import Instruments
 
@@ -25,6 +25,19 @@ CHANNEL_SETS: Mapping[str, tuple[str, ...]] = {
 }
 # of a house as it was built: channel set -> how often
 BUILT_SETS: Mapping[str, float] = {"all": 0.7, "no displacement": 0.15, NO_SUN: 0.15}
+# from the second draw on: what drives a room is often not recorded, or by light on level ground
+LIT = "sun as irradiance"
+SUN, GAINS = SUNLESS = ("solar_gain_W", "internal_gain_W")
+LATER_SETS: Mapping[str, tuple[str, ...]] = {
+    **CHANNEL_SETS,
+    "no sun": (SUN,),
+    "no gains": (GAINS,),
+    NO_SUN: SUNLESS,
+    LIT: (SUN,),
+}
+LATER_BUILT_SETS: Mapping[str, float] = {
+    "all": 0.6, "no displacement": 0.1, "no sun": 0.1, "no gains": 0.1, NO_SUN: 0.1,
+}  # fmt: skip
 BUILT_INTERVALS_S = {60.0: 0.6, 120.0: 0.2, 300.0: 0.2}
 BUILT_DAYS = (7, 13)
 INTERVALS_S = {10.0: 0.1, 30.0: 0.15, 60.0: 0.4, 120.0: 0.15, 300.0: 0.12, 900.0: 0.08}  # -> how often
@@ -38,7 +51,7 @@ PATIENCE = 8  # attempts after which a record is measured in another way: its sa
 class Measured:
     """How a record is measured, in JSON's words."""
 
-    channels: str  # of CHANNEL_SETS or BUILT_SETS
+    channels: str  # of LATER_SETS
     interval_s: float
     days: int
     noise_factor: float
@@ -50,7 +63,7 @@ class Measured:
         factor = self.noise_factor if noise else 0.0
         return Instruments(
             interval_s=self.interval_s,
-            without=SUNLESS if self.channels == NO_SUN else CHANNEL_SETS[self.channels],
+            without=(*LATER_SETS[self.channels], *(() if self.channels == LIT else LIGHT)),
             noise={name: factor * channel.noise for name, channel in CHANNELS.items()},
             resolution={} if noise else dict.fromkeys(CHANNELS, 0.0),
             missing=self.missing if noise else 0.0,
@@ -101,7 +114,7 @@ def drawn(key: Key, slot: Slot, index: int, attempt: int, is_judged: bool) -> Ca
 def _drawn_pair(key: Key, slot: Slot, index: int, attempt: int, is_judged: bool) -> Case:
     """Return a case of a house as it was built, with a healthy record of it from before."""
     random, engine = key.random("scene", index, attempt), engine_of(slot.engine)
-    measured = _measured_built(key.random("measured", index, attempt // PATIENCE))
+    measured = _measured_built(key.random("measured", index, attempt // PATIENCE), slot)
     scene = engine.draw_built(random, _names(random, slot, causes_of(engine, slot.kind, is_judged)), measured.days)
     if slot.kind == "null":
         scene = {**scene, "causes": []}
@@ -113,8 +126,9 @@ def _drawn_pair(key: Key, slot: Slot, index: int, attempt: int, is_judged: bool)
     return Case(name, slot.stratum, slot.kind, slot.engine, attempt, measured, scene, baseline)
 
 
-def _measured_built(random: np.random.Generator) -> Measured:
-    channels = str(random.choice(list(BUILT_SETS), p=list(BUILT_SETS.values())))
+def _measured_built(random: np.random.Generator, slot: Slot) -> Measured:
+    sets = BUILT_SETS if slot.draw == 1 else LATER_BUILT_SETS
+    channels = str(random.choice(list(sets), p=list(sets.values())))
     interval_s = float(random.choice(list(BUILT_INTERVALS_S), p=list(BUILT_INTERVALS_S.values())))
     days = int(random.integers(BUILT_DAYS[0], BUILT_DAYS[1] + 1))
     return Measured(channels, interval_s, days, 1.0, float(random.choice(MISSING)), int(random.integers(2**31)))
@@ -123,13 +137,15 @@ def _measured_built(random: np.random.Generator) -> Measured:
 def _measured(random: np.random.Generator, slot: Slot, engine: type[Engine]) -> Measured:
     interval_s = engine.interval_s or float(random.choice(list(INTERVALS_S), p=list(INTERVALS_S.values())))
     days = int(random.integers(engine.days[0], engine.days[1] + 1))
-    channels = str(random.choice(list(CHANNEL_SETS)))
+    channels = str(random.choice(list(CHANNEL_SETS if slot.draw == 1 else LATER_SETS)))
     factor = round(float(np.exp(random.uniform(*np.log(NOISE)))), 2)
     missing, seed = float(random.choice(MISSING)), int(random.integers(2**31))
     if not slot.is_free:
         channels, factor = "all", 1.0
     if engine.is_measured:
         missing = 0.0
+    if channels == LIT:  # the sun of other engines has no place and date from which light would tell it
+        channels, days = (LIT, min(days, engine.lit_days)) if engine.lit_days else ("no sun", days)
     return Measured(channels, interval_s, days, factor, missing, seed)
 
 

@@ -7,7 +7,7 @@ import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +68,7 @@ class Place:
     def plan(self) -> Plan:
         said = self.about["plan"]
         lists = {name: tuple(said[name]) for name in ("strata", "engines")}
-        return Plan(cases=said["cases"], share=said["share"], **lists)
+        return Plan(cases=said["cases"], share=said["share"], **lists, draw=said.get("draw", 1))
 
     @property
     def sealed(self) -> dict[str, Any]:
@@ -90,18 +90,23 @@ class Place:
             raise KeyProblem("this is not the key of these records")
 
 
-def begin(place: Place, plan: Plan, key: Key) -> None:
-    """Make the folder, or take up one that the same command began; raise `BlindTestError` or `KeyProblem`."""
+def begin(place: Place, plan: Plan, key: Key) -> Plan:
+    """Make the folder, or take up one that the same command began; return its plan, which draws as it did then.
+
+    Raises `BlindTestError` or `KeyProblem`.
+    """
     if (place.folder / ABOUT).exists():
         place.check_key(key)
-        if place.plan != plan:
+        begun = place.plan
+        if begun != replace(plan, draw=begun.draw):
             raise BlindTestError(f"{place.folder}: another plan was begun here: take another folder")
-        return
+        return begun
     if place.folder.exists() and any(place.folder.iterdir()):
         raise BlindTestError(f"{place.folder}: there is something else in this folder")
     place.folder.mkdir(parents=True, exist_ok=True)
     about = {"format": FORMAT, "plan": asdict(plan), "key_fingerprint": key.fingerprint}
     _write(place.folder / ABOUT, about)
+    return plan
 
 
 def make(place: Place, plan: Plan, key: Key, workers: int, tick: Tick) -> None:

@@ -12,6 +12,7 @@ from waxstudy.plugin.trial import Engine, broken_engines, engine_of, engines
 
 Kind = Literal["null", "single", "pair", "family"]
 LEAST_OVER = 2.0  # true gap over its noise floor, in the goal strata
+DRAW = 2  # of records that are made now: the second has channel sets without sun or gains; a key keeps its first one
 PER_EFFECT = 8  # records of each effect in the goal stratum
 
 
@@ -30,6 +31,7 @@ class Slot:
     is_free: bool = False
     least_over: float = 0.0
     has_baseline: bool = False  # of a house as it was built, with a healthy record from before
+    draw: int = 1  # the way in which a key draws
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,7 @@ class Plan:
     share: float = 1.0  # of every stratum of a judged run
     strata: tuple[str, ...] = ()  # of a judged run; none for all of them
     engines: tuple[str, ...] = ()
+    draw: int = 1  # those of earlier versions say nothing of it
 
     @property
     def is_judged(self) -> bool:
@@ -50,7 +53,7 @@ class Plan:
         chosen = [engine_of(name) for name in self.engines]
         slots = _judged(chosen, self) if self.is_judged else _mixture(chosen, self.cases, key)
         order = key.random("order").permutation(len(slots))
-        return [slots[place] for place in order]
+        return [replace(slots[place], draw=self.draw) for place in order]
 
 
 def available(is_judged: bool) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import tomli_w
 
 from waxstudy.blind_test.draw import Measured
-from waxstudy.dataset.channels import CHANNELS, Channel
+from waxstudy.dataset.channels import CHANNELS, GLOBAL, Channel
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.files import DATA_BYTES, read_file
@@ -67,7 +67,7 @@ def _described(table: pd.DataFrame, staged: Staged, measured: Measured) -> dict[
         "origin": ORIGIN,
         "inputs": [name for name in staged.inputs if name in names],
     }
-    tables = dict(staged.described)
+    tables = {name: each for name, each in staged.described.items() if name != "site" or GLOBAL in names}
     about |= tables.pop("dataset", {})
     return {"dataset": about, **tables, "noise": {name: sd for name, sd in noise.items() if sd > 0.0}}
 

@@ -28,10 +28,11 @@ class Asking:
             return self._asked(question)
         if question.proposal is None or not self.takes_proposals:
             self.unsettled.append(question)
-        answer = question.proposal or question.otherwise
-        if answer is None:
+        if question.proposal is not None:
+            return _proposed(question.proposal)
+        if question.otherwise is None:
             self.refuse_unsettled()
-        return str(answer)
+        return str(question.otherwise)
 
     def _asked(self, question: Question) -> str:
         shown = [f"  {place}  {choice}" for place, choice in enumerate(question.choices[:MOST_SHOWN], 1)]
@@ -40,9 +41,11 @@ class Asking:
         say("\n".join([f"{question.text}?", *shown]))
 
         def read(answer: str) -> str:
+            if not answer.strip() and question.proposal is not None:
+                return _proposed(question.proposal)
             by_number = answer.isdigit() and 1 <= int(answer) <= len(question.choices)
             answer = question.choices[int(answer) - 1] if by_number else answer.strip()
-            wrong = question.allowed(answer)
+            wrong = question.allowed(answer) if answer else "there is no answer to take by Enter alone"
             if question.choices and answer not in question.choices:
                 wrong = f"give a number from 1 to {len(question.choices)}"
             if wrong:
@@ -51,9 +54,7 @@ class Asking:
 
         usual = "Enter for the first" if question.choices else question.proposal
         ending = f" [{usual}]> " if question.proposal else "> "
-        answer: str = click.prompt(
-            "", default=question.proposal, show_default=False, value_proc=read, prompt_suffix=ending, err=True
-        )
+        answer: str = click.prompt("", default="", show_default=False, value_proc=read, prompt_suffix=ending, err=True)
         return answer
 
     def refuse_unsettled(self) -> None:
@@ -63,6 +64,12 @@ class Asking:
 
         if self.unsettled:
             raise StudyError([problem(each.where, f"{each.text}?", _next(each)) for each in self.unsettled])
+
+
+def _proposed(answer: str) -> str:
+    from waxstudy.importing.asking import Proposed
+
+    return Proposed(answer)
 
 
 def _next(question: Question) -> str:

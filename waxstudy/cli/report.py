@@ -202,7 +202,7 @@ def render_sensitivity(folder: Path, form: str) -> str:
     from waxstudy.plugin import BackendMissing
     from waxstudy.report import sensitivity
     from waxstudy.results.folder import RunError
-    from waxstudy.sweep.result import read_swept
+    from waxstudy.sweeps.result import read_swept
 
     try:
         swept = read_swept(folder)

@@ -12,7 +12,7 @@ from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
-from waxstudy.sweep.kinds import KINDS, Kind
+from waxstudy.sweeps.kinds import KINDS, Kind
 
 if TYPE_CHECKING:
     from waxstudy.study.model import Study

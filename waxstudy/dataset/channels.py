@@ -6,9 +6,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 INF = float("inf")
+GLOBAL, DIFFUSE, PANELS = LIGHT = ("global_irradiance_W_m2", "diffuse_irradiance_W_m2", "photovoltaic_power_W")
 
-Quantity = Literal["indoor", "water", "outdoor", "level", "flow", "gain"]
-UNITS: dict[Quantity, str] = {"indoor": "C", "water": "C", "outdoor": "C", "level": "1", "flow": "L/h", "gain": "W"}
+Quantity = Literal["indoor", "water", "outdoor", "level", "flow", "gain", "light"]
+UNITS: dict[Quantity, str] = {
+    "indoor": "C", "water": "C", "outdoor": "C", "level": "1", "flow": "L/h", "gain": "W", "light": "W/m2",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -53,5 +56,9 @@ CHANNELS = {
         Channel("floor_surface_temperature_C", "floor_surface_C", "indoor", noise=0.03, resolution=0.01),
         Channel("ventilation_supply_temperature_C", "ventilation_supply_C", "outdoor", noise=0.1, resolution=0.01),
         Channel("neighbour_temperature_C", "neighbour_C", "outdoor", noise=0.03, resolution=0.01),
+        # what tells the heat of the sun, which nobody meters
+        Channel(GLOBAL, "global_W_m2", "light", is_mean=True, is_assumed=True, resolution=0.1),
+        Channel(DIFFUSE, "diffuse_W_m2", "light", is_mean=True, is_assumed=True, resolution=0.1),
+        Channel(PANELS, "photovoltaic_W", "gain", is_mean=True, is_assumed=True, resolution=1.0),
     )
 }

@@ -18,6 +18,7 @@ from waxstudy.dataset.neighbours import Neighbours, measured, with_own_room
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.room import built, look_at_model_errors, look_at_roles
 from waxstudy.dataset.stamps import stamps_of
+from waxstudy.dataset.stand_ins import why_dark
 from waxstudy.dataset.tables import Site
 from waxstudy.dataset.text import read_table
 from waxstudy.plugin import Belief, Inputs
@@ -50,6 +51,7 @@ class Dataset:
     warnings: tuple[str, ...]  # what the user must know
     assumptions: tuple[str, ...]  # what was assumed, one sentence each
     room_error_factor: float = 1.0  # on the error that the room states of its model
+    spreads: Mapping[str, float] = field(default_factory=dict)  # stated of inputs, logarithms of a factor
     baseline: Path | None = None  # folder of a record of the same loop when it was healthy
     neighbours: Neighbours | None = None  # rooms that were measured beside each other
     origin: str = ""  # where the record comes from, in words
@@ -79,6 +81,8 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     record = _record(path, described, full_L_h, notes) if path and is_clear else None
     if room and record:
         look_at_roles(check, room, record[0], notes)
+        if wrong := why_dark(record[0].columns, described.site):
+            notes.warn(wrong)
     problems = [*check.problems, *notes.problems]
     if problems or record is None:
         raise StudyError(problems)
@@ -96,6 +100,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         room_tolerance=described.about.room_tolerance,
         noise=described.noise,
         site=described.site,
+        spreads=described.about.spreads,
         warnings=tuple(dict.fromkeys(notes.warnings)),
         assumptions=tuple(dict.fromkeys(notes.assumptions)),
         room_error_factor=described.about.room_error_factor,

@@ -6,12 +6,14 @@ could explain is no finding.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from waxstudy.dataset.channels import DIFFUSE, GLOBAL, LIGHT, PANELS
 from waxstudy.plugin import FloatArray, LinearRoom, Role, WeatherRecord
 
 if TYPE_CHECKING:
@@ -28,6 +30,10 @@ SUN_HATS_H = (10.0, 14.0)  # middle of each half of a day of sun
 HALF_SUN_H = 4.0  # from there to where nothing of it is left
 MOST_SUNS = 14  # stretches of days that have a sun of their own; of a longer record each is several days
 CLEAR_SHARE, CLEAR_SPREAD = 0.4, 0.35  # of a clear sky's sun, usual and its spread from day to day
+# what the sun was recorded by -> spread of the logarithm of a factor for all days, and of each day's own: horizon and
+# curtains in each, the share of direct light that was not recorded (docs/import.md), of panels yield, snow and shadows
+RECORDED = {GLOBAL: (0.2, 0.15), DIFFUSE: (0.12, 0.08), PANELS: (0.3, 0.2)}
+ASSUMED = {GAINS: 0.15, SUN: 0.12}  # spread of the logarithm of a factor where nobody measured what is told
 GAINS_FACTOR = 0.7  # spread of the logarithm of a factor on the room's own schedule
 GAINS_W_M2, GAINS_STEP_H = 2.0, 3.0  # of floor, spread of what comes besides at some hours of every day
 
@@ -53,14 +59,23 @@ class StandIn:
 
 
 def stand_ins(
-    lacking: Sequence[str], room: LinearRoom, time: pd.DatetimeIndex, interval_s: float, site: Site | None
+    lacking: Sequence[str],
+    room: LinearRoom,
+    time: pd.DatetimeIndex,
+    interval_s: float,
+    site: Site | None,
+    recorded: Mapping[str, FloatArray] = MappingProxyType({}),
+    spreads: Mapping[str, float] = MappingProxyType({}),
 ) -> dict[str, StandIn]:
-    """Return what stands in for sun and gains that the room takes and nobody recorded; `time`: ends of intervals."""
+    """Return what stands in for sun and gains that the room takes and nobody recorded; `time`: ends of intervals.
+
+    `recorded` holds the channels that are there; `spreads` how uncertain a channel's stand-in is, where that is stated.
+    """
     middle = (time - time.normalize()).total_seconds().to_numpy() / 3600.0 - interval_s / 7200.0
     hour = np.asarray(middle % DAY_H, dtype=float)
     made: Mapping[str, Callable[[], StandIn]] = {
-        SUN: lambda: _sun(room, time, hour, interval_s, site),
-        GAINS: lambda: _gains(room, hour),
+        SUN: lambda: _sun(room, time, hour, interval_s, site, recorded, spreads.get(SUN)),
+        GAINS: lambda: _gains(room, hour, spreads.get(GAINS, GAINS_FACTOR)),
     }
     return {channel: made[channel]() for channel in lacking if room.places(ROLES[channel])}
 
@@ -68,8 +83,36 @@ def stand_ins(
 # --- sun ---
 
 
-def _sun(room: LinearRoom, time: pd.DatetimeIndex, hour: FloatArray, interval_s: float, site: Site | None) -> StandIn:
+def sun_source(recorded: Collection[str], site: Site | None) -> str:
+    """Return the channel that tells most of the sun, where the place is known from which it is seen; "" for none."""
+    if site is None or site.longitude is None:
+        return ""
+    if GLOBAL in recorded:
+        return DIFFUSE if DIFFUSE in recorded else GLOBAL
+    return PANELS if PANELS in recorded and site.panels_peak_W else ""
+
+
+def why_dark(recorded: Collection[str], site: Site | None) -> str:
+    """Return why light that was recorded tells nothing of the sun, "" where it does or there is none."""
+    seen = [name for name in (GLOBAL, PANELS) if name in recorded]
+    if not seen or SUN in recorded or sun_source(recorded, site):
+        return ""
+    lacks = "latitude and longitude" if site is None or site.longitude is None else "panels_peak_W"
+    return f"{seen[0]} is not used: the sun in the room follows from it only with {lacks} in [site]"
+
+
+def _sun(
+    room: LinearRoom,
+    time: pd.DatetimeIndex,
+    hour: FloatArray,
+    interval_s: float,
+    site: Site | None,
+    recorded: Mapping[str, FloatArray],
+    spread: float | None,
+) -> StandIn:
     day = np.cumsum(np.concatenate(([False], np.diff(hour) < 0.0)))
+    if site is not None and (source := sun_source(recorded, site)):
+        return _recorded_sun(room, time, day, interval_s, site, recorded, source, spread)
     if site is None:
         shapes = [
             Shape(f"sun of {name}, {half}", room.floor_area_m2 * _hat(hour, middle_h) * within, SUN_W_M2, is_once=True)
@@ -81,7 +124,7 @@ def _sun(room: LinearRoom, time: pd.DatetimeIndex, hour: FloatArray, interval_s:
             "and longitude would tell at which hours."
         )
         return StandIn(np.zeros(len(time)), shapes, 0.0, sentence)
-    from waxstudy.dataset.clear_sky import clear_sky_W
+    from waxstudy.dataset.sunlight import clear_sky_W  # brings the compiler along
 
     clear_W = clear_sky_W(room, time, interval_s, site)
     shapes = [Shape(f"sun of {name}", clear_W * within, CLEAR_SPREAD, is_once=True) for name, within in _stretches(day)]
@@ -90,6 +133,31 @@ def _sun(room: LinearRoom, time: pd.DatetimeIndex, hour: FloatArray, interval_s:
         "less or more in the fit."
     )
     return StandIn(CLEAR_SHARE * clear_W, shapes, 0.0, sentence)
+
+
+def _recorded_sun(
+    room: LinearRoom,
+    time: pd.DatetimeIndex,
+    day: np.ndarray,
+    interval_s: float,
+    site: Site,
+    recorded: Mapping[str, FloatArray],
+    source: str,
+    spread: float | None,
+) -> StandIn:
+    """Return what the light that was recorded gives to the room, all days and each day a little more or less of it."""
+    from waxstudy.dataset.sunlight import recorded_sun_W
+
+    heat_W = recorded_sun_W(room, time, interval_s, site, {name: recorded[name] for name in LIGHT if name in recorded})
+    usual, of_day = RECORDED[source]
+    factor = spread or usual
+    shapes = [Shape(f"sun of {name}", heat_W * within, of_day, is_once=True) for name, within in _stretches(day)]
+    told = f"{GLOBAL} and {source}" if source == DIFFUSE else source
+    sentence = (
+        f"{SUN} was not recorded: the sun that {told} tells at [site] stands in for it, uncertain by {factor:.0%}, and "
+        f"each day by {of_day:.0%} more."
+    )
+    return StandIn(heat_W, shapes, factor, sentence)
 
 
 def _hat(hour: FloatArray, middle_h: float) -> FloatArray:
@@ -110,7 +178,7 @@ def _stretches(day: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
 # --- gains ---
 
 
-def _gains(room: LinearRoom, hour: FloatArray) -> StandIn:
+def _gains(room: LinearRoom, hour: FloatArray, factor: float) -> StandIn:
     count = round(DAY_H / GAINS_STEP_H)
     away_h = np.abs((hour[:, None] - GAINS_STEP_H * np.arange(count) + 0.5 * DAY_H) % DAY_H - 0.5 * DAY_H)
     hats = np.clip(1.0 - away_h / GAINS_STEP_H, 0.0, None)
@@ -122,7 +190,7 @@ def _gains(room: LinearRoom, hour: FloatArray) -> StandIn:
         f"{GAINS} was not recorded: the believed room's own schedule stands in for it, times a factor that is free in "
         "the fit, and with heat at other hours of the day."
     )
-    return StandIn(own_gains_W(room, hour), shapes, GAINS_FACTOR, sentence)
+    return StandIn(own_gains_W(room, hour), shapes, factor, sentence)
 
 
 def own_gains_W(room: LinearRoom, hour: FloatArray) -> FloatArray:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 from zoneinfo import available_timezones
 
-from pydantic import field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.plugin import Parameters, parameter
@@ -17,6 +17,9 @@ def given(description: str, default: Any = None, unit: str = "", **options: Any)
     return parameter(default, unit=unit, description=description, source="given by the user", **options)
 
 
+MOST_UNCERTAIN = 3.0  # logarithm of a factor of 20
+
+
 class DatasetTable(Parameters):
     """`[dataset]`"""
 
@@ -25,7 +28,11 @@ class DatasetTable(Parameters):
     interval_s: float | None = given(
         "interval of the grid; the usual distance of the stamps, if not given", unit="s", ge=0.1, le=86_400.0
     )
-    inputs: tuple[str, ...] = given("channels that are assumed rather than measured", (), strict=False)
+    inputs: Annotated[tuple[str, ...], Field(strict=False)] | dict[str, float] = given(
+        "channels that are assumed rather than measured, or that something stands in for; a table says how uncertain "
+        "each is: the standard deviation of the logarithm of a factor",
+        (),
+    )
     room_tolerance: float = given(
         "factor on how far the room may lie from what is known of it; above 1 for a rough guess",
         1.0,
@@ -50,11 +57,20 @@ class DatasetTable(Parameters):
 
     @field_validator("inputs")
     @classmethod
-    def _are_channels(cls, inputs: tuple[str, ...]) -> tuple[str, ...]:
+    def _are_channels(cls, inputs: tuple[str, ...] | dict[str, float]) -> tuple[str, ...] | dict[str, float]:
         for name in inputs:
             if name not in CHANNELS:
                 raise ValueError(f"'{name}' is no channel{hint(name, CHANNELS)}")
+        if isinstance(inputs, dict):
+            for name, spread in inputs.items():
+                if not 0.0 < spread <= MOST_UNCERTAIN:
+                    raise ValueError(f"{name} = {spread:g}: must be above 0, and {MOST_UNCERTAIN:g} at most")
         return inputs
+
+    @property
+    def spreads(self) -> dict[str, float]:
+        """How uncertain inputs are whose uncertainty is stated."""
+        return dict(self.inputs) if isinstance(self.inputs, dict) else {}
 
 
 class Site(Parameters):
@@ -64,6 +80,10 @@ class Site(Parameters):
     longitude: float | None = given("east of Greenwich; noon at 12 h, if not given", unit="deg", ge=-180.0, le=180.0)
     altitude: float = given("above the sea", 0.0, unit="m", ge=-500.0, le=9000.0)
     timezone: str | None = given('of the stamps, as "Europe/Tallinn"; by the longitude, if not given')
+    # of photovoltaic panels whose power was recorded
+    panels_peak_W: float | None = given("peak power of the panels", unit="W", gt=0.0, le=1e7)
+    panels_tilt_deg: float = given("tilt of the panels; 90 is upright", 35.0, unit="deg", ge=0.0, le=90.0)
+    panels_azimuth_deg: float = given("where they face, from north, clockwise", 180.0, unit="deg", ge=0.0, le=360.0)
 
     @field_validator("timezone")
     @classmethod

@@ -168,12 +168,13 @@ def record_of(dataset: Dataset) -> Record:
     first = dataset.time[0]
     start_s = (first - first.normalize()).total_seconds() - dataset.interval_s
     about = dataset.interval_s, start_s, values, dataset.noise, dataset.assumed
-    record = Record(*about, first_weekday=first.day_of_week)
+    record = Record(*about, first_weekday=first.day_of_week, spreads=dataset.spreads)
     lacking = [channel for channel in (SUN, GAINS) if not record.has(channel)]
     if dataset.room is None or not record.has_inputs or not lacking:
         return record
     room = built(dataset.room)
-    return replace(record, stand_ins=stand_ins(lacking, room, dataset.time, dataset.interval_s, dataset.site))
+    about_sun = dataset.site, values, dataset.spreads
+    return replace(record, stand_ins=stand_ins(lacking, room, dataset.time, dataset.interval_s, *about_sun))
 
 
 def installed_effects() -> list[EffectType]:

@@ -16,7 +16,7 @@ from waxstudy.plugin import FloatArray, SimulationError, Stopped
 from waxstudy.plugin.registry import described
 from waxstudy.simulation.engine import State
 from waxstudy.study.activation import FleetState
-from waxstudy.sweep.point import ONE
+from waxstudy.sweeps.point import ONE
 
 Stretch = tuple[int, int, float | None]  # from a step to another, overridden by a value or not
 IDLE_S = 3600.0  # kept off for so long, then watched for so long: what flows then flows though nobody asks

@@ -13,7 +13,7 @@ from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.run import InputError, prepare
 from waxstudy.study.activation import TABLE, Activation
 from waxstudy.study.model import Study
-from waxstudy.sweep.point import STOP
+from waxstudy.sweeps.point import STOP
 
 
 @dataclass(frozen=True)

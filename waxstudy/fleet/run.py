@@ -29,8 +29,8 @@ from waxstudy.simulation.sources import digest
 from waxstudy.study import activation, spread
 from waxstudy.study.activation import FLOW, SETPOINT, of_block
 from waxstudy.study.model import Study
-from waxstudy.sweep.point import key_of
-from waxstudy.sweep.run import Where, compute_points, is_whole, points_folder
+from waxstudy.sweeps.point import key_of
+from waxstudy.sweeps.run import Where, compute_points, is_whole, points_folder
 
 BATCH = 20  # loops
 

@@ -19,5 +19,9 @@ class Question:
     allowed: Callable[[str], str] = lambda answer: ""  # what is wrong with an answer, "" if nothing
 
 
+class Proposed(str):
+    """A proposal that nobody has typed."""
+
+
 Ask = Callable[[Question], str]
 NONE = "none"

@@ -26,7 +26,7 @@ OUTDOORS = "outdoor_temperature_C"
 NAMED = 12  # entities that a message lists
 NO_OUTDOORS = (
     "no outdoor temperature was found: without it nothing can be said of a room. A history of a weather service does "
-    "as well, as one more SOURCE"
+    "as well, or a weather file (EPW) that was measured on those days, as one more SOURCE"
 )
 
 
@@ -37,6 +37,8 @@ def bring(request: Request, ask: Ask) -> Imported:
     zone = _zone(request, readings, ask)
     readings, said = in_standard_time(readings, zone)
     readings = joined(readings)
+    _refuse_other_days(readings)
+    places = {each.entity: each.place for each in readings if each.place}
     notes.assumptions += said + [sentence for each in readings for sentence in each.notes]
     request = replace(request, timezone=zone)
     logged = [found for each in readings if (found := _logged(each, notes)) is not None]
@@ -47,7 +49,9 @@ def bring(request: Request, ask: Ask) -> Imported:
     request, matches = _decided(request, entities, ask, notes)
     if OUTDOORS not in matches and OUTDOORS not in request.entities:
         raise _no_outdoors(request, entities, matches)
-    return channels_of(request, matches, entities, notes, ask)
+    imported = channels_of(request, matches, entities, notes, ask)
+    taken = [places[match.seen.entity] for match in matches.values() if match.seen.entity in places]
+    return replace(imported, place=taken[0]) if taken else imported
 
 
 # --- sources ------------------------------------------------------------------------------------------
@@ -94,9 +98,21 @@ def _logged(readings: Readings, notes: Notes) -> Logged | None:
     ns = readings.times.as_unit("ns").asi8
     rows = readings.written.index.to_numpy()
     unit = readings.unit or numbers.unit
-    return Logged(
-        readings.entity, readings.where, ns, numbers.values, rows, unit, bool(numbers.words), readings.is_mean
-    )
+    how = bool(numbers.words), readings.is_mean, readings.place is None
+    return Logged(readings.entity, readings.where, ns, numbers.values, rows, unit, *how)
+
+
+def _refuse_other_days(readings: Sequence[Readings]) -> None:
+    """Refuse weather of other days than the house's."""
+    own = [each for each in readings if each.place is None]
+    if not own:
+        raise refusal(readings[0].where, "is weather alone", "name the house's own record as a SOURCE, too")
+    first, last = min(each.times.min() for each in own), max(each.times.max() for each in own)
+    for each in readings:
+        if each.place and (each.times.max() < first or each.times.min() > last):
+            has = f"{each.times.min():%Y-%m-%d} to {each.times.max():%Y-%m-%d}"
+            wrong = f"is weather of {has}, and the record is of {first:%Y-%m-%d} to {last:%Y-%m-%d}"
+            raise refusal(each.where, wrong, "take measured weather of those days")
 
 
 # --- room ---------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.channels import CHANNELS, UNITS
+from waxstudy.dataset.channels import CHANNELS, LIGHT, UNITS
 from waxstudy.dataset.checks import AS_LOGGED, Record, run
 from waxstudy.dataset.grid import LONGEST
 from waxstudy.dataset.notes import Notes
@@ -25,7 +25,8 @@ from waxstudy.importing.seen import Seen, level_unit
 from waxstudy.plugin import FloatArray
 from waxstudy.study.problems import StudyError
 
-SLOW = ("outdoor_temperature_C", "setpoint_C", "solar_gain_W", "neighbour_temperature_C")  # tell no interval
+# tell no interval
+SLOW = ("outdoor_temperature_C", "setpoint_C", "solar_gain_W", "neighbour_temperature_C", *LIGHT)
 COUNTED = 6.0**-0.5  # standard deviation of a difference of two values that are rounded to 1
 MINUTE_NS = 60 * NS  # to which signs of life are told apart
 RESTING = ("flow", "gain")  # of which 0 is a state
@@ -141,7 +142,8 @@ def _refuse_misfits(values: pd.DataFrame, made: Mapping[str, _Made], grid: Grid)
         notes = Notes(each.logged.where)
         run(AS_LOGGED, Record(values[[channel]].copy(), grid.step_ns / NS), notes)
         entity, unit = each.match.seen.entity, each.match.seen.unit
-        mend = f"say its unit: --unit '{entity}=degF' or what it is; or another: --map {channel}=NAME"
+        usual = "degF" if CHANNELS[channel].name.endswith("_C") else UNITS[CHANNELS[channel].quantity]
+        mend = f"say its unit: --unit '{entity}={usual}' or what it is; or another: --map {channel}=NAME"
         found += [replace(one, key=f"{entity} in '{unit}' as {channel}", allowed=mend) for one in notes.problems]
     if found:
         raise StudyError(found)
@@ -159,7 +161,8 @@ def _while_alive(each: _Made, entities: Sequence[Seen]) -> _Made:
     if each.kind.is_regular or not (is_state or CHANNELS[each.match.channel].quantity in RESTING):
         return each
     logged = each.logged
-    beside = [one.logged.ns for one in entities if _folder(one.logged) == _folder(logged)]
+    own = [one.logged for one in entities if one.logged.is_of_house]
+    beside = [one.ns for one in own if _folder(one) == _folder(logged)]
     minutes = np.unique(np.concatenate([ns // MINUTE_NS for ns in beside])) * MINUTE_NS
     signs = minutes[(minutes > logged.ns[0]) & ~np.isin(minutes, logged.ns)]
     last = np.searchsorted(logged.ns, signs, side="right") - 1
@@ -222,7 +225,8 @@ def _on_grid(each: _Made, grid: Grid, hold_s: float, notes: Notes) -> tuple[Floa
         return each.how.scale * rates, each.how.scale * COUNTED * found.resolution * 3600.0 / interval_s
     ns = logged.ns
     if logged.is_mean and each.kind.usual_s > COARSER * interval_s:  # of an interval that ended: it was there before
-        ns = ns - round((1.0 if channel.is_mean else 0.5) * each.kind.usual_s * NS)
+        usual_ns = round(each.kind.usual_s * NS)
+        ns = ns - (usual_ns - grid.step_ns if channel.is_mean else usual_ns // 2)  # a sample stamps its end, too
     values = each.how.scale * logged.values + each.how.offset
     taken = on_grid(ns, values, each.kind, grid, hold_s, channel.is_mean)
     # where readings come as often as samples, these tell their noise themselves

@@ -71,7 +71,8 @@ def _units_row(frame: pd.DataFrame) -> tuple[dict[str, str], pd.DataFrame]:
 def _is_value(cell: str) -> bool:
     if cell.lower() in WRITTEN and not cell.isdigit():
         return False
-    return bool(re.fullmatch(r"[-+]?[\d.,:eE \-/TZ+]+", cell)) or is_told_in_words(cell)
+    begins_as_number = re.fullmatch(r"[-+]?[.,]?\d[\d.,:eE \-/TZ+]*", cell)  # T1 and E2 are names
+    return begins_as_number is not None or is_told_in_words(cell)
 
 
 def _is_unlike(frame: pd.DataFrame, told: dict[Hashable, str]) -> bool:

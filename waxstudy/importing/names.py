@@ -25,7 +25,10 @@ class Names(NamedTuple):
     never: str = "(?!)"
 
 
-OTHER_AIR = "outdoor|outside|aussen|supply|vorlauf|return|ruecklauf|floor surface|boden|neighbou?r|ventilation|zuluft"
+OTHER_AIR = (
+    "outdoor|outside|aussen|\\w*weather\\w*|\\w*wetter\\w*|supply|vorlauf|return|ruecklauf|floor surface|boden|"
+    "neighbou?r|ventilation|zuluft"
+)
 OTHERS = "humidity|co|power|energy|battery|illuminance|pressure|feuchte"
 SET = "set ?point|setting|target|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch"
 CHANNEL_NAMES = {
@@ -63,6 +66,15 @@ CHANNEL_NAMES = {
         "floor surface|floor temp\\w*|boden\\w*|fussboden\\w*|screed|estrich", "floor", "air"
     ),
     "ventilation_supply_temperature_C": Names("ventilation|supply air|zuluft|hrv|mvhr|vent"),
+    "global_irradiance_W_m2": Names(
+        "ghi|global irradiance|(?:global|solar) radiation|solar irradiance|globalstrahlung", "irradiance|pyranometer",
+        "diffuse|dhi|dni|direct|illuminance|lux",
+    ),
+    "diffuse_irradiance_W_m2": Names("dhi|diffuse irradiance|diffuse radiation|diffusstrahlung"),
+    "photovoltaic_power_W": Names(
+        "pv power|photovoltaic\\w*|photovoltaik\\w*|solar power|pv production|solar production|inverter power|pv",
+        "solar|inverter|wechselrichter", "voltage|current|temp|temperature|frequency|forecast|irradiance|radiation",
+    ),
     "neighbour_temperature_C": Names("neighbou?r|adjacent|nachbar\\w*|other flat"),
 }  # fmt: skip
 

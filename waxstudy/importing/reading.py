@@ -19,6 +19,14 @@ class Table(NamedTuple):
     frame: pd.DataFrame
 
 
+class Place(NamedTuple):
+    """Where something was measured."""
+
+    latitude: float
+    longitude: float
+    altitude: float  # m
+
+
 @dataclass(frozen=True)
 class Readings:
     """What was logged of one entity."""
@@ -30,6 +38,7 @@ class Readings:
     unit: str = ""  # as written, "" where it is not
     is_mean: bool = False  # of the interval that ends at its stamp, as the source says
     notes: tuple[str, ...] = field(default=())  # what was assumed of its stamps
+    place: Place | None = None  # as the source says
 
 
 class Logged(NamedTuple):
@@ -43,6 +52,7 @@ class Logged(NamedTuple):
     unit: str
     is_words: bool
     is_mean: bool
+    is_of_house: bool = True  # else of a weather station, which says nothing of whether the house's logger lives
 
 
 Layout = Literal["wide", "long"]

@@ -11,6 +11,7 @@ import pandas as pd
 
 from waxstudy.importing.limits import HOLD_S
 from waxstudy.importing.matching import Match
+from waxstudy.importing.reading import Place
 
 
 @dataclass(frozen=True)
@@ -52,3 +53,4 @@ class Imported:
     unused: Sequence[str]  # entities that are no channel
     warnings: Sequence[str]
     assumptions: Sequence[str]
+    place: Place | None = None  # of the weather that was taken

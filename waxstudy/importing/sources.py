@@ -13,12 +13,13 @@ from waxstudy.dataset.tables import DatasetTable
 from waxstudy.dataset.text import read_table
 from waxstudy.importing.history import read_history
 from waxstudy.importing.reading import Readings, Table, refusal
+from waxstudy.importing.weather_file import BEGINNING, read_weather
 from waxstudy.importing.workbook import read_workbook
 from waxstudy.plugin.files import DATA_BYTES, check_file, why
 from waxstudy.results.atomic import scratch_folder
 from waxstudy.study.problems import StudyError
 
-ENDINGS = (".csv", ".csv.gz", ".tsv", ".txt", ".xlsx", ".xls", ".ods", ".parquet", ".db", ".sqlite", ".sqlite3")
+ENDINGS = (".csv", ".csv.gz", ".tsv", ".txt", ".xlsx", ".xls", ".ods", ".parquet", ".db", ".sqlite", ".sqlite3", ".epw")
 ZIP, OLE, GZIP, SQLITE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"SQLite"
 SCRATCH = "waxstudy-import-"
 FIRST_ROW = 2  # of a text, whose header is its first
@@ -52,6 +53,8 @@ def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
             yield from read_workbook(path, shown)
         elif beginning.startswith(SQLITE):
             yield from read_history(path, shown)
+        elif beginning.startswith(BEGINNING):
+            yield from read_weather(path, shown)
         else:
             yield _text(path, shown)
     except OSError as error:

@@ -28,6 +28,7 @@ PULSES = ("imp", "impulse", "impulses", "pulse", "pulses", "count", "counts", "i
 POWER_SIGN = {"²": "2", "³": "3", "·": "*", "−": "-"}
 BASE: dict[Quantity, str] = {
     "indoor": "degC", "water": "degC", "outdoor": "degC", "level": "", "flow": "liter/hour", "gain": "watt",
+    "light": "watt/meter**2",
 }  # fmt: skip
 COUNTED: dict[Quantity, str] = {"flow": "liter", "gain": "watt_hour"}  # per hour it is the channel's unit
 PLAIN = re.compile(

@@ -8,10 +8,12 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from zoneinfo import available_timezones
 
 import tomli_w
 
-from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.channels import DIFFUSE, GLOBAL
+from waxstudy.dataset.stand_ins import ASSUMED, GAINS, GAINS_FACTOR, RECORDED, SUN
 from waxstudy.importing.request import Imported, Request
 from waxstudy.plugin.files import read_file
 from waxstudy.results.atomic import sole_use, whole_file, whole_folder
@@ -93,6 +95,8 @@ def described(folder: Path, imported: Imported, earlier: str = "") -> str:
     own |= {"import": _import(folder, imported)}
     rest = "".join(_others(earlier)) if earlier else ""
     rest = rest if re.search(r"^\s*\[nominal", rest, re.MULTILINE) else rest + STILL
+    if (site := _site(imported)) and not re.search(r"^\s*\[site\b", rest, re.MULTILINE):
+        rest = tomli_w.dumps({"site": site}) + "\n" + rest
     return HEAD + tomli_w.dumps(own) + "\n" + rest
 
 
@@ -102,8 +106,26 @@ def _dataset(imported: Imported) -> dict[str, Any]:
     return {
         "interval_s": int(interval_s) if interval_s.is_integer() else interval_s,
         "origin": f"imported from {files}; {_clock(imported)}",
-        "inputs": [name for name in imported.matches if CHANNELS[name].is_assumed and name != "setpoint_C"],
+        "inputs": _inputs(imported),
     }
+
+
+def _inputs(imported: Imported) -> dict[str, float]:
+    """Return what is assumed, or stands in for what was not recorded, and how uncertain it is."""
+    found = {name: spread for name, spread in ASSUMED.items() if name in imported.matches}
+    if GAINS not in imported.matches:
+        found[GAINS] = GAINS_FACTOR
+    if SUN not in imported.matches and (told := [name for name in RECORDED if name in imported.matches]):
+        found[SUN] = RECORDED[DIFFUSE if DIFFUSE in told and GLOBAL in told else told[0]][0]
+    return found
+
+
+def _site(imported: Imported) -> dict[str, Any]:
+    """Return where the house is, as its weather says."""
+    if imported.place is None:
+        return {}
+    zone = imported.request.timezone
+    return {**imported.place._asdict(), **({"timezone": zone} if zone in available_timezones() else {})}
 
 
 def _clock(imported: Imported) -> str:

@@ -70,8 +70,9 @@ class Engine:
 
     `departs` names the stages where what is believed differs in form from what the engine does, whatever is put in. One
     that is kept takes part in judged runs only. A record that was measured is shown as it is: `is_measured`; then its
-    interval is `interval_s`. `days` are the fewest and the most that a record can have. One that `has_baselines` can
-    also draw a house that was not built as it is believed, with a healthy record of it from before.
+    interval is `interval_s`. `days` are the fewest and the most that a record can have, `lit_days` the most of one that
+    shows light on level ground (`global_W_m2`) and [site] in place of the sun's heat, 0 where none can. One that
+    `has_baselines` can also draw a house that was not built as it is believed, with a healthy record of it from before.
     """
 
     name: ClassVar[str]
@@ -80,6 +81,7 @@ class Engine:
     has_baselines: ClassVar[bool] = False
     interval_s: ClassVar[float | None] = None
     days: ClassVar[tuple[int, int]] = (3, 14)
+    lit_days: ClassVar[int] = 0
     departs: ClassVar[tuple[str, ...]] = ()
 
     @classmethod

@@ -15,8 +15,8 @@ from waxstudy.report.formats import csv_text, json_text, markdown, terminal
 from waxstudy.report.table import Column, Table, text
 from waxstudy.report.words import with_spread
 from waxstudy.results.folder import RunError
-from waxstudy.sweep.axes import problem, salib
-from waxstudy.sweep.result import Swept
+from waxstudy.sweeps.axes import problem, salib
+from waxstudy.sweeps.result import Swept
 
 WORDS = {
     "heat_corrected_kWh_m2_week": "corrected heat",

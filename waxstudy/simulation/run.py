@@ -28,7 +28,7 @@ from waxstudy.plugin import (
 )
 from waxstudy.plugin.registry import PluginError, described, one_line, told
 from waxstudy.plugin.shapes import driving_problems, physics_problems, room_problems, weather_problems
-from waxstudy.results.folder import run_folder
+from waxstudy.results.folder import STUDY, run_folder
 from waxstudy.results.kpis import WEATHER, BoolArray, Figures, MemberWeek, thinned
 from waxstudy.results.run import CaseFolder, damaged, finish, what_is_wrong, writing_case
 from waxstudy.simulation import ensemble, kernel, shift
@@ -398,4 +398,5 @@ def provenance(plan: Plan, jobs: Iterable[CaseFolder]) -> dict[str, Any]:
         **({"fragments": dict(study.fragments)} if study.fragments else {}),
         "inputs": digest(job.key for job in jobs),
         "seed": study.ensemble.seed,
+        "command": f"waxstudy run {STUDY}",  # of this folder: what the user's file was called is no part of a run
     }

@@ -15,8 +15,8 @@ from waxstudy.plugin.registry import described
 from waxstudy.simulation.run import Plan, Progress, loops_of, prepare
 from waxstudy.simulation.sources import digest
 from waxstudy.study.model import Study
-from waxstudy.sweep.point import ONE, STOP, key_of
-from waxstudy.sweep.run import Where, compute_points, is_whole
+from waxstudy.sweeps.point import ONE, STOP, key_of
+from waxstudy.sweeps.run import Where, compute_points, is_whole
 from waxstudy.tuning.space import with_settings
 
 EVALUATIONS = "evaluations"

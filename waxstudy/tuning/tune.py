@@ -15,7 +15,7 @@ from waxstudy.loop.rules import textbook_rules
 from waxstudy.plugin import Choice, FloatArray, SimulationError
 from waxstudy.simulation.run import Progress
 from waxstudy.study.model import Case, Study
-from waxstudy.sweep.run import points_folder
+from waxstudy.sweeps.run import points_folder
 from waxstudy.tuning.evaluate import EVALUATIONS, Evaluator, Settings, Weather
 from waxstudy.tuning.objectives import Goal, misses_comfort
 from waxstudy.tuning.search import Budget, landscape, search

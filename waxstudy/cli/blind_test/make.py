@@ -65,18 +65,18 @@ def command(
         place, plan = Place(out), _plan(cases, share, strata)
         key, is_new = _key(place, seed, key_file)
         records = len(plan.slots(key))
-        begin(place, plan, key)
+        plan = begin(place, plan, key)
         _tell(out, key if is_new else None, records, as_json)
         with bar(quiet) as tick:
             make(place, plan, key, workers, tick)
 
 
 def _plan(cases: int | None, share: float, strata: tuple[str, ...]) -> Plan:
-    from waxstudy.blind_test.plan import Plan, available, left_out
+    from waxstudy.blind_test.plan import DRAW, Plan, available, left_out
 
     for name, reason in left_out(is_judged=not cases).items():
         warn(f"no records of engine '{name}': {reason}")
-    return Plan(cases or 0, share, strata, available(is_judged=not cases))
+    return Plan(cases or 0, share, strata, available(is_judged=not cases), DRAW)
 
 
 def _key(place: Place, seed: int | None, file: Path | None) -> tuple[Key, bool]:

@@ -11,7 +11,7 @@ __all__ = ["AS_LOGGED", "CHECKS", "ON_GRID", "SAMPLES", "Check", "Record", "run"
 
 # of rows as they were logged: first their samples, and of what is left the units
 SAMPLES = (samples.code, samples.impossible_sample, samples.spike, samples.peak, samples.stray)
-AS_LOGGED = (units.temperature, units.level, units.gain, units.flow)
+AS_LOGGED = (units.temperature, units.level, units.gain, units.light, units.flow)
 ON_GRID = (
     samples.gaps,
     samples.constant,
@@ -27,6 +27,7 @@ ON_GRID = (
     swapped.sensor_and_air,
     swapped.air_and_another,
     swapped.sun_at_night,
+    swapped.light_at_night,
     causes.turned,
     causes.clock_offset,
     causes.early_sensor,

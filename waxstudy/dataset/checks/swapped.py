@@ -6,6 +6,7 @@ from functools import partial
 
 import pandas as pd
 
+from waxstudy.dataset.channels import LIGHT
 from waxstudy.dataset.checks.check import ENOUGH, Findings, Record, Refuse, Warn, check
 
 SENSOR, AIR, OPERATIVE = ROOM = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
@@ -138,3 +139,12 @@ def sun_at_night(record: Record, solar: pd.Series) -> Findings:
         yield _swapped(SUN, dark[0], "the first is there at night, the second never")
     else:
         yield Warn(f"{SUN} is {night_W:.3g} W on average at night: are its clock and column right?")
+
+
+@check("sun", "warns", *((name,) for name in LIGHT), fewest=0, mend="right clock and column in `[columns]`")
+def light_at_night(record: Record, light: pd.Series) -> Findings:
+    """Light or power of panels from 23 to 3 h, over {DARK_W:g} (W/m2, W) and {DARK:.0%} of that by day."""
+    at_night = record.values.index.hour.isin(NIGHT_H)  # type: ignore[attr-defined]
+    night, day = float(light[at_night].mean()), float(light[~at_night].mean())
+    if night > DARK_W and night > DARK * day:
+        yield Warn(f"{light.name} is {night:.3g} on average at night: are its clock and column right?")

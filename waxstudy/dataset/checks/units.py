@@ -44,6 +44,7 @@ NEVER_NEAR_0 = 5.0
 NEGATIVE_W, NEGATIVE_SHARE = -5.0, 0.2
 NEGATIVE_L_H, NEGATIVE_FLOW_SHARE = -1.0, 0.05
 LOW_GAIN_W = 5.0
+BRIGHT_W_M2 = 1500.0  # light that level ground never gets, but beside bright clouds for a moment
 # flow that no loop of a heated floor falls short of with its valve open, and below which it is doubtful [L/h]
 LEAST_FLOW_L_H, LOW_FLOW_L_H = 5.0, 15.0
 FLOW_UNITS = {"m3/h": 1000.0, "L/min": 60.0, "L/s": 3600.0}
@@ -131,6 +132,14 @@ def gain(record: Record, x: pd.Series) -> Findings:
         yield Warn(f"{x.name} goes down to {low:.3g} W; a gain is not negative")
     if 0.0 < high < LOW_GAIN_W:
         yield Warn(f"{x.name} never exceeds {high:.3g} W: is it in kW? then [columns] needs scale = 1000")
+
+
+@check("units", "refuses", *each("light"), mend="right column, or its `scale` in `[columns]`")
+def light(record: Record, x: pd.Series) -> Findings:
+    """Light over {BRIGHT_W_M2:g} W/m2 in 1 % of its samples, as in lux."""
+    high = float(x.quantile(0.99))
+    if high > BRIGHT_W_M2:
+        yield Refuse(x.name, f"reaches {high:.4g} W/m2, which the sun never gives: is it in lux, or another column?")
 
 
 @measured(*each("flow"))

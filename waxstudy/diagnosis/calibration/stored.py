@@ -67,7 +67,15 @@ def _key(record: Record, belief: Belief, effects: Effects, thorough: float) -> s
     used = [each.component.__module__ for each in choices] + [effect.__module__ for effect in effects]
     return digest(
         [
-            repr((record.interval_s, record.start_s, sorted(record.stated_noise.items()), record.assumed)),
+            repr(
+                (
+                    record.interval_s,
+                    record.start_s,
+                    sorted(record.stated_noise.items()),
+                    record.assumed,
+                    sorted(record.spreads.items()),
+                )
+            ),
             *(part for name, values in record.values.items() for part in (name, values.tobytes())),
             *_told(record),
             repr((dict(belief.blocks), belief.room, belief.room_error_factor, thorough)),

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN
+from waxstudy.dataset.stand_ins import ASSUMED, FIELDS, GAINS, SUN
 from waxstudy.diagnosis.model.room_response import full_flow_L_h
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Belief, FloatArray, Room, Uncertainty
 
 START, FLOOR = "start", "start of the floor"
 # chosen: how well they are known where somebody measured them, and where not, as logarithms of a factor
-HEATS = (("internal gains", GAINS, 0.05, 0.15), ("solar gain", SUN, 0.07, 0.12))
+HEATS = (("internal gains", GAINS, 0.05, ASSUMED[GAINS]), ("solar gain", SUN, 0.07, ASSUMED[SUN]))
 START_K = 2.0  # nobody knows the weather before the record
 LOST_S, MOST_LOST = 600.0, 6  # gaps that matter, and how many of them are fitted, the longest first
 
@@ -44,7 +44,7 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float |
         found = [_of_room(each) for each in room.component.uncertainties(room.parameters)]
     for name, channel, measured, assumed in HEATS:
         if record.has(channel):
-            sd = assumed if channel in record.assumed else measured
+            sd = record.spreads.get(channel, assumed if channel in record.assumed else measured)
             found.append(Nuisance(name, sd, _of_input(FIELDS[channel], lambda old, factor: exp(factor) * old)))
     return [
         *(replace(nuisance, sd=tolerance * nuisance.sd) for nuisance in found if tolerance is not None),

@@ -49,6 +49,7 @@ class Record:
     assumed: tuple[str, ...] = ()
     stand_ins: Mapping[str, StandIn] = field(default_factory=dict)  # for what drove the room and was not recorded
     first_weekday: int | None = None  # of day 0, Monday is 0; None where nobody knows
+    spreads: Mapping[str, float] = field(default_factory=dict)  # of heat that is assumed, where somebody stated it
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))

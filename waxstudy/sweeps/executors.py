@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 from waxstudy.plugin import BackendMissing
 from waxstudy.simulation.workers import worker_processes
-from waxstudy.sweep.kinds import Kind
-from waxstudy.sweep.point import STOP
+from waxstudy.sweeps.kinds import Kind
+from waxstudy.sweeps.point import STOP
 
 ANSWERS_WITHIN_S = 10.0  # a scheduler that is there answers in well under a second
 

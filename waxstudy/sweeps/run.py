@@ -1,7 +1,7 @@
 """Run a sweep: each finished point is kept at once, and a sweep that was interrupted goes on from there.
 
-The folder is read by `waxstudy.sweep.result`; `points/KEY.parquet` holds the key figures of one point, and its key is a
-digest of all that they depend on.
+The folder is read by `waxstudy.sweeps.result`; `points/KEY.parquet` holds the key figures of one point, and its key is
+a digest of all that they depend on.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from waxstudy.results.kpis import units_of
 from waxstudy.results.parquet import write_parquet
 from waxstudy.simulation.run import Progress
 from waxstudy.study.model import Study
-from waxstudy.sweep.axes import NAME, Sweep
-from waxstudy.sweep.executors import executor
-from waxstudy.sweep.kinds import Kind
-from waxstudy.sweep.place import places
-from waxstudy.sweep.point import computed, key_of
-from waxstudy.sweep.result import FORMAT, MANIFEST, POINTS, TABLE
+from waxstudy.sweeps.axes import NAME, Sweep
+from waxstudy.sweeps.executors import executor
+from waxstudy.sweeps.kinds import Kind
+from waxstudy.sweeps.place import places
+from waxstudy.sweeps.point import computed, key_of
+from waxstudy.sweeps.result import FORMAT, MANIFEST, POINTS, TABLE
 
 Stated = TypeVar("Stated")  # what a point is computed from
 

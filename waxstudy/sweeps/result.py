@@ -15,7 +15,7 @@ import pandas as pd
 
 from waxstudy.plugin.files import check_file, read_file, why
 from waxstudy.results.folder import RunError
-from waxstudy.sweep.axes import Range
+from waxstudy.sweeps.axes import Range
 
 TABLE, MANIFEST, POINTS = "sweep.parquet", "sweep.json", "points"
 FORMAT = 1

@@ -13,7 +13,7 @@ from waxstudy.study.model import Comfort, Ensemble, Season, Study
 from waxstudy.study.problems import Problem, StudyError
 from waxstudy.study.read import study_of
 from waxstudy.study.source import Source
-from waxstudy.sweep.axes import Sweep
+from waxstudy.sweeps.axes import Sweep
 
 ALLOWED = (
     "allowed: room.KEY, weather.KEY, weather.WEEK.KEY, comfort.KEY, season.KEY, ensemble.KEY, BLOCK.KEY or "
