@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import shutil
-import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -15,9 +12,11 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from benchmarks.commands import HEADINGS, command_figure
 from benchmarks.energyplus_model import house_figure
 from benchmarks.fmu import fmu_figures
 from benchmarks.house import write_year
+from benchmarks.long import long_figures
 from benchmarks.timing import best_s
 from waxstudy.loop import figures as of_loop
 from waxstudy.plugin import Actuator
@@ -31,7 +30,6 @@ from waxstudy.study.model import Choice, Study
 from waxstudy.study.read import read_study
 
 STUDY = Path(__file__).parents[1] / "studies" / "table5.toml"
-WAXSTUDY = Path(sys.executable).with_name("waxstudy")
 
 
 @njit(error_model="python")
@@ -131,92 +129,27 @@ def tuning_figure(study: Study, plan: Plan) -> None:
     print(f"\nan evaluation of a tuning (P_WM, January, {len(plan.starts)} members at 5 s): {told}")
 
 
-# a small process of its own: a child's peak memory starts with that of the process that forks it
-MEASURE = """
-import os, subprocess, sys, time
-begin = time.perf_counter()
-child = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL)
-_, status, usage = os.wait4(child.pid, 0)
-print(time.perf_counter() - begin, usage.ru_maxrss * 1024 / 1e6, os.waitstatus_to_exitcode(status))
-"""
-
-
-def command_figure(label: str, arguments: list[str], limit: str, environment: dict[str, str] | None = None) -> float:
-    """Print and return the wall time of a whole command, with its peak memory."""
-    measured = subprocess.run(
-        [sys.executable, "-S", "-c", MEASURE, str(WAXSTUDY), *arguments],
-        env={**os.environ, **(environment or {})},
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    )
-    seconds, megabytes, code = map(float, measured.stdout.split())
-    print(f"{label:40} {seconds:6.2f} s  {megabytes:5.0f} MB  exit {code:.0f}  {limit}")
-    return seconds
-
-
 def command_figures(folder: Path) -> None:
     one = folder / "one.toml"
     one.write_text(STUDY.read_text().replace("members = 16", "members = 1"))
     cold = {"WAXSTUDY_CACHE": str(folder / "cache")}
-    print(f"\nwhole commands\n{'':40} {'wall':>8}  {'peak':>8}          limits; 500 MB for each")
-    nothing = min(command_figure("waxstudy --help", ["--help"], "0.25 s") for _ in range(3))
+    print(f"\nwhole commands\n{HEADINGS}          limits; 500 MB for each")
+    nothing = min(command_figure("waxstudy --help", ["--help"], "0.25 s").wall_s for _ in range(3))
     command_figure("1 member, first since the last change", ["run", str(one), "--out", str(folder / "0")], "")
     command_figure("1 member, warm", ["run", str(one), "--out", str(folder / "1")], "3 s")
     full = command_figure("16 members, warm", ["run", str(STUDY), "--out", str(folder / "16")], "20 s")
     first = command_figure("16 members, first run ever", ["run", str(STUDY), "--out", str(folder / "f")], "", cold)
-    print(f"{'':40} {first - full:+6.2f} s for compiling (limit 15 s); help to full run 1 : {full / nothing:.0f}")
+    compiling_s, ratio = first.wall_s - full.wall_s, full.wall_s / nothing
+    print(f"{'':40} {compiling_s:+6.2f} s for compiling (limit 15 s); help to full run 1 : {ratio:.0f}")
     command_figure("16 members, nothing to compute", ["run", str(STUDY), "--out", str(folder / "16")], "")
     for form in ("table", "html"):
         arguments = ["report", str(folder / "16"), "--format", form, "--against", "paper"]
         command_figure(f"report --format {form} --against paper", arguments, "")
 
 
-LONG = """
-[study]
-name = "long"
-step_s = {step_s}
-[room]
-use = "nzeb"
-[weather.long]
-use = "epw"
-path = "{weather}"
-start = "01-01"
-days = {days}
-[ensemble]
-members = {members}
-[ladder.on-off]
-reference = "O_WM"
-start = {{ id = "O_0", controller = {{ use = "on-off" }} }}
-steps = [{{ id = "O_WM", valve = {{ use = "quick-opening" }}, actuator = {{ use = "variable-times" }} }}]
-"""
-
-
-def long_figures(folder: Path) -> None:
-    """Time and memory of long runs and records; they need a year of weather in the folder `WAXSTUDY_DATA`."""
-    weather = next(Path(os.environ.get("WAXSTUDY_DATA", "none"), "weather").glob("*.epw"), None)
-    print(f"\nlong runs and records\n{'':40} {'wall':>8}  {'peak':>8}")
-    if weather is None:
-        print("left out: WAXSTUDY_DATA names no folder with weather/*.epw")
-        return
-
-    def study(days: int, members: int, step_s: float = 5.0) -> str:
-        path = folder / f"{days}-{step_s:g}.toml"
-        path.write_text(LONG.format(weather=weather.resolve(), days=days, members=members, step_s=step_s))
-        return str(path)
-
-    command_figure("a year at 5 s, 4 members", ["run", study(365, 4), "--out", str(folder / "year")], "500 MB")
-    for days, interval_s in ((14, 60), (60, 60), (14, 1)):
-        record = str(folder / f"{days}-{interval_s}")
-        options = ["--case", "O_WM", "--believed", "O_0", "--interval-s", str(interval_s)]
-        making = [WAXSTUDY, "reality", study(days, 1, min(5.0, interval_s)), *options, "--out", record]
-        subprocess.run(making, stdout=subprocess.DEVNULL, check=True)
-        command_figure(f"diagnosis of {days} days at {interval_s} s", ["diagnose", record, "--json", "--quiet"], "")
-
-
 def import_figures(folder: Path) -> None:
     """Time and memory of imports of a year."""
-    print(f"\na year at 1 min, 12 channels\n{'':40} {'wall':>8}  {'peak':>8}")
+    print(f"\na year at 1 min, 12 channels\n{HEADINGS}")
     for file in write_year(folder):
         arguments = ["import", str(file), "--timezone", "Europe/Tallinn", "--yes", "--out", str(folder / file.stem)]
         command_figure(f"import of a {file.stem} CSV", arguments, "60 s, 2 GB")
