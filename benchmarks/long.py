@@ -44,7 +44,7 @@ def long_figures(folder: Path) -> None:
     year = _run(folder, weather, "a year", 365, "500 MB")
     print(f"{'':40} beside the week: {year.beside(week)}")
     fortnight = _diagnosis(folder, weather, 14, 60, "reference")
-    for days, interval_s, limit in ((60, 60, "twice the reference's time"), (14, 1, "1 GB")):
+    for days, interval_s, limit in ((60, 60, "twice the reference's time"), (14, 1, "1.5 GB")):
         cost = _diagnosis(folder, weather, days, interval_s, limit)
         print(f"{'':40} beside 14 days at 1 min: {cost.beside(fortnight)}")
 

@@ -37,6 +37,7 @@ class Continuous:
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
         filled = record.filled(channel)
+        self.sample = np.arange(len(record))
         self.measured = record.smooth(filled) if channel in SMOOTHED else filled
         self.known = self._known()
         self.driven = self._driven(perturbed)
@@ -58,8 +59,8 @@ class Continuous:
         error = np.where(self.known, predicted[channel] - self.measured, 0.0)
         if channel in predicted.shifted:
             error = self._best_shift(predicted.shifted[channel])
-        unit, sample = UNITS.get(channel, "K"), np.arange(len(record))
-        return Residual(channel, unit, error, error / self.scale, self.known, record.cycle, self.parts, sample)
+        unit = UNITS.get(channel, "K")
+        return Residual(channel, unit, error, error / self.scale, self.known, record.cycle, self.parts, self.sample)
 
     def _known(self) -> np.ndarray:
         """Return where it is judged (n,)."""
