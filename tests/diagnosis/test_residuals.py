@@ -21,7 +21,7 @@ from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.continuous import stands
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
-from waxstudy.diagnosis.residuals.switching import softened
+from waxstudy.diagnosis.residuals.switching import Switching, softened
 from waxstudy.diagnosis.select.null import by_block
 from waxstudy.diagnosis.select.search import runs_on_at
 from waxstudy.plugin import Belief
@@ -118,6 +118,27 @@ def test_a_prediction_that_is_the_record_misses_nothing() -> None:
     seen, judge = switching()
     (residual,) = judge.residuals(Predicted({"heating_signal": seen.values["heating_signal"]}))
     assert residual.gap() == residual.loss() == 0.0
+
+
+def test_a_sample_belongs_to_the_switch_that_is_nearest_to_it() -> None:
+    signal = np.zeros(DAY)
+    signal[600:660] = signal[800:900] = 1.0
+    seen = plain({"control_output": signal, "heating_signal": signal, "setpoint_C": np.full(DAY, 21.0)})
+    late = np.zeros(DAY)
+    late[603:660] = late[800:910] = 1.0
+    residual = Switching("heating_signal", SWITCH, seen, np.zeros(DAY), []).residual(
+        Predicted({"heating_signal": late})
+    )
+    # between the switches they end at 630, 730 and 850; of each the sample in the middle stands for it
+    assert residual.sample.tolist() == [314, 679, 789, 1144]
+    assert residual.error.tolist() == [180.0, 0.0, 0.0, 600.0]
+    least_s = 60.0 / np.sqrt(12.0)  # where nothing else moves a switch: a uniform place within its interval
+    assert residual.whitened == pytest.approx(softened(np.array([180.0, 0.0, 0.0, 600.0]) / least_s))
+
+
+def test_an_error_of_three_standard_deviations_is_halfway_to_counting_straight() -> None:
+    """The pseudo-Huber loss at its own width: twice 3² times the root of two less one."""
+    assert softened(np.array([3.0]))[0] ** 2 == pytest.approx(18.0 * (np.sqrt(2.0) - 1.0))
 
 
 def test_a_switch_that_never_comes_costs_the_whole_pulse() -> None:
