@@ -34,7 +34,10 @@ MODULES: dict[str, tuple[str, ...]] = {
     "waxstudy/diagnosis/select/evidence.py": ("tests/diagnosis/test_evidence.py",),
     "waxstudy/diagnosis/select/weigh.py": ("tests/diagnosis/test_weigh.py",),
     "waxstudy/diagnosis/residuals/switching.py": ("tests/diagnosis/test_residuals.py",),
-    "waxstudy/diagnosis/residuals/continuous.py": ("tests/diagnosis/test_residuals.py",),
+    "waxstudy/diagnosis/residuals/continuous.py": (
+        "tests/diagnosis/test_opening_path.py",
+        "tests/diagnosis/test_residuals.py",
+    ),
     "waxstudy/identification/times.py": ("tests/fit/test_times.py",),
     "waxstudy/identification/valve.py": ("tests/fit/test_valve.py",),
     "plugins/waxstudy_paper/actuators.py": ("tests/paper/test_actuators.py",),

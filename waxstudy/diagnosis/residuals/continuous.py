@@ -104,8 +104,7 @@ class Continuous:
         drive = self.record.filled(self.segment.driven_by)
         stretch = np.concatenate(([0], np.cumsum(np.diff(drive) != 0)))
         tried = np.where(self.known, shifted - self.measured, 0.0)
-        count = stretch[-1] + 1
-        losses = [np.bincount(stretch, weights=(error / self.scale) ** 2, minlength=count) for error in tried]
+        losses = [np.bincount(stretch, weights=(error / self.scale) ** 2) for error in tried]
         best = np.argmin(losses, axis=0)[stretch]
         return np.asarray(tried[best, np.arange(len(stretch))])
 
