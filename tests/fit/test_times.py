@@ -132,3 +132,17 @@ def test_a_zero_that_wanders_for_days_moves_no_time_and_is_told(drift: float) ->
         assert cycles[name].median() == pytest.approx(times_s[name], abs=6.0), name
     assert "drifts" in " ".join(wandering.warnings)
     assert not steady.warnings
+
+
+@pytest.mark.parametrize("interval_s", [0.5, 10.0])
+def test_only_a_gap_in_a_fall_or_beside_it_hides_when_the_next_cycle_s_pause_began(interval_s: float) -> None:
+    lengths_s = (90.0, 120.0, 600.0, 60.0, 130.0, 900.0)
+    whole = trapezoids(dict(zip(TIMES, lengths_s, strict=True)), 4, interval_s, 0.0, 1)
+    fall_s = cycles_of(whole)[["off_at_s", "hold_s"]].sum(axis=1).to_numpy()
+    assert np.isfinite(cycles_of(whole)["before_s"]).tolist() == [False, True, True, True]
+    of_second = {"within": fall_s[1] + 60.0, "long before": fall_s[1] - 300.0, "long after": fall_s[1] + 130.0 + 400.0}
+    for place, at_s in of_second.items():
+        missing = np.zeros_like(whole.missing)
+        missing[round(at_s / interval_s) + np.arange(-1, 2)] = 1
+        known = np.isfinite(cycles_of(replace(whole, missing=missing))["before_s"])
+        assert known.tolist() == [False, True, place != "within", True], place
