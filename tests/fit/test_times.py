@@ -15,7 +15,7 @@ from tests.fit.conftest import QUIET, STEADY, Read, medians, table_of
 from waxstudy.dataset.notes import Notes
 from waxstudy.identification.description import Described
 from waxstudy.identification.records import Record, record_of, samples_of
-from waxstudy.identification.times import TIMES, cycles_of
+from waxstudy.identification.times import RISES_PER_5S, TIMES, cycles_of, movements
 from waxstudy.rig.instruments import Bench
 from waxstudy.rig.programme import Trial
 
@@ -146,3 +146,10 @@ def test_only_a_gap_in_a_fall_or_beside_it_hides_when_the_next_cycle_s_pause_beg
         missing[round(at_s / interval_s) + np.arange(-1, 2)] = 1
         known = np.isfinite(cycles_of(replace(whole, missing=missing))["before_s"])
         assert known.tolist() == [False, True, place != "within", True], place
+
+
+def test_what_is_left_of_a_spike_is_no_movement_and_a_ramp_is() -> None:
+    opening = np.interp(np.arange(1000.0), [700.0, 820.0], [0.0, 1.0])
+    opening[[300, 500]] += 0.5
+    found = movements(opening, 1.0, RISES_PER_5S)
+    assert (found.begins_s, found.ends_s) == (pytest.approx([700.0]), pytest.approx([820.0]))
