@@ -126,13 +126,13 @@ def test_a_sample_belongs_to_the_switch_that_is_nearest_to_it() -> None:
     seen = plain({"control_output": signal, "heating_signal": signal, "setpoint_C": np.full(DAY, 21.0)})
     late = np.zeros(DAY)
     late[603:660] = late[800:910] = 1.0
-    residual = Switching("heating_signal", SWITCH, seen, np.zeros(DAY), []).residual(
-        Predicted({"heating_signal": late})
-    )
+    judge = Switching("heating_signal", SWITCH, seen, np.zeros(DAY), [])
+    residual = judge.residual(Predicted({"heating_signal": late}))
     # between the switches they end at 630, 730 and 850; of each the sample in the middle stands for it
     assert residual.sample.tolist() == [314, 679, 789, 1144]
     assert residual.error.tolist() == [180.0, 0.0, 0.0, 600.0]
     least_s = 60.0 / np.sqrt(12.0)  # where nothing else moves a switch: a uniform place within its interval
+    assert judge.typical_s == pytest.approx(least_s)
     assert residual.whitened == pytest.approx(softened(np.array([180.0, 0.0, 0.0, 600.0]) / least_s))
 
 
