@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import shutil
-import subprocess
 import tempfile
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -14,11 +12,13 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from benchmarks.command import WAXSTUDY, command_figure
+from benchmarks.commands import HEADINGS, command_figure
 from benchmarks.energyplus_model import house_figure
 from benchmarks.fleet import fleet_figures
 from benchmarks.fmu import fmu_figures
 from benchmarks.imports import import_figures
+from benchmarks.long import long_figures
+from benchmarks.sweep import sweep_figure
 from benchmarks.timing import best_s
 from waxstudy.loop import figures as of_loop
 from waxstudy.plugin import Actuator
@@ -32,7 +32,6 @@ from waxstudy.study.model import Choice, Study
 from waxstudy.study.read import read_study
 
 STUDY = Path(__file__).parents[1] / "studies" / "table5.toml"
-SEASON = STUDY.with_name("season.toml")
 
 
 @njit(error_model="python")
@@ -136,88 +135,18 @@ def command_figures(folder: Path) -> None:
     one = folder / "one.toml"
     one.write_text(STUDY.read_text().replace("members = 16", "members = 1"))
     cold = {"WAXSTUDY_CACHE": str(folder / "cache")}
-    print(f"\nwhole commands\n{'':40} {'wall':>8}  {'processor':>11}  {'peak':>8}          limits; 500 MB for each")
-    nothing = min(command_figure("waxstudy --help", ["--help"], "0.25 s") for _ in range(3))
+    print(f"\nwhole commands\n{HEADINGS}          limits; 500 MB for each")
+    nothing = min(command_figure("waxstudy --help", ["--help"], "0.25 s").wall_s for _ in range(3))
     command_figure("1 member, first since the last change", ["run", str(one), "--out", str(folder / "0")], "")
     command_figure("1 member, warm", ["run", str(one), "--out", str(folder / "1")], "3 s")
     full = command_figure("16 members, warm", ["run", str(STUDY), "--out", str(folder / "16")], "20 s")
     first = command_figure("16 members, first run ever", ["run", str(STUDY), "--out", str(folder / "f")], "", cold)
-    print(f"{'':40} {first - full:+6.2f} s for compiling (limit 15 s); help to full run 1 : {full / nothing:.0f}")
+    compiling_s, ratio = first.wall_s - full.wall_s, full.wall_s / nothing
+    print(f"{'':40} {compiling_s:+6.2f} s for compiling (limit 15 s); help to full run 1 : {ratio:.0f}")
     command_figure("16 members, nothing to compute", ["run", str(STUDY), "--out", str(folder / "16")], "")
     for form in ("table", "html"):
         arguments = ["report", str(folder / "16"), "--format", form, "--against", "paper"]
         command_figure(f"report --format {form} --against paper", arguments, "")
-
-
-LONG = """
-[study]
-name = "long"
-step_s = {step_s}
-[room]
-use = "nzeb"
-[weather.long]
-use = "epw"
-path = "{weather}"
-start = "01-01"
-days = {days}
-[ensemble]
-members = {members}
-[ladder.on-off]
-reference = "O_WM"
-start = {{ id = "O_0", controller = {{ use = "on-off" }} }}
-steps = [{{ id = "O_WM", valve = {{ use = "quick-opening" }}, actuator = {{ use = "variable-times" }} }}]
-"""
-
-
-def long_figures(folder: Path) -> None:
-    """Time and memory of long runs and records; they need a year of weather in the folder `WAXSTUDY_DATA`."""
-    weather = next(Path(os.environ.get("WAXSTUDY_DATA", "none"), "weather").glob("*.epw"), None)
-    print(f"\nlong runs and records\n{'':40} {'wall':>8}  {'processor':>11}  {'peak':>8}")
-    if weather is None:
-        print("left out: WAXSTUDY_DATA names no folder with weather/*.epw")
-        return
-
-    def study(days: int, members: int, step_s: float = 5.0) -> str:
-        path = folder / f"{days}-{step_s:g}.toml"
-        path.write_text(LONG.format(weather=weather.resolve(), days=days, members=members, step_s=step_s))
-        return str(path)
-
-    command_figure("a year at 5 s, 4 members", ["run", study(365, 4), "--out", str(folder / "year")], "500 MB")
-    if "WAXSTUDY_DATA" in os.environ and weather.name in SEASON.read_text():
-        arguments = ["run", str(SEASON), "--out", str(folder / "season")]
-        command_figure("a season of eleven cases, 4 members", arguments, "500 MB")
-    for days, interval_s in ((14, 60), (60, 60), (14, 1)):
-        record = str(folder / f"{days}-{interval_s}")
-        options = ["--case", "O_WM", "--believed", "O_0", "--interval-s", str(interval_s)]
-        making = [WAXSTUDY, "reality", study(days, 1, min(5.0, interval_s)), *options, "--out", record]
-        subprocess.run(making, stdout=subprocess.DEVNULL, check=True)
-        command_figure(f"diagnosis of {days} days at {interval_s} s", ["diagnose", record, "--json", "--quiet"], "")
-
-
-ROOMS, CASES_OF_ROOM = 100, ("O_0", "O_WM")  # together 200 room-weeks
-
-
-def sweep_figure(folder: Path) -> None:
-    """What a second worker is worth in a sweep of 200 room-weeks: 100 rooms, two cases each in one week."""
-    study, sweep = folder / "rooms.toml", folder / "rooms-sweep.toml"
-    whole = STUDY.read_text()
-    ladder = f"""
-[ladder.on-off]
-reference = "{CASES_OF_ROOM[1]}"
-start = {{ id = "{CASES_OF_ROOM[0]}", controller = {{ use = "on-off" }} }}
-steps = [{{ id = "{CASES_OF_ROOM[1]}", valve = {{ use = "quick-opening" }}, actuator = {{ use = "variable-times" }} }}]
-"""
-    study.write_text(whole[: whole.index("[weather.february]")] + "[ensemble]\nmembers = 1\n" + ladder)
-    vary = "room.window_U_W_m2K = { low = 0.6, high = 1.2 }"
-    sweep.write_text(f'[sweep]\nmethod = "latin-hypercube"\nsamples = {ROOMS}\n[vary]\n{vary}\n')
-    weeks = ROOMS * len(CASES_OF_ROOM)
-    print(f"\na sweep of {weeks} room-weeks, one member, in processes\n{'':40} {'wall':>8}  {'peak':>8}")
-    options = ["run", str(study), "--sweep", str(sweep), "--executor", "processes"]
-    one, two = (
-        command_figure(f"workers: {n}", [*options, "--workers", str(n), "--out", str(folder / f"rooms-{n}")], "")
-        for n in (1, 2)
-    )
-    print(f"{'':40} two workers are {one / two:.2f} times as fast as one (at least 1.7)")
 
 
 def main() -> None:

@@ -9,14 +9,14 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from benchmarks.command import command_figure
+from benchmarks.commands import HEADINGS, command_figure
 from benchmarks.house import write_year
 
 LIMIT = "60 s, 2 GB"
 
 
 def import_figures(folder: Path) -> None:
-    print(f"\na year at 1 min, 12 channels\n{'':40} {'wall':>8}  {'processor':>11}  {'peak':>8}")
+    print(f"\na year at 1 min, 12 channels\n{HEADINGS}")
     for file in write_year(folder):
         arguments = ["import", str(file), "--timezone", "Europe/Tallinn", "--yes", "--out", str(folder / file.stem)]
         command_figure(f"import of a {file.stem} CSV", arguments, LIMIT)

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from benchmarks.commands import WAXSTUDY
 from waxstudy.api.running import Results
 from waxstudy.report.comparison import CORRECTED, HEAT, differences_percent, member_values
 from waxstudy.report.season import Months, interval_percent
@@ -21,7 +22,6 @@ from waxstudy.results.kpis import months_of
 from waxstudy.sweeps.result import read_swept
 
 ROOT = Path(__file__).parents[1]
-WAXSTUDY = Path(sys.executable).with_name("waxstudy")
 RUNS = {
     "table5": ["studies/table5.toml"],
     "season": ["studies/season.toml"],

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from random import SystemRandom
 
 import pytest
 from hypothesis import settings
@@ -45,7 +46,18 @@ steps = [
 
 ONE_CASE = SMALL.replace('"O_WM"\n', '"O_0"\n').partition("steps = [")[0]
 
+ATTACK_SEED = "ATTACK_SEED"
+
 Waxstudy = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+def pytest_configure() -> None:
+    """Draw the seed of this session's attack, before processes that share it begin; who names one gets that again."""
+    os.environ.setdefault(ATTACK_SEED, str(SystemRandom().randrange(10**6)))
+
+
+def pytest_report_header() -> str:
+    return f"attack: {ATTACK_SEED}={os.environ[ATTACK_SEED]}"
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -11,6 +11,7 @@ from random import Random
 from tests.attack.campaign import Ground
 from tests.attack.files import LIMIT_S, STUDY
 from tests.attack.verdict import DONE, wrong_with
+from waxstudy.plugin.files import read_file
 
 Tamper = Callable[[Path, Random], object]
 
@@ -38,6 +39,13 @@ def _cut(path: Path, random: Random) -> None:
 
 def _any(folder: Path, random: Random) -> Path:
     return random.choice(sorted(path for path in folder.iterdir() if path.is_file()))
+
+
+def _replaced(run: Path, random: Random, put: Callable[[Path], object]) -> None:
+    """Put something else in the place of any file of the run."""
+    path = random.choice(sorted(path for path in run.rglob("*") if path.is_file()))
+    path.unlink()
+    put(path)
 
 
 def _swapped(run: Path, random: Random) -> None:
@@ -70,6 +78,8 @@ FORMS: dict[str, Tamper] = {
     "a case removed": lambda run, random: shutil.rmtree(_case(run, random)),
     "two cases swapped": _swapped,
     "a link for a file": _linked,
+    "a pipe for a file": lambda run, random: _replaced(run, random, os.mkfifo),
+    "a device for a file": lambda run, random: _replaced(run, random, lambda path: path.symlink_to("/dev/zero")),
 }
 
 
@@ -100,7 +110,7 @@ def tamper(ground: Ground, folder: Path, number: int, random: Random) -> str:
     again = ground.worker.call(folder, "run", "s.toml", "--quiet", "--out", "run", limit_s=LIMIT_S)
     if wrong := wrong_with(again, ["run", "s.toml"]):
         return f"{name}, run once more: {wrong}"
-    if again.code == DONE and (folder / "run/kpis.csv").read_bytes() != (whole / "run/kpis.csv").read_bytes():
+    if again.code == DONE and read_file(folder / "run/kpis.csv") != (whole / "run/kpis.csv").read_bytes():
         return f"{name}, run once more: other figures"
     return ""
 

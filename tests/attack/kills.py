@@ -53,6 +53,7 @@ COMMANDS = {
     "fit": Writing("fit actuator bench --out motor.toml", [RIG]),
     "make": Writing(MAKE, varied="set/boxes/"),
     "sweep": Writing("run s.toml --sweep sweep.toml --quiet --out swept"),
+    "tune": Writing("tune s.toml --case O_WM --budget 40 --quiet --workers 1 --out tuned"),
     "import": Writing("import room/data.csv --timezone Etc/GMT-2 --yes --out brought", [REALITY]),
     "plugin": Writing(
         "export energyplus s.toml --case O_WM --zone Z --radiant R --full-flow-kg-s 0.03 --out motor.py", is_taken=True

@@ -222,3 +222,20 @@ def test_a_link_that_leads_nowhere_is_told_as_such(entry: Entry) -> None:
             ended.stderr.split()
         )
         assert "Did you mean" not in ended.stderr
+
+
+def test_no_command_writes_through_a_link_that_leads_back_to_itself(entry: Entry, small_study: Path) -> None:
+    Path("loop").symlink_to("loop")
+    Path("gone").symlink_to("nowhere")
+    run = ("run", "small.toml", "--out")
+    made = ("reality", "small.toml", "--case", "O_WM", "--days", "2", "--out")
+    brought = ("import", "small.toml", "--timezone", "UTC", "--out")
+    for words in (run, made, brought, ("rig",), ("tune", "small.toml", "--case", "O_WM", "--out")):
+        for link, leads_to in (("loop", "loop"), ("gone", "nowhere")):
+            for out in (link, f"{link}/x"):
+                ended = entry(*words, out)
+                assert_clear(ended, USAGE)
+                told = f"'{link}' is a link to '{leads_to}', which is not there or leads back to it."
+                assert told in " ".join(ended.stderr.split()), words
+    assert "'loop' is a link to 'loop'" in " ".join(entry("report", "loop/run").stderr.split())
+    assert not Path("nowhere").exists()

@@ -324,6 +324,33 @@ def test_of_several_limits_that_apply_the_largest_is_the_least_that_must_be_reac
         assert meets(Q.CLAIM, replace(coarse, over=over)) is (over == 3.5)
 
 
+@pytest.mark.parametrize(
+    "channel", ["air_temperature_C", "control_output", "displacement", "flow_L_h", "supply_temperature_C"]
+)
+@pytest.mark.parametrize(("interval_s", "is_far"), [(60.0, False), (299.0, False), (300.0, True), (3600.0, True)])
+def test_flow_and_opening_are_far_apart_from_5_min_on(channel: str, interval_s: float, is_far: bool) -> None:
+    seen = replace(SOUND, channel=channel, interval_s=interval_s)
+    assert WHERE["far-flow"].applies(seen) is (is_far and channel == "flow_L_h")
+    assert WHERE["far-opening"].applies(seen) is (is_far and channel == "displacement")
+
+
+@pytest.mark.parametrize("stage", ["sensor", "actuator", "valve", "room"])
+@pytest.mark.parametrize("gain", [0.0, 49.9, 50.0, 1e4])
+@pytest.mark.parametrize("over", [1.0, 2.99, 3.0, 40.0])
+def test_a_clear_gap_is_a_valve_s_of_three_floors_and_a_gain_of_fifty(stage: str, gain: float, over: float) -> None:
+    seen = replace(SOUND, stage=stage, gain=gain, over=over)
+    is_clear = (stage, gain in (50.0, 1e4), over in (3.0, 40.0)) == ("valve", True, True)
+    assert WHERE["clear-flow"].applies(seen) is is_clear
+    assert WHERE["not-clear-flow"].applies(seen) is not is_clear
+
+
+@pytest.mark.parametrize("place", ["actuator", "sensor", "supply"])
+@pytest.mark.parametrize("told", ["actuator", "controller", "modulator", "room", "sensor", "supply", "valve"])
+def test_a_place_is_no_other_one_of_a_name_before_or_after_it(place: str, told: str) -> None:
+    seen = replace(SOUND, stage=told, channel=f"{told}_temperature_C")
+    assert WHERE[place].applies(seen) is (told == place)
+
+
 # --- evidence --------------------------------------------------------------------------------------------
 
 

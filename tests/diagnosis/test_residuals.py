@@ -18,10 +18,10 @@ from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.residuals.continuous import stands
+from waxstudy.diagnosis.residuals.continuous import Continuous, stands
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
-from waxstudy.diagnosis.residuals.switching import softened
+from waxstudy.diagnosis.residuals.switching import Switching, softened
 from waxstudy.diagnosis.select.null import by_block
 from waxstudy.diagnosis.select.search import runs_on_at
 from waxstudy.plugin import Belief
@@ -118,6 +118,27 @@ def test_a_prediction_that_is_the_record_misses_nothing() -> None:
     seen, judge = switching()
     (residual,) = judge.residuals(Predicted({"heating_signal": seen.values["heating_signal"]}))
     assert residual.gap() == residual.loss() == 0.0
+
+
+def test_a_sample_belongs_to_the_switch_that_is_nearest_to_it() -> None:
+    signal = np.zeros(DAY)
+    signal[600:660] = signal[800:900] = 1.0
+    seen = plain({"control_output": signal, "heating_signal": signal, "setpoint_C": np.full(DAY, 21.0)})
+    late = np.zeros(DAY)
+    late[603:660] = late[800:910] = 1.0
+    judge = Switching("heating_signal", SWITCH, seen, np.zeros(DAY), [])
+    residual = judge.residual(Predicted({"heating_signal": late}))
+    # between the switches they end at 630, 730 and 850; of each the sample in the middle stands for it
+    assert residual.sample.tolist() == [314, 679, 789, 1144]
+    assert residual.error.tolist() == [180.0, 0.0, 0.0, 600.0]
+    least_s = 60.0 / np.sqrt(12.0)  # where nothing else moves a switch: a uniform place within its interval
+    assert judge.typical_s == pytest.approx(least_s)
+    assert residual.whitened == pytest.approx(softened(np.array([180.0, 0.0, 0.0, 600.0]) / least_s))
+
+
+def test_an_error_of_three_standard_deviations_is_halfway_to_counting_straight() -> None:
+    """The pseudo-Huber loss at its own width: twice 3² times the root of two less one."""
+    assert softened(np.array([3.0]))[0] ** 2 == pytest.approx(18.0 * (np.sqrt(2.0) - 1.0))
 
 
 def test_a_switch_that_never_comes_costs_the_whole_pulse() -> None:
@@ -247,3 +268,46 @@ def test_a_meter_that_shows_noise_around_zero_does_not_stand_still() -> None:
     assert not stands(noise, 120.0).any()
     assert not stands(np.clip(noise, 0.0, None), 120.0)[noise > 1.0].any()
     assert stands(np.zeros(1000), 120.0).all()
+
+
+def metered() -> tuple[Record, np.ndarray]:
+    """A day in which a valve is open a third of the time, and where that is."""
+    random, is_open = np.random.default_rng(4), empty(1).values["heating_signal"] == 1.0
+    values = {
+        "heating_signal": is_open,
+        "displacement": np.where(is_open, 1.0, 0.0) + random.normal(0.0, 0.02, DAY),
+        "flow_L_h": np.where(is_open, 60.0 + random.normal(0.0, 2.0, DAY), 0.0),
+        "return_temperature_C": 25.0 + random.normal(0.0, 0.1, DAY),
+    }
+    stated = {"displacement": 0.02, "flow_L_h": 2.0, "return_temperature_C": 0.1}
+    return plain(values, stated_noise=stated), is_open
+
+
+def judged_of(channel: str, record: Record) -> Continuous:
+    return Continuous(channel, Segment(("valve",), "heating_signal", (channel,)), record, np.zeros(len(record)), [])
+
+
+def test_noise_is_what_a_channel_shows_less_where_it_is_cut_off_and_none_where_a_meter_stands() -> None:
+    seen, is_open = metered()
+    assert judged_of("return_temperature_C", seen).noise == pytest.approx(0.1)
+    assert judged_of("displacement", seen).noise == pytest.approx(0.02 * 0.5**0.5)
+    assert judged_of("flow_L_h", seen).noise == pytest.approx(np.where(is_open, 2.0, 0.0))
+
+
+def test_a_meter_that_stands_is_trusted_ten_times_as_far_and_no_other_channel() -> None:
+    seen, is_open = metered()
+    assert judged_of("flow_L_h", seen).scale == pytest.approx(np.where(is_open, 2.0, 0.2))
+    resting = replace(seen, values={**seen.values, "displacement": np.where(is_open, 1.0, 0.0)})
+    assert judged_of("displacement", resting).scale == pytest.approx(0.02)
+    assert judged_of("return_temperature_C", seen).scale == pytest.approx(0.1)
+
+
+def test_each_switch_is_put_where_it_fits_best() -> None:
+    """Of two predictions the first is right from one switch to the next, the second after that, and so on."""
+    seen, is_open = metered()
+    stretch = np.cumsum(np.diff(is_open, prepend=is_open[0]) != 0)
+    right, flow = judged_of("flow_L_h", seen), seen.values["flow_L_h"]
+    two = np.array([flow + np.where(stretch % 2 == place, 9.0, 1.0) for place in (1, 0)])
+    error = right.residual(Predicted({"flow_L_h": flow}, {"flow_L_h": two})).error
+    assert error[right.known] == pytest.approx(1.0)
+    assert (error[~right.known] == 0.0).all()

@@ -15,7 +15,7 @@ from tests.fit.conftest import QUIET, STEADY, Read, medians, table_of
 from waxstudy.dataset.notes import Notes
 from waxstudy.identification.description import Described
 from waxstudy.identification.records import Record, record_of, samples_of
-from waxstudy.identification.times import TIMES, cycles_of
+from waxstudy.identification.times import RISES_PER_5S, TIMES, cycles_of, movements
 from waxstudy.rig.instruments import Bench
 from waxstudy.rig.programme import Trial
 
@@ -132,3 +132,24 @@ def test_a_zero_that_wanders_for_days_moves_no_time_and_is_told(drift: float) ->
         assert cycles[name].median() == pytest.approx(times_s[name], abs=6.0), name
     assert "drifts" in " ".join(wandering.warnings)
     assert not steady.warnings
+
+
+@pytest.mark.parametrize("interval_s", [0.5, 10.0])
+def test_only_a_gap_in_a_fall_or_beside_it_hides_when_the_next_cycle_s_pause_began(interval_s: float) -> None:
+    lengths_s = (90.0, 120.0, 600.0, 60.0, 130.0, 900.0)
+    whole = trapezoids(dict(zip(TIMES, lengths_s, strict=True)), 4, interval_s, 0.0, 1)
+    fall_s = cycles_of(whole)[["off_at_s", "hold_s"]].sum(axis=1).to_numpy()
+    assert np.isfinite(cycles_of(whole)["before_s"]).tolist() == [False, True, True, True]
+    of_second = {"within": fall_s[1] + 60.0, "long before": fall_s[1] - 300.0, "long after": fall_s[1] + 130.0 + 400.0}
+    for place, at_s in of_second.items():
+        missing = np.zeros_like(whole.missing)
+        missing[round(at_s / interval_s) + np.arange(-1, 2)] = 1
+        known = np.isfinite(cycles_of(replace(whole, missing=missing))["before_s"])
+        assert known.tolist() == [False, True, place != "within", True], place
+
+
+def test_what_is_left_of_a_spike_is_no_movement_and_a_ramp_is() -> None:
+    opening = np.interp(np.arange(1000.0), [700.0, 820.0], [0.0, 1.0])
+    opening[[300, 500]] += 0.5
+    found = movements(opening, 1.0, RISES_PER_5S)
+    assert (found.begins_s, found.ends_s) == (pytest.approx([700.0]), pytest.approx([820.0]))

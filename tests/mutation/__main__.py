@@ -30,11 +30,14 @@ MODULES: dict[str, tuple[str, ...]] = {
     "waxstudy/results/checksums.py": ("tests/results/test_run_folder.py",),
     "waxstudy/simulation/kernel.py": ("tests/simulation/test_engine.py", "-k", "False or equations"),  # interpreted
     "waxstudy/simulation/shift.py": ("tests/simulation/test_shift.py",),
-    "waxstudy/diagnosis/criteria.py": ("tests/diagnosis", "-m", "quick and not slow"),
-    "waxstudy/diagnosis/select/evidence.py": ("tests/diagnosis", "-m", "quick and not slow"),
+    "waxstudy/diagnosis/criteria.py": ("tests/diagnosis/test_criteria.py",),
+    "waxstudy/diagnosis/select/evidence.py": ("tests/diagnosis/test_evidence.py",),
     "waxstudy/diagnosis/select/weigh.py": ("tests/diagnosis/test_weigh.py",),
-    "waxstudy/diagnosis/residuals/switching.py": ("tests/diagnosis", "-m", "quick and not slow"),
-    "waxstudy/diagnosis/residuals/continuous.py": ("tests/diagnosis", "-m", "quick and not slow"),
+    "waxstudy/diagnosis/residuals/switching.py": ("tests/diagnosis/test_residuals.py",),
+    "waxstudy/diagnosis/residuals/continuous.py": (
+        "tests/diagnosis/test_opening_path.py",
+        "tests/diagnosis/test_residuals.py",
+    ),
     "waxstudy/identification/times.py": ("tests/fit/test_times.py",),
     "waxstudy/identification/valve.py": ("tests/fit/test_valve.py",),
     "plugins/waxstudy_paper/actuators.py": ("tests/paper/test_actuators.py",),
@@ -107,11 +110,10 @@ def _told(item: Any, result: Any) -> str:
     return f"{mutation['module_path']}:{mutation['start_pos'][0]} {mutation['operator_name']}: {' '.join(changed)}"
 
 
-def told(outcomes: list[Outcome]) -> Iterator[str]:
-    for each in outcomes:
-        share = each.killed / each.count if each.count else 1.0
-        yield f"{each.module:50} {each.killed:4} of {each.count:4} killed  {share:4.0%}"
-    yield from (f"survived: {line}" for each in outcomes for line in each.survived)
+def told(each: Outcome) -> Iterator[str]:
+    share = each.killed / each.count if each.count else 1.0
+    yield f"{each.module:50} {each.killed:4} of {each.count:4} killed  {share:4.0%}"
+    yield from (f"  survived: {line}" for line in each.survived)
 
 
 def main() -> None:
@@ -125,10 +127,10 @@ def main() -> None:
     if unknown := set(said.modules) - set(MODULES):
         parser.error(f"no tests are known for {', '.join(sorted(unknown))}")
     with ThreadPoolExecutor(said.workers) as pool:
-        outcomes = list(
-            pool.map(lambda module: mutated(module, said.timeout_s, said.most, said.seed), said.modules or MODULES)
-        )
-    print("\n".join(told(outcomes)))
+        for outcome in pool.map(
+            lambda module: mutated(module, said.timeout_s, said.most, said.seed), said.modules or MODULES
+        ):
+            print("\n".join(told(outcome)), flush=True)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ its copy of the repository: SESSION TIMEOUT_S, then what pytest is told.
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.util
 import os
@@ -49,15 +50,27 @@ def _try(known: WorkDB, item: WorkItem, tested: Callable[[], int], timeout_s: fl
     Path(importlib.util.cache_from_source(str(path))).unlink(missing_ok=True)
     operator = get_operator(mutation.operator_name)(**mutation.operator_args)
     with use_mutation(path, operator, mutation.occurrence) as (before, after):
-        passes = after is not None and _passes(tested, timeout_s)
-    if after is None:
-        known.set_result(item.job_id, WorkResult(worker_outcome=WorkerOutcome.NO_TEST))
+        is_change = after is not None and _run_of(before) != _run_of(after)
+        passes = is_change and _passes(tested, timeout_s)
+    if not is_change:
+        known.set_result(item.job_id, WorkResult(worker_outcome=WorkerOutcome.SKIPPED))
         return
     lines = before.splitlines(), after.splitlines()
     first = next((i for i, (old, new) in enumerate(zip(*lines, strict=False)) if old != new), 0)
     outcome = TestOutcome.SURVIVED if passes else TestOutcome.KILLED
     diff = "\n".join(f"{sign}{text[first]}" for sign, text in zip("-+", lines, strict=True))
     known.set_result(item.job_id, WorkResult(worker_outcome=WorkerOutcome.NORMAL, test_outcome=outcome, diff=diff))
+
+
+def _run_of(text: str) -> str:
+    """Return what of a module is run: what functions annotate is not."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            node.returns = None
+        elif isinstance(node, ast.arg):
+            node.annotation = None
+    return ast.dump(tree)
 
 
 def _passes(tested: Callable[[], int], timeout_s: float) -> bool:

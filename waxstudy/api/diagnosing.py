@@ -13,6 +13,7 @@ import pandas as pd
 from waxstudy.api.provenance import FORMAT, provenance
 from waxstudy.dataset import read
 from waxstudy.dataset.baseline import parted, read_baseline
+from waxstudy.dataset.excerpt import excerpt
 from waxstudy.diagnosis import diagnose as core
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.study.model import Study
@@ -115,8 +116,10 @@ def diagnose(
     default what the dataset says. `progress` is told what is being done, and the share done. The same record and
     seed give the same diagnosis. Raises `StudyError`, `PluginError`, `BackendMissing`, `SimulationError`.
     """
-    whole = record if isinstance(record, read.Dataset) else read.read_dataset(Path(record))
-    judged, healthy = _parted(whole, baseline)
+    # what is not looked at of a long or fine record is not kept meanwhile
+    whole = _parted(record if isinstance(record, read.Dataset) else read.read_dataset(Path(record)), baseline)
+    judged, healthy = excerpt(whole[0]), excerpt(whole[1]) if whole[1] else None
+    del whole
     found = core.diagnose(judged, baseline=healthy, seed=seed, quick=quick, study=study, tick=progress)
     options = [*_typed(baseline), *(["--study", str(study.file)] if study and study.file else [])]
     options += ["--quick"] * quick + ["--seed", str(seed)] * (seed != 1)

@@ -9,7 +9,7 @@ import click
 
 from waxstudy.cli.bar import bar
 from waxstudy.cli.errors import INTERRUPTED, INVALID, PLUGIN, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.fit.common import printed, refuse_targets, refuse_unwritable, write
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures
@@ -24,7 +24,7 @@ OUT = "TOML file that a study can take its room from."
 
 @click.command("calibrate", cls=Command)
 @click.argument("dataset", metavar="DATASET", type=Existing(file_okay=False))
-@click.option("--out", required=True, type=click.Path(path_type=Path), metavar="FILE.toml", help=OUT)
+@click.option("--out", required=True, type=Written(), metavar="FILE.toml", help=OUT)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the summary.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 def command(dataset: Path, out: Path, as_json: bool, quiet: bool) -> None:

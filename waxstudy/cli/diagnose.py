@@ -13,7 +13,7 @@ import click
 
 from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.errors import FAILED, INTERRUPTED, USAGE, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures
 from waxstudy.cli.study import load_study
@@ -56,7 +56,7 @@ def _print_criteria(context: click.Context, option: click.Parameter, is_asked: b
 
 @click.command("diagnose", cls=Command)
 @click.argument("dataset", metavar="DATASET", type=Existing(file_okay=False))
-@click.option("--out", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help=OUT)
+@click.option("--out", type=Written(file_okay=False), metavar="DIR", help=OUT)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the summary.")
 @click.option("--baseline", type=Existing(file_okay=False), metavar="DIR", help=BASELINE)
 @click.option("--baseline-days", type=Days(), metavar="FROM..TO", help=BASELINE_DAYS)

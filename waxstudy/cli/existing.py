@@ -1,4 +1,4 @@
-"""A path that a command reads: a misspelled one is answered with the nearest that is there."""
+"""Paths that a command reads or writes: a misspelled one is answered with the nearest one, a dead link by its name."""
 
 from __future__ import annotations
 
@@ -20,8 +20,7 @@ class Existing(click.Path):
         try:
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
-            if (link := Path(value)).is_symlink() and not os.path.exists(link):
-                wrong = f"'{link}' is a link to '{os.readlink(link)}', which is not there or leads back to it."
+            if wrong := _dead_link(Path(value)):
                 raise click.BadParameter(wrong, ctx, param) from None
             if near := self._nearest(Path(value)):
                 raise click.BadParameter(f"{error.message} Did you mean '{near}'?", ctx, param) from None
@@ -39,3 +38,25 @@ class Existing(click.Path):
         # without their endings, which alone make short names alike; the same ending comes last, and wins
         by_stem = {each.stem: each for each in sorted(beside, key=lambda each: each.suffix == path.suffix)}
         return by_stem.get(nearest(path.stem, by_stem))
+
+
+class Written(click.Path):
+    """A file or folder to write: it need not be there, but no link on the way to it may lead nowhere."""
+
+    def __init__(self, *, file_okay: bool = True, dir_okay: bool = True) -> None:
+        super().__init__(file_okay=file_okay, dir_okay=dir_okay, path_type=Path)
+
+    def convert(
+        self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | bytes | os.PathLike[str]:
+        if wrong := _dead_link(Path(value)):
+            raise click.BadParameter(wrong, ctx, param)
+        return super().convert(value, param, ctx)
+
+
+def _dead_link(path: Path) -> str:
+    """Say which part of a path is a link that leads nowhere, "" if none is."""
+    for part in (*reversed(path.parents), path):
+        if os.path.islink(part) and not os.path.exists(part):
+            return f"'{part}' is a link to '{os.readlink(part)}', which is not there or leads back to it."
+    return ""

@@ -11,7 +11,7 @@ import click
 
 from waxstudy.cli.asking import Asking, doubts
 from waxstudy.cli.errors import FAILED, INVALID, USAGE, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import warn
 
@@ -61,7 +61,7 @@ def _pairs(what: str) -> Callable[[click.Context, click.Parameter, Sequence[str]
 
 @click.command("import", cls=Command)
 @click.argument("sources", metavar="SOURCE...", nargs=-1, required=True, type=Existing())
-@click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the dataset.")
+@click.option("--out", required=True, type=Written(), metavar="DIR", help="Folder of the dataset.")
 @click.option("--room", metavar="NAME", help="Room, as the names of the sources tell it.  [default: asked if needed]")
 @click.option("--map", "entities", multiple=True, callback=_pairs("CHANNEL=NAME"), metavar="CHANNEL=NAME", help=MAP)
 @click.option("--unit", "units", multiple=True, callback=_pairs("NAME=UNIT"), metavar="NAME=UNIT", help=UNIT)

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from waxstudy.cli.errors import FAILED, USAGE, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures, progress
 from waxstudy.cli.study import known, load_study
@@ -19,7 +19,7 @@ from waxstudy.cli.study import known, load_study
 @click.argument("study_file", metavar="STUDY.toml", type=Existing())
 @click.option("--case", "cases", multiple=True, metavar="ID", help="Case to look at; repeatable  [default: all]")
 @click.option("--week", "weeks", multiple=True, metavar="NAME", help="Week to look at; repeatable  [default: all]")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.html", help="Write a page with the open loops.")
+@click.option("--out", type=Written(), metavar="FILE.html", help="Write a page with the open loops.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 @click.option("--no-jit", is_flag=True, help="Interpret the blocks instead of compiling them; slow, same results.")

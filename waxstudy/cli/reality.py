@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from waxstudy.cli.errors import INVALID, USAGE, CommandError, taken
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures, warn
 from waxstudy.cli.study import load_study
@@ -87,7 +87,7 @@ def _by_key(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) ->
 @_figures("--resolution", "CHANNEL=STEP", "Step that a channel is rounded to, 0 for none; repeatable.")
 @click.option("--missing", type=Finite(0.0, 0.5), default=0.0, show_default=True, help=MISSING)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of noise and gaps.")
-@click.option("--out", required=True, type=click.Path(path_type=Path), metavar="DIR", help="Folder of the dataset.")
+@click.option("--out", required=True, type=Written(), metavar="DIR", help="Folder of the dataset.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(
     study_file: Path,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import BACKEND, FAILED, INVALID, PLUGIN, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
@@ -34,7 +34,7 @@ WHAT = "What to print  [default: what the suffix of --out says, else table]"
     help="In its place: what each step of a ladder adds, averaged over all orders; computes the cases that this needs.",
 )
 @click.option("--sensitivity", is_flag=True, help="Of a sweep by `sobol`: what the variance of each figure comes from.")
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write to a file instead of printing.")
+@click.option("--out", type=Written(dir_okay=False), help="Write to a file instead of printing.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 def command(
     run_folder: Path,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from waxstudy.cli.errors import FAILED, INVALID, PLUGIN, USAGE, CommandError, taken
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.pairs import pairs
 
@@ -23,7 +23,7 @@ PROGRAMME = "CSV file of the records to make  [default: those of the paper's Tab
 
 
 @click.command("rig", cls=Command)
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.argument("folder", metavar="DIR", type=Written())
 @click.option("--actuator", default="variable-times", show_default=True, metavar="NAME", help="Actuator on the bench.")
 @click.option("--set", "values", multiple=True, callback=pairs, metavar="KEY=VALUE", help=SET)
 @click.option("--valve", default="quick-opening", show_default=True, metavar="NAME", help="Valve of the flow record.")

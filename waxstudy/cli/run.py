@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import FAILED, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @click.command("run", cls=Command)
 @click.argument("study_file", metavar="STUDY.toml", type=Existing())
-@click.option("--out", type=click.Path(path_type=Path), help="Run folder  [default: results/NAME of the study]")
+@click.option("--out", type=Written(), help="Run folder  [default: results/NAME of the study]")
 @click.option("--replace", "replaces", is_flag=True, help="Let it take the place of another study's results.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
 @click.option("--quiet", is_flag=True, help="No progress.")

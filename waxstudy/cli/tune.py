@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import USAGE, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out, terminal
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import known, load_study
@@ -74,7 +74,7 @@ def _number(text: str) -> float:
 @click.option("--budget", type=click.IntRange(40, 100_000), default=80, show_default=True, help="Settings to evaluate.")
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the search.")
 @click.option("--workers", type=click.IntRange(1), help="Settings at a time  [default: one for each core]")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder  [default: results/NAME of the study-CASE-tuned]")
+@click.option("--out", type=Written(), help="Folder  [default: results/NAME of the study-CASE-tuned]")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")
 @click.option("--quiet", is_flag=True, help="No progress.")
 @click.option("--no-jit", is_flag=True, help="Interpret the blocks instead of compiling them; slow, same results.")

@@ -43,7 +43,7 @@ def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, n
     values = {name: _value(name, column, table, notes) for name, column in found.items()}
     if any(value is None for value in values.values()):
         return None
-    return pd.DataFrame(values, index=table.index)
+    return pd.DataFrame(values, index=table.index, copy=False)
 
 
 def without_empty(channels: pd.DataFrame, notes: Notes) -> pd.DataFrame:

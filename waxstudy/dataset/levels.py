@@ -26,7 +26,7 @@ def as_levels(values: pd.DataFrame, nominal: Mapping[str, Choice], notes: Notes)
     What a believed modulator gives is a signal, and without one what a believed controller gives that only switches.
     What any other controller gives is none. The user is told what was changed.
     """
-    found = values.copy()
+    found = values.copy(deep=False)
     for name in values.columns:
         if CHANNELS[name].quantity == "level":
             found[name] = _within(name, values[name].to_numpy(dtype=float), notes)

@@ -147,17 +147,21 @@ def _record(
     channels = channels_of(table, described.columns, described.time, notes)
     if times is None or channels is None:
         return None
+    logged = (table if described.neighbours.rooms else table.iloc[:0], times)
+    del table  # a long record is several times in memory here, if what is done with stays
     usual_s = float(np.median(np.diff(times.as_unit("ns").asi8))) / 1e9
     run(SAMPLES, Record(channels, usual_s), notes)
-    rows = without_empty(channels, notes)
-    run(AS_LOGGED, Record(rows, usual_s, full_flow_L_h=full_L_h), notes)
-    record = None if notes.problems else on_grid(rows, times, described.about, notes)
+    channels = without_empty(channels, notes)
+    run(AS_LOGGED, Record(channels, usual_s, full_flow_L_h=full_L_h), notes)
+    record = None if notes.problems else on_grid(channels, times, described.about, notes)
     if record is None:
         return None
+    del channels
     values, interval_s = without_empty(record[0], notes), record[1]  # on the grid a nearer row may have taken a place
+    del record
     run(ON_GRID, Record(values, interval_s, has_modulator="modulator" in described.nominal), notes)
-    levels = without_empty(as_levels(values, described.nominal, notes), notes)
-    return levels, interval_s, _neighbours((table, times), described, levels, notes)
+    values = without_empty(as_levels(values, described.nominal, notes), notes)
+    return values, interval_s, _neighbours(logged, described, values, notes)
 
 
 def _neighbours(

@@ -23,6 +23,7 @@ COMMENT = "#"  # begins the lines above a header that are passed over
 PARQUET = b"PAR1"
 # Excel and other archives, Excel of before 2007, gzip, HDF5, SQLite
 BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"\x89HDF", b"SQLite")
+PIECE = 1_000_000  # characters that are read at a time to find the encoding
 LOOKED_AT = 200  # lines in which the decimal mark is looked for
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
@@ -96,11 +97,13 @@ def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
 
 def _encoding(path: Path) -> str:
     """Return the encoding; a file that is not UTF-8 is taken for Windows' western one."""
-    data = path.read_bytes()
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return "utf-16"
+    with path.open("rb") as file:
+        if file.read(2) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+            return "utf-16"
     try:
-        data.decode()
+        with path.open(encoding="utf-8", newline="") as text:
+            while text.read(PIECE):  # not all at once: a file may be large
+                pass
     except UnicodeDecodeError:
         return "cp1252"
     return "utf-8-sig"

@@ -12,6 +12,7 @@ import click
 from waxstudy.cli.bar import bar
 from waxstudy.cli.blind_test.common import failures, key_given
 from waxstudy.cli.errors import USAGE, CommandError
+from waxstudy.cli.existing import Written
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import warn
 
@@ -34,7 +35,7 @@ FILE = click.Path(dir_okay=False, allow_dash=True, path_type=Path)
 @click.option("--share", type=click.FloatRange(0.0, 1.0, min_open=True), default=1.0, show_default=True, help=SHARE)
 @click.option("--stratum", "strata", multiple=True, metavar="NAME", help=STRATUM)
 @click.option("--seed", type=click.IntRange(0, 10**18 - 1), help="Seed of the key  [default: drawn]")
-@click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help="Folder.")
+@click.option("--out", required=True, type=Written(file_okay=False), metavar="DIR", help="Folder.")
 @click.option("--key-file", type=FILE, metavar="FILE", help=KEY_FILE)
 @click.option("--workers", type=click.IntRange(1, 64), default=2, show_default=True, help="Processes.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")

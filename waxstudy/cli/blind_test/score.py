@@ -10,7 +10,7 @@ import click
 from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.blind_test.common import failures, key_given
 from waxstudy.cli.errors import CHECK_FAILED, USAGE, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out, terminal
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ FILE = Existing(dir_okay=False, allow_dash=True)
 @click.command("score", cls=Command)
 @click.argument("folder", metavar="DIR", type=Existing(file_okay=False))
 @click.option("--key-file", type=FILE, metavar="FILE", help="File that holds the key, - for stdin; never below DIR.")
-@click.option("--out", type=click.Path(file_okay=False, path_type=Path), metavar="DIR", help=OUT)
+@click.option("--out", type=Written(file_okay=False), metavar="DIR", help=OUT)
 @click.option("--workers", type=click.IntRange(1, 64), default=2, show_default=True, help="Processes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the score as JSON instead of the table.")
 @click.option("--quiet", is_flag=True, help="No progress.")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from waxstudy.cli.errors import FAILED, PLUGIN, USAGE, CommandError, taken
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.export.common import case_of, chosen
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.pairs import pairs
@@ -35,7 +35,7 @@ POSITIVE = click.FloatRange(0.0, 1e6, min_open=True)
 @click.option("--setpoint-c", type=click.FloatRange(-50, 100), default=21.0, show_default=True, help="Setpoint [C].")
 @click.option("--dead-band-k", type=click.FloatRange(0, 20), default=0.5, show_default=True, help=BAND)
 @click.option("--step", "step_s", type=click.FloatRange(0.01, 60.0), help="Step of a motor alone [s]  [default: 5]")
-@click.option("--out", type=click.Path(path_type=Path), required=True, metavar="FILE.py", help="The plugin to write.")
+@click.option("--out", type=Written(), required=True, metavar="FILE.py", help="The plugin to write.")
 def command(
     file: Path | None,
     use: str | None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from waxstudy.cli.errors import BACKEND, FAILED, PLUGIN, USAGE, CommandError, say, taken
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.export.common import block, chain
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.pairs import pairs
@@ -28,7 +28,7 @@ STEP = "Step of the block inside [s]; that of the study with --case  [default: 5
 @click.option("--kind", metavar="KIND", help="Which kind of block, where several have the name.")
 @click.option("--set", "values", multiple=True, callback=pairs, metavar="KEY=VALUE", help="Parameter; repeatable.")
 @click.option("--case", metavar="ID", help="The whole chain of a case; FILE.toml is its study.")
-@click.option("--out", type=click.Path(path_type=Path), required=True, metavar="FILE.fmu", help="The FMU to write.")
+@click.option("--out", type=Written(), required=True, metavar="FILE.fmu", help="The FMU to write.")
 @click.option("--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI.")
 @click.option("--step", "step_s", type=click.FloatRange(0.01, 60.0), help=STEP)
 @click.option("--platform", "platforms", multiple=True, type=click.Choice(NAMES), metavar="NAME", help=PLATFORM)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import USAGE, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.fit.common import (
     beside,
     column_option,
@@ -37,7 +37,7 @@ UNSAFE = r"[^\w.-]+"  # in the name of a file
 @click.argument("records", nargs=-1, required=True, type=Existing())
 @click.option("--product", metavar="NAME", help=PRODUCT)
 @column_option
-@click.option("--out", required=True, type=click.Path(path_type=Path), metavar="FILE.toml", help=OUT)
+@click.option("--out", required=True, type=Written(), metavar="FILE.toml", help=OUT)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of resampling.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the summary.")
 def command(

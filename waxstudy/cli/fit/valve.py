@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.errors import INVALID, USAGE, CommandError
-from waxstudy.cli.existing import Existing
+from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.fit.common import (
     beside,
     column_option,
@@ -37,7 +37,7 @@ MOST_KPA = 1000.0  # ten bar: no heating circuit has as much
 @click.option("--authority", type=SHARE, metavar="N", help="Authority of the valve  [default: fitted]")
 @click.option("--pressure-drops", type=(DROP, DROP), metavar="VALVE PUMP", help=DROPS)
 @column_option
-@click.option("--out", type=click.Path(path_type=Path), default=Path("my_valve.toml"), show_default=True, help=OUT)
+@click.option("--out", type=Written(), default=Path("my_valve.toml"), show_default=True, help=OUT)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of search and resampling.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of the summary.")
 def command(

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from waxstudy.cli.errors import FAILED, USAGE, CommandError, taken
+from waxstudy.cli.existing import Written
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.plugins.lookup import as_json, print_json
 
@@ -21,7 +22,7 @@ KINDS_HELP = "sensor, controller, modulator, actuator, valve, room, weather, eff
 @click.option("--kind", required=True, metavar="KIND", help=KINDS_HELP)
 @click.option(
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=Written(file_okay=False),
     default=Path(),
     metavar="DIR",
     help="Where to put its folder  [default: the current folder]",

@@ -65,13 +65,21 @@ class StartPoints:
 
     def best(self, convention: Convention) -> tuple[float, Values]:
         """Return the least score, and the values that it is found at, with one way to read the record."""
-        tried = [*self.space.points(self.thorough), *self.effect.starts(self.problem.belief)]
-        looks = [self._with(values, convention) for values in tried]
-        self._screened(tried, looks, convention)
-        more = self._scaled(tried, looks, convention)
-        looks += [self._with(values, convention) for values in more]
-        scores = [self.score(each, self.parts) for each in looks]
-        found = sorted(zip(scores, [*tried, *more], strict=True), key=itemgetter(0))
+        given = self.given
+        neutral = self.effect.neutral(self.problem.edited(given.effects, given.departures))
+        is_scaled = bool(self.straight and neutral)
+        still = self._at(given.effects, convention) if self.screen or is_scaled else None
+        before = still.missed(self.parts) if still and is_scaled else None
+        scored, scaled = list[tuple[float, Values]](), list[tuple[float, Values]]()
+        for values in (*self.space.points(self.thorough), *self.effect.starts(self.problem.belief)):
+            look = self._with(values, convention)  # one at a time: each is several times as long as the record
+            self._screened(values, look, still, neutral, convention)
+            if before is not None and neutral is not None:
+                scaled.append(self._scaled(values, look, before, neutral))
+            scored.append((self.score(look, self.parts), values))
+        more = [values for _, values in sorted(scaled, key=itemgetter(0))[:SCALED]]
+        scored += [(self.score(self._with(values, convention), self.parts), values) for values in more]
+        found = sorted(scored, key=itemgetter(0))
         if self.straight or len(self.space.names) < MANY or self.is_hopeless:
             return found[0]
         starts = round(STARTS * min(1.0, self.thorough))
@@ -83,15 +91,20 @@ class StartPoints:
         """Whether the effect would gain too little for a closer look, by all that was looked at."""
         return bool(self.screen and self.promised and self.promised[0] < self.screen.least)
 
-    def _screened(self, tried: Sequence[Values], looks: Sequence[Hypothesis | None], convention: Convention) -> None:
-        still = self._at(self.given.effects, convention) if self.screen else None
-        neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
-        for values, look in zip(tried, looks, strict=True) if self.screen and still else ():
-            if look is not None and self.screen and still:
-                gain, strength = self.screen.gain(still, look)
-                if self.promised is None or gain > self.promised[0]:
-                    there = self.space.scaled(values, neutral, strength) if neutral else values
-                    self.promised = gain, there, convention
+    def _screened(
+        self,
+        values: Values,
+        look: Hypothesis | None,
+        still: Hypothesis | None,
+        neutral: Values | None,
+        convention: Convention,
+    ) -> None:
+        if look is None or still is None or self.screen is None:
+            return
+        gain, strength = self.screen.gain(still, look)
+        if self.promised is None or gain > self.promised[0]:
+            there = self.space.scaled(values, neutral, strength) if neutral else values
+            self.promised = gain, there, convention
 
     def _walked(self, values: Values, convention: Convention) -> tuple[float, Values]:
         """Return score and values a few steps downhill, by slopes that look far: a point may lie in a hollow.
@@ -104,26 +117,17 @@ class StartPoints:
         return self.score(self._with(found, convention), self.parts), found
 
     def _scaled(
-        self, tried: Sequence[Values], looks: Sequence[Hypothesis | None], convention: Convention
-    ) -> list[Values]:
-        """Return points as strong as suits the record: a room answers nearly in proportion.
+        self, values: Values, look: Hypothesis | None, before: FloatArray, neutral: Values
+    ) -> tuple[float, Values]:
+        """Return what the strength that suits the record would leave, and such values: a room answers in proportion.
 
         A window of the right hours, but of thrice the flow, would look worse than none.
         """
-        given = self.given
-        neutral = self.effect.neutral(self.problem.edited(given.effects, given.departures))
-        still = self._at(given.effects, convention) if self.straight and neutral else None
-        if still is None or neutral is None:
-            return []
-        before = still.missed(self.parts)
-        found = []
-        for values, look in zip(tried, looks, strict=True):
-            change = look.missed(self.parts) - before if look else np.zeros(len(before))
-            along = float(before @ change) / max(float(change @ change), TINY)
-            strength = min(STRONGEST, max(0.0, -along))
-            left = before + strength * change
-            found.append((float(left @ left), self.space.scaled(values, neutral, strength)))
-        return [values for _, values in sorted(found, key=itemgetter(0))[:SCALED]]
+        change = look.missed(self.parts) - before if look else np.zeros(len(before))
+        along = float(before @ change) / max(float(change @ change), TINY)
+        strength = min(STRONGEST, max(0.0, -along))
+        left = before + strength * change
+        return float(left @ left), self.space.scaled(values, neutral, strength)
 
     def _with(self, values: Values, convention: Convention) -> Hypothesis | None:
         return self._at((*self.given.effects, (self.effect, values)), convention)

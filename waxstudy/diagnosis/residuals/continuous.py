@@ -37,6 +37,7 @@ class Continuous:
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
         filled = record.filled(channel)
+        self.sample = np.arange(len(record))
         self.measured = record.smooth(filled) if channel in SMOOTHED else filled
         self.known = self._known()
         self.driven = self._driven(perturbed)
@@ -58,8 +59,8 @@ class Continuous:
         error = np.where(self.known, predicted[channel] - self.measured, 0.0)
         if channel in predicted.shifted:
             error = self._best_shift(predicted.shifted[channel])
-        unit, sample = UNITS.get(channel, "K"), np.arange(len(record))
-        return Residual(channel, unit, error, error / self.scale, self.known, record.cycle, self.parts, sample)
+        unit = UNITS.get(channel, "K")
+        return Residual(channel, unit, error, error / self.scale, self.known, record.cycle, self.parts, self.sample)
 
     def _known(self) -> np.ndarray:
         """Return where it is judged (n,)."""
@@ -103,8 +104,7 @@ class Continuous:
         drive = self.record.filled(self.segment.driven_by)
         stretch = np.concatenate(([0], np.cumsum(np.diff(drive) != 0)))
         tried = np.where(self.known, shifted - self.measured, 0.0)
-        count = stretch[-1] + 1
-        losses = [np.bincount(stretch, weights=(error / self.scale) ** 2, minlength=count) for error in tried]
+        losses = [np.bincount(stretch, weights=(error / self.scale) ** 2) for error in tried]
         best = np.argmin(losses, axis=0)[stretch]
         return np.asarray(tried[best, np.arange(len(stretch))])
 

@@ -42,9 +42,9 @@ class Switching:
         """Return how long, around each measured switch, the prediction differs from the record [s]."""
         record, windows = self.record, self.windows
         off_s = self._off_s(np.abs(predicted[self.channel] - self.measured) * self.known)
-        count = windows.max() + 1
-        judged = np.bincount(windows, weights=self.known, minlength=count) > 0.5 * np.bincount(windows, minlength=count)
-        ends = np.searchsorted(windows, np.arange(count + 1))
+        count = np.bincount(windows)
+        judged = np.bincount(windows, weights=self.known) > 0.5 * count
+        ends = np.searchsorted(windows, np.arange(len(count) + 1))
         middle = (ends[:-1] + ends[1:] - 1) // 2
         off_s = np.where(judged, off_s, 0.0)
         whitened = softened(off_s / self.scale_s)
@@ -61,8 +61,7 @@ class Switching:
         return np.asarray(np.maximum(own_s, max(least_s, typical_s)))
 
     def _off_s(self, differs: FloatArray) -> FloatArray:
-        count = self.windows.max() + 1
-        return np.asarray(np.bincount(self.windows, weights=differs, minlength=count) * self.record.interval_s)
+        return np.asarray(np.bincount(self.windows, weights=differs) * self.record.interval_s)
 
 
 def softened(whitened: FloatArray) -> FloatArray:
