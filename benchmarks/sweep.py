@@ -1,4 +1,4 @@
-"""What a second worker is worth in a sweep of 200 room-weeks: `python -m benchmarks.sweep`, also a part of `make bench`."""
+"""What a second worker is worth in a sweep of 200 room-weeks: `python -m benchmarks.sweep`, a part of `make bench`."""
 
 from __future__ import annotations
 
