@@ -475,7 +475,7 @@ def keys(value: Any) -> Iterator[str]:
 
 
 def test_the_page_on_diagnoses_names_every_key_of_the_json_and_every_verdict() -> None:
-    page = (ROOT / "docs" / "diagnose.md").read_text(encoding="utf-8")
+    page = "".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("diagnose.md", "diagnosis-json.md"))
     free = {*EFFECT.departures, *EFFECT.closed_loop, *LET_BY.parameters, *MOTOR_FOUND.parameters, *STUCK.parameters}
     free |= {*CHANGED.posterior, *(channel for stage in CHANGED.stages for channel in stage.posterior)}
     data = {**json.loads(json_text(CHANGED.described())), "group": json.loads(json_text(GROUP.described()))}

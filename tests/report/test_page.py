@@ -128,7 +128,7 @@ def test_the_parts_come_in_the_order_that_a_reader_needs(against_text: str) -> N
 
 def test_every_figure_is_drawn_when_the_run_has_what_it_needs(text: str) -> None:
     page = Page(text)
-    assert text.count("<svg") == text.count("</svg>") == 1 + len(PAPER_FIGURES) == 8
+    assert text.count("<svg id") == text.count('class="wide whole"') == 1 + len(PAPER_FIGURES) == 8
     for number in (12, 17, 18, 19, 20, 21, 22):
         assert any(heading.startswith(f"Figure {number}. ") for heading in page.headings)
     assert "Not drawn" not in text
@@ -140,7 +140,7 @@ def test_a_bare_run_gives_one_line_of_reason_for_each_figure_that_it_cannot_draw
     assert len(reasons) == 4
     assert sum("keeps no traces" in reason for reason in reasons) == 3
     assert sum("single one" in reason for reason in reasons) == 1
-    assert page.count("<svg") == 4
+    assert page.count("<svg id") == 4
     assert "One member" not in page
     assert "no difference can be called resolved" in page
 
@@ -167,8 +167,8 @@ def test_ids_are_unique_and_every_reference_leads_to_one(text: str) -> None:
 
 def test_published_figures_stand_dim_beside_ours(against_text: str) -> None:
     rows = [row for row in Page(against_text).rows if row and row[0][0] == "rough"]
-    dim = [text for text, style in rows[0] if "published" in style.split()]
-    assert dim == ["0.51", "0.612", "2.53", "5.71"]
+    dim = [[text for text, style in row if "published" in style.split()] for row in rows]
+    assert next(filter(None, dim)) == ["0.51", "0.612", "2.53", "5.71"]
 
 
 def test_foreign_words_are_shown_and_never_become_markup(against_text: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from waxstudy.report.cases import legend, told_same
 from waxstudy.report.content import Content
 from waxstudy.report.figures import PAPER_FIGURES
 from waxstudy.report.figures.overview import figure_overview
@@ -17,6 +18,9 @@ def as_html(content: Content) -> str:
         "page.html.j2",
         content=content,
         summary=summary(content),
+        legend=legend(content.study),
+        same=told_same(content.run),
+        findings=content.against.sentences() if content.against else [],
         overview=figure_overview.plot(content),
         comparison=comparison_tables(content),
         against=[table for table in content.against.tables() if table.rows] if content.against else [],
