@@ -11,6 +11,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from docs_site.reference import PAGES as REFERENCE
 from tests.conftest import ROOT, Waxstudy
 from tests.importing.conftest import record, study
 from tests.importing.exports import home_assistant_csv
@@ -18,6 +19,7 @@ from tests.importing.exports import home_assistant_csv
 __all__ = ["record", "study"]
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+START = ROOT / "docs" / "index.md"  # its outputs are compared
 TUTORIAL = ROOT / "docs" / "plugin-tutorial.md"  # has a test and an environment of its own
 # fewer members and longer steps than printed: attribution runs each member 44 times, and the sweep ten times the study
 SHORTER = {"members = 16": "members = 2", "step_s = 5": "step_s = 20"}
@@ -51,7 +53,7 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
     )
     windows = tmp_path / "studies" / "sweeps" / "windows.toml"
     windows.write_text(windows.read_text(encoding="utf-8").replace("samples = 64", "samples = 2"))
-    (thermostat,) = blocks(ROOT / "README.md", "toml")
+    (thermostat,) = blocks(START, "toml")
     (tmp_path / "thermostat.toml").write_text(thermostat)
     (fitted,) = blocks(ROOT / "docs" / "fit.md", "toml")
     (tmp_path / "fitted.toml").write_text(fitted)
@@ -98,6 +100,8 @@ def test_every_make_target_of_the_pages_exists(command: str) -> None:
 def test_every_link_between_the_pages_leads_somewhere() -> None:
     for page in [*PAGES, *(ROOT / "results" / "blind_test").rglob("*.md")]:
         for target, anchor in re.findall(r"\]\(([^)#:]*)#?([^):]*)\)", page.read_text(encoding="utf-8")):
+            if target in REFERENCE:  # written while the site is built, which checks the rest
+                continue
             to = page.parent / target if target else page
             assert to.exists(), f"{page.relative_to(ROOT)}: {target}"
             assert not anchor or anchor in anchors(to), f"{page.relative_to(ROOT)}: {target}#{anchor}"

@@ -1,28 +1,30 @@
-"""Write the table of criteria in docs/diagnosis-method.md again: `python -m tests.diagnosis.regenerate_criteria`."""
+"""Write docs/criteria.md again: `python -m tests.diagnosis.regenerate_criteria`."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
-
+from docs_site.tables import table
 from tests.conftest import ROOT
-from waxstudy.report.diagnosis.criteria import table
+from waxstudy.report.diagnosis import criteria
 
+PAGE = ROOT / "docs" / "criteria.md"
+INTRO = """\
+# The criteria
 
-def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |\n"
+This page lists every limit that decides what a diagnosis says, as `waxstudy diagnose --criteria` prints them;
+[diagnosis-method.md](diagnosis-method.md) says how they work together. It is written by `make golden` from
+`waxstudy/diagnosis/criteria.csv`; `waxstudy/diagnosis/select/evidence.py` explains the numbers.
 
+Of “is a room understood”, “does less stay than a room of another form would leave” and “is what stays no finding” one
+criterion is enough; of all other questions every one that applies must hold. A number that was set on judged records
+is marked: it is training, not proof.
 
-PAGE = ROOT / "docs" / "diagnosis-method.md"
-HEAD = _line(table().names) + _line(["---"] * len(table().names))
+"""
 
 
 def page() -> str:
     """The page as it should be: its table lists the criteria, in their order."""
-    rows = re.escape(HEAD) + r"(\|.*\n)*"
-    text, found = re.subn(rows, lambda _: HEAD + "".join(map(_line, table().texts)), PAGE.read_text(encoding="utf-8"))
-    assert found == 1, f"{PAGE.name} should have one table of criteria"
-    return text
+    listed = criteria.table()
+    return INTRO + table(listed.names, listed.texts)
 
 
 if __name__ == "__main__":
