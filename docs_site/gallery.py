@@ -37,6 +37,11 @@ class Shown(NamedTuple):
 
 
 TABLE5 = "waxstudy run studies/table5.toml"
+FLOW = (
+    "waxstudy reality studies/table5.toml --case O_WM --effect max-flow --set factor=0.7 --without displacement \\\n"
+    "  --out data/room-flow",
+    "waxstudy diagnose data/room-flow --quick --out results/room-flow",
+)
 ENTRIES = (
     Shown(
         "comparison",
@@ -61,18 +66,27 @@ ENTRIES = (
         "The gap of each stage by regime, in multiples of its noise.",
         "diagnose.md",
         [
-            "waxstudy reality studies/table5.toml --case O_WM --effect max-flow --set factor=0.7 --out data/room-flow",
-            "waxstudy diagnose data/room-flow --out results/room-flow",
+            "waxstudy reality studies/table5.toml --case O_WM --effect max-flow --set factor=0.7 --out data/first",
+            "waxstudy diagnose data/first --quick --out results/first",
         ],
+        "results/first/report.html",
+        "figure-map",
+    ),
+    Shown(
+        "switchings",
+        "When a motor or valve moves",
+        "All switchings of a record, aligned: measured, believed and found.",
+        "diagnose.md",
+        FLOW,
         "results/room-flow/report.html",
-        "figure-gap_map",
+        "figure-switchings",
     ),
     Shown(
         "ranking",
         "What causes it",
         "Every effect that was tried, and why all but one are not named.",
         "diagnosis-tutorial.md",
-        ["waxstudy diagnose data/room-flow --out results/room-flow"],
+        FLOW,
         "results/room-flow/report.html",
         "figure-ranking",
     ),
@@ -83,6 +97,7 @@ ENTRIES = (
         "fit.md",
         ["waxstudy rig data/bench", "waxstudy fit actuator data/bench --out data/motor.toml"],
         "data/motor.html",
+        "figure-times",
     ),
     Shown(
         "valve",
@@ -94,6 +109,7 @@ ENTRIES = (
             " --out data/valve.toml"
         ],
         "data/valve.html",
+        "figure-curve",
     ),
     Shown(
         "standby",
