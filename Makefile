@@ -23,6 +23,7 @@ golden: .venv/installed-dev  ## compute the golden results, the study file's sch
 	$(BIN)/python -m tests.dataset.regenerate_checks
 	$(BIN)/python -m tests.diagnosis.regenerate_criteria
 	$(BIN)/python -m tests.effects.regenerate_list
+	$(BIN)/python -m tests.rig.regenerate_bench
 
 characterise: .venv/installed-dev  ## compare what the diagnosis says of 70 records with what is stored
 	$(BIN)/python -m tests.characterisation

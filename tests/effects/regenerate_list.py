@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.conftest import ROOT
 from tests.effects.believed import EFFECTS
 from waxstudy.plugin import STAGES, Effect, Prior
+from waxstudy_paper.room.uncertain import UNKNOWNS
 
 PAGE = ROOT / "docs" / "effect-list.md"
 INTRO = """\
@@ -17,12 +18,21 @@ the least departure worth naming; `x` marks factors, looked for on a log scale. 
 | effect | stage | what it is | looked for (noticeable) |
 |---|---|---|---|
 """
+OF_ROOMS = """
+## What nobody knows of a room
+
+[effects.md](effects.md#what-nobody-knows-of-a-room) says why.
+
+| uncertain | what the number is | spread |
+|---|---|---|
+"""
 
 
 def page() -> str:
     """The page as it should be: every effect with its range, in the order of the loop."""
     order = sorted(EFFECTS.values(), key=lambda effect: (STAGES.index(effect.stage), effect.name))
-    return INTRO + "".join(map(_row, order))
+    uncertain = [f"| `{each.name}` | {each.description} | {each.sd:g} |\n" for each in UNKNOWNS]
+    return INTRO + "".join(map(_row, order)) + OF_ROOMS + "".join(uncertain)
 
 
 def _row(effect: type[Effect]) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from types import ModuleType
 
@@ -13,25 +12,12 @@ from tests.effects import regenerate_list
 from tests.test_docs import blocks
 from waxstudy.conformance import assert_conforms
 from waxstudy.plugin.scaffold import NewPlugin
-from waxstudy_paper.room.uncertain import UNKNOWNS
 
-PAGE = ROOT / "docs" / "effects.md"
 CONTRACT = ROOT / "docs" / "plugins-rooms.md"
 
 
-def rows_of(heading: str) -> list[str]:
-    tables = re.findall(r"(?:^\|.*\n)+", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
-    (found,) = [each.splitlines() for each in tables if each.startswith(heading)]
-    return found
-
-
-def test_the_page_has_every_effect_with_its_range() -> None:
+def test_the_page_has_every_effect_with_its_range_and_what_is_uncertain_of_a_room() -> None:
     assert regenerate_list.PAGE.read_text(encoding="utf-8") == regenerate_list.page()
-
-
-def test_the_page_has_everything_that_is_uncertain_of_a_room() -> None:
-    expected = [f"| `{unknown.name}` | {unknown.description} | {unknown.sd:g} |" for unknown in UNKNOWNS]
-    assert rows_of("| uncertain |")[2:] == expected
 
 
 def test_the_contract_page_shows_the_effect_that_plugins_new_begins(monkeypatch: pytest.MonkeyPatch) -> None:
