@@ -19,7 +19,7 @@ from tests.importing.exports import home_assistant_csv
 __all__ = ["record", "study"]
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-START = ROOT / "docs" / "index.md"  # its outputs are compared
+START = ROOT / "docs" / "index.md"  # of its outputs the diagnosis is compared
 TUTORIAL = ROOT / "docs" / "plugin-tutorial.md"  # has a test and an environment of its own
 # fewer members and longer steps than printed: attribution runs each member 44 times, and the sweep ten times the study
 SHORTER = {"members = 16": "members = 2", "step_s = 5": "step_s = 20"}
@@ -63,9 +63,15 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
     assert done.stdout.splitlines()[-1] == "results/table5", done.stderr
     printed = commands("waxstudy")
     assert len(printed) >= 4
+    said = {}
     for command in printed:
-        done = waxstudy(*command.split()[1:])
+        done = waxstudy(*command.split()[1:], env=WIDTH)
         assert done.returncode == 0, f"{command}: {done.stderr}"
+        said[command] = done.stdout
+    shown = START.read_text(encoding="utf-8")
+    (diagnosis,) = re.findall(r"^waxstudy diagnose .*\n```\n```\n(.*?)^```", shown, re.MULTILINE | re.DOTALL)
+    both = [command for command in printed if "data/first" in command]
+    assert told("".join(said[command] for command in both)) == told(diagnosis)
     for block in blocks(ROOT / "docs" / "attribution.md", "python"):
         subprocess.run([sys.executable, "-c", block], cwd=tmp_path, check=True)
     assert (tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")

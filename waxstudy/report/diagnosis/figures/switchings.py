@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from waxstudy.diagnosis.result import Diagnosis
-from waxstudy.plugin import FloatArray
 from waxstudy.report.diagnosis.figures.traces import LOOKS
 from waxstudy.report.diagnosis.focus import main_stages
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
@@ -66,9 +66,9 @@ def _interval_min(traces: pd.DataFrame) -> float:
     return float(np.median(np.diff(traces.index)) / np.timedelta64(1, "m"))
 
 
-def _draw(panel: Axes, traces: pd.DataFrame, channel: str, places: FloatArray, step_min: float) -> None:
+def _draw(panel: Axes, traces: pd.DataFrame, channel: str, places: NDArray[np.int64], step_min: float) -> None:
     offsets = np.arange(-round(BEFORE_MIN / step_min), round(AFTER_MIN / step_min) + 1)
-    inside = places[(places + offsets[0] >= 0) & (places + offsets[-1] < len(traces))].astype(int)
+    inside = places[(places + offsets[0] >= 0) & (places + offsets[-1] < len(traces))]
     minutes = offsets * step_min
     for what, (label, look) in LOOKS.items():
         column = f"{channel}_{what}"
