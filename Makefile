@@ -47,7 +47,7 @@ lowest:  ## run quick tests with the oldest dependencies that pyproject.toml all
 	$(PYTHON) -m venv build/lowest
 	build/lowest/bin/python -m pip install --quiet --disable-pip-version-check "uv>=0.5"
 	build/lowest/bin/uv pip install --quiet --python build/lowest/bin/python --resolution lowest-direct \
-		. "pytest>=8.3" "hypothesis>=6.115" "jsonschema>=4.23"
+		. ./plugins/waxstudy-enthalpy "pytest>=8.3" "hypothesis>=6.115" "jsonschema>=4.23"
 	build/lowest/bin/python -m pytest -m "not slow" $$(cat tests/lowest.txt)
 
 .venv/installed: pyproject.toml
