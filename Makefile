@@ -6,7 +6,7 @@ export OPENBLAS_NUM_THREADS = 1
 unexport PYTHONDONTWRITEBYTECODE
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 
-.PHONY: run test golden characterise attack mutate bench docs dist clean
+.PHONY: run test golden characterise attack mutate bench docs dist lowest clean
 
 run: .venv/installed  ## set up, run the paper's study, print its Table 5
 	$(BIN)/waxstudy run studies/table5.toml
@@ -22,6 +22,8 @@ golden: .venv/installed-dev  ## compute the golden results, the study file's sch
 	$(BIN)/python -m tests.blind_test.regenerate_tables
 	$(BIN)/python -m tests.dataset.regenerate_checks
 	$(BIN)/python -m tests.diagnosis.regenerate_criteria
+	$(BIN)/python -m tests.effects.regenerate_list
+	$(BIN)/python -m tests.rig.regenerate_bench
 
 characterise: .venv/installed-dev  ## compare what the diagnosis says of 70 records with what is stored
 	$(BIN)/python -m tests.characterisation
@@ -40,6 +42,13 @@ docs: .venv/installed-dev  ## build the documentation site into build/site; a li
 
 dist: .venv/installed-dev  ## build the wheel and the source archive
 	$(BIN)/python -m build --no-isolation --outdir dist
+
+lowest:  ## run quick tests with the oldest dependencies that pyproject.toml allows
+	$(PYTHON) -m venv build/lowest
+	build/lowest/bin/python -m pip install --quiet --disable-pip-version-check "uv>=0.5"
+	build/lowest/bin/uv pip install --quiet --python build/lowest/bin/python --resolution lowest-direct \
+		. ./plugins/waxstudy-enthalpy "pytest>=8.3" "hypothesis>=6.115" "jsonschema>=4.23"
+	build/lowest/bin/python -m pytest -m "not slow" $$(cat tests/lowest.txt)
 
 .venv/installed: pyproject.toml
 	$(PYTHON) -m venv .venv

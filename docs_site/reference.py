@@ -8,9 +8,7 @@ from importlib import import_module
 from docs_site.commands import commands
 from docs_site.components import components, effects
 from docs_site.keys import dataset_keys, study_keys
-from docs_site.tables import table
 from waxstudy import _PLACES
-from waxstudy.report.diagnosis import criteria
 
 
 def python() -> str:
@@ -24,16 +22,6 @@ def python() -> str:
     return "# Python\n\n" + intro + "\n".join(entries)
 
 
-def limits() -> str:
-    """The criteria of the diagnosis."""
-    listed = criteria.table()
-    intro = (
-        "Every limit that decides what a diagnosis says, as `waxstudy diagnose --criteria` prints them. "
-        "[How a diagnosis is found](../diagnosis-method.md) says how they work together.\n\n"
-    )
-    return "# Criteria\n\n" + intro + table(listed.names, listed.texts)
-
-
 PAGES: Mapping[str, Callable[[], str]] = {
     "reference/commands.md": commands,
     "reference/study-keys.md": study_keys,
@@ -41,5 +29,4 @@ PAGES: Mapping[str, Callable[[], str]] = {
     "reference/python.md": python,
     "reference/components.md": components,
     "reference/effects.md": effects,
-    "reference/criteria.md": limits,
 }

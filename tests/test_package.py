@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import site
 import subprocess
 import sys
@@ -14,7 +15,7 @@ from pathlib import Path
 import pytest
 
 import waxstudy
-from tests.conftest import ROOT
+from tests.conftest import ROOT, Waxstudy
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
@@ -28,6 +29,32 @@ def test_all_that_describes_the_package_agrees() -> None:
     assert code["license"].endswith(PROJECT["license"])
     assert code["description"] == PROJECT["description"]
     assert code["keywords"] == PROJECT["keywords"] == [line[4:] for line in citation if line.startswith("  - ")][1:6]
+
+
+CONDA = (ROOT / "packaging" / "conda" / "meta.yaml").read_text(encoding="utf-8")
+CONDA_NAMES = {"matplotlib-base": "matplotlib"}  # where conda calls a package otherwise
+
+
+def test_the_conda_recipe_builds_this_version_and_asks_for_what_pyproject_does() -> None:
+    assert f'version = "{waxstudy.__version__}"' in CONDA
+    needed = re.search(r"  run:\n    - python (\S+)\n((?:    - .*\n)+)", CONDA)
+    assert needed
+    assert needed[1] == PROJECT["requires-python"]
+    found = [line.removeprefix("    - ").split(" ") for line in needed[2].splitlines()]
+    assert [CONDA_NAMES.get(name, name) + bounds for name, bounds in found] == PROJECT["dependencies"]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_get_what_completes_commands_as_the_start_page_says(shell: str, waxstudy: Waxstudy) -> None:
+    page = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    assert f"_WAXSTUDY_COMPLETE={shell}_source waxstudy" in page
+    script = waxstudy(env={"_WAXSTUDY_COMPLETE": f"{shell}_source"}).stdout
+    assert f"{shell}_complete" in script
+
+
+def test_a_command_is_completed_with_its_options(waxstudy: Waxstudy) -> None:
+    asked = {"_WAXSTUDY_COMPLETE": "bash_complete", "COMP_WORDS": "waxstudy diagnose --b", "COMP_CWORD": "2"}
+    assert waxstudy(env=asked).stdout.split() == ["plain,--baseline", "plain,--baseline-days"]
 
 
 @pytest.mark.slow

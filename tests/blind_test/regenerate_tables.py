@@ -15,7 +15,7 @@ RUNS = ROOT / "results" / "blind_test"
 WHERE = ("fast room", "other physics")
 BASELINES = ("refit", "rules", "forward", "random")
 FEW = 10
-# name in the README; name of the goal of the fast room; of other physics
+# name in the summary; name of the goal of the fast room; of other physics
 SUMMARY = (
     ("right group", "right group", "right group"),
     ("… of those beyond what is unknown of the room", "right group, beyond what is unknown of the room", ""),
@@ -31,6 +31,18 @@ SUMMARY = (
     ("coverage of 95 % intervals", "coverage of 95 % intervals", "coverage of 95 % intervals"),
     ("measured house: right or untestable", "", "semi-real: right group or untestable"),
 )
+
+SUMMARY_PAGE = ROOT / "docs" / "blind_test_table.md"
+SUMMARY_INTRO = """\
+# The newest judged run
+
+This page has the marks of the newest [judged run](../results/blind_test/README.md) of the [blind
+test](blind_test.md), beside a list of rules and a diagnoser that guesses. It is written by `make golden`. Shares have
+their 95 % intervals, or are counts of few; \\* falls short of its goal.
+
+"""
+PICTURE = ROOT / "docs" / "images" / "blind-test.svg"
+SHOWN = ("right group", "right stage", "unknown found", "misdiagnosis", "false alarms on nulls")
 
 Score = Mapping[str, Any]
 Goal = Mapping[str, Any]
@@ -48,8 +60,8 @@ def pages() -> dict[Path, str]:
     newest = list(every.values())[-1]
     wanted = {RUNS / name / "README.md": [_run(score, where) for where in WHERE] for name, score in every.items()}
     wanted[RUNS / "README.md"] = [_over_runs(every, where) for where in WHERE]
-    wanted[ROOT / "README.md"] = [_summary(newest)]
-    return {page: _with(page.read_text(encoding="utf-8"), tables) for page, tables in wanted.items()}
+    every_page = {page: _with(page.read_text(encoding="utf-8"), tables) for page, tables in wanted.items()}
+    return every_page | {SUMMARY_PAGE: SUMMARY_INTRO + _summary(newest)}
 
 
 def _with(text: str, tables: Iterable[str]) -> str:
@@ -84,7 +96,7 @@ def _over_runs(every: Mapping[str, Score], where: str) -> str:
 
 
 def _summary(score: Score) -> str:
-    """The README's: ours with intervals and two baselines, the fast room beside other physics."""
+    """The newest run: ours with intervals and two baselines, the fast room beside other physics."""
     beside = ("rules", "random")
     rows = [["", "goal", "fast room", *beside, "goal", "other physics", *beside]]
     for label, *names in SUMMARY:
@@ -143,6 +155,36 @@ def _table(rows: Sequence[Sequence[str]]) -> str:
     return "".join(f"{line}\n" for line in [lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
 
 
+def draw(score: Score) -> None:
+    """Draw the README's figure: shares with their intervals, goals as ticks."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    from waxstudy.report.figures.style import BLACK, GREY, name_rows, series
+
+    mpl.rcParams["svg.hashsalt"] = "waxstudy"
+    with mpl.rc_context({"svg.fonttype": "none", "font.size": 9, "font.family": "sans-serif"}):
+        figure = Figure(figsize=(7.2, 2.6), layout="constrained")
+        panels = figure.subplots(1, 2, sharey=True)
+        for place, (panel, where) in enumerate(zip(panels, WHERE, strict=True)):
+            goals = _goals(score, "ours", where)
+            guess = _goals(score, "random", where)
+            for row, name in enumerate(SHOWN):
+                goal = goals[name]
+                panel.plot([goal["low"], goal["high"]], [row, row], color=GREY, linewidth=5, alpha=0.5)
+                panel.plot(goal["value"], row, linestyle="", **series(place))
+                panel.plot(goal["wanted"], row, marker="|", color=BLACK, markersize=14, markeredgewidth=1.6)
+                panel.plot(guess[name]["value"], row, marker="x", color=BLACK, linestyle="")
+            panel.set_xlim(-0.03, 1.03)
+            panel.set_title(where, fontsize=9)
+            panel.set_xlabel("share; | goal, x a guess, bar 95 % interval")
+            name_rows(panel, SHOWN)
+            for side in ("top", "right"):
+                panel.spines[side].set_visible(False)
+        figure.savefig(PICTURE, metadata={"Date": None})
+
+
 if __name__ == "__main__":
     for page, text in pages().items():
         page.write_text(text, encoding="utf-8", newline="\n")
+    draw(list(scores().values())[-1])

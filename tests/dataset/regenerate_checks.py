@@ -1,27 +1,30 @@
-"""Write the table of checks in docs/datasets.md again: `python -m tests.dataset.regenerate_checks`."""
+"""Write docs/checks.md again: `python -m tests.dataset.regenerate_checks`."""
 
 from __future__ import annotations
 
 import re
 
+from docs_site.tables import table
 from tests.conftest import ROOT
 from waxstudy.dataset.checks import CHECKS, Check
 
-PAGE = ROOT / "docs" / "datasets.md"
-HEAD = "| check | what it sees | what it does | what mends it |\n|---|---|---|---|\n"
+PAGE = ROOT / "docs" / "checks.md"
+INTRO = """\
+# The checks of a record
+
+This page lists what is looked for in the values of a [dataset](datasets.md#what-is-checked), in this order. It is
+written by `make golden` from `waxstudy/dataset/checks`.
+
+"""
 
 
 def page() -> str:
     """The page as it should be: its table lists the checks, in their order."""
-    table = HEAD + "".join(map(_row, CHECKS))
-    text, found = re.subn(re.escape(HEAD) + r"(\|.*\n)*", lambda _: table, PAGE.read_text(encoding="utf-8"))
-    assert found == 1, f"{PAGE.name} should have one table of checks"
-    return text
+    return INTRO + table(("check", "what it sees", "what it does", "what mends it"), map(_row, CHECKS))
 
 
-def _row(check: Check) -> str:
-    sees = re.sub(r"(\d)%", r"\1 %", check.sees)
-    return f"| `{check.name}` | {sees} | {check.does} | {check.mend} |\n"
+def _row(check: Check) -> tuple[str, ...]:
+    return (f"`{check.name}`", re.sub(r"(\d)%", r"\1 %", check.sees), check.does, check.mend)
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ import waxstudy.diagnosis
 from tests.diagnosis import evidences
 from tests.diagnosis.evidences import SOUND
 from tests.diagnosis.realities import EFFECTS
+from tests.diagnosis.regenerate_criteria import PAGE, page
 from waxstudy.diagnosis.criteria import COMPARE, WHERE, Criterion, Question, criteria, failed, limit, meets, meets_one
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, PLAIN, RAW, Convention
@@ -434,3 +435,8 @@ def test_no_decision_rests_on_words(path: Path) -> None:
             # the unit that a parameter's name ends with is no word
             is_unit = [getattr(each, "value", "") for each in node.args] == ["_s"]
             assert not is_search or is_unit, ast.unparse(node)
+
+
+def test_the_page_lists_every_criterion() -> None:
+    current = PAGE.read_text(encoding="utf-8") == page()
+    assert current, f"the table of {PAGE.name} is old: python -m tests.diagnosis.regenerate_criteria"

@@ -32,12 +32,13 @@ from tests.report.diagnoses import (
     UNTESTABLE,
     VALVE,
 )
-from tests.report.test_page import Page, browse, needs_browser
+from tests.report.test_page import Page, needs_browser, scroll_width
 from waxstudy.diagnosis.result import Diagnosis, Lack, Measurement, Tried, Untestable
 from waxstudy.diagnosis.sentences import group_sentence
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.figures.missing_heat import figure_missing_heat
 from waxstudy.report.diagnosis.figures.ranking import figure_ranking
+from waxstudy.report.diagnosis.figures.switchings import figure_switchings
 from waxstudy.report.diagnosis.figures.traces import course
 from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
 from waxstudy.report.diagnosis.page import as_html
@@ -384,7 +385,8 @@ DRAWN = {"effect": 5, "group": 5, "unknown": 4, "none": 4, "untestable": 0}
 def test_what_can_be_drawn_is_drawn_and_the_rest_gives_its_reason(diagnosis: Diagnosis) -> None:
     text = page_of(diagnosis)
     shown = DRAWN[diagnosis.verdict] + bool(diagnosis.posterior)
-    assert text.count("<svg") == shown
+    also = sum(f'id="figure-{name}"' in text for name in ("switchings", "record"))  # left out without a word
+    assert text.count("<svg id") == shown + also
     assert len(re.findall(r"Not drawn: [a-z][^<]+\.</p>", text)) == 5 + bool(diagnosis.posterior) - shown
 
 
@@ -447,15 +449,18 @@ def test_without_traces_the_page_is_drawn_but_for_the_days(frame: pd.DataFrame) 
     assert re.findall(r"Not drawn: ([^<]+)</p>", text) == ["no channel was judged on a whole day."]
 
 
+def test_all_switchings_are_aligned_where_a_signal_and_what_it_moves_were_recorded() -> None:
+    signal = EFFECT.traces["heating_signal_measured"]
+    comes = int(((signal > 0.5) & (signal.shift() < 0.5)).sum())
+    assert figure_switchings(EFFECT).axes[0].get_title(loc="left") == f"signal comes: {comes} times"
+    without = replace(EFFECT, traces=EFFECT.traces.drop(columns="heating_signal_measured"))
+    assert figure_switchings.plot(without).missing.startswith("no signal that only switches")
+
+
 @needs_browser
-@pytest.mark.parametrize("width", [1200, 600])
+@pytest.mark.parametrize("width", [1200, 390])
 def test_the_page_never_scrolls_sideways(width: int, tmp_path: Path) -> None:
-    script = "<script>document.title = [document.documentElement.scrollWidth, window.innerWidth].join(' ')</script>"
-    copy = tmp_path / "copy.html"
-    copy.write_text(page_of(GROUP).replace("</body>", script + "</body>"), encoding="utf-8")
-    found = re.search(r"<title>(\d+) (\d+)</title>", browse(tmp_path, copy, width, "--dump-dom"))
-    assert found
-    assert int(found[1]) <= int(found[2]) == width
+    assert scroll_width(tmp_path, page_of(GROUP), width) <= width
 
 
 @pytest.mark.parametrize("module", [words])
@@ -475,7 +480,7 @@ def keys(value: Any) -> Iterator[str]:
 
 
 def test_the_page_on_diagnoses_names_every_key_of_the_json_and_every_verdict() -> None:
-    page = (ROOT / "docs" / "diagnose.md").read_text(encoding="utf-8")
+    page = "".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("diagnose.md", "diagnosis-json.md"))
     free = {*EFFECT.departures, *EFFECT.closed_loop, *LET_BY.parameters, *MOTOR_FOUND.parameters, *STUCK.parameters}
     free |= {*CHANGED.posterior, *(channel for stage in CHANGED.stages for channel in stage.posterior)}
     data = {**json.loads(json_text(CHANGED.described())), "group": json.loads(json_text(GROUP.described()))}

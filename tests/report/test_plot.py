@@ -34,7 +34,7 @@ def test_a_plot_has_the_words_of_its_drawing_and_an_svg_of_the_page_s_width() ->
     plot = figure_line.plot([1.0, 2.0])
     assert (plot.id, plot.title, plot.caption) == ("figure-line", "A line & more", "What a <line> is.")
     assert plot.missing == ""
-    assert plot.svg.startswith(f'<svg width="{72 * WIDTH_IN:g}pt" height="144pt"')
+    assert plot.svg.startswith(f'<svg id="figure-line-whole" width="{72 * WIDTH_IN:g}pt" height="144pt"')
     assert plot.svg.rstrip().endswith("</svg>")
     assert "xmlns" not in plot.svg
     assert "<metadata" not in plot.svg
@@ -51,9 +51,10 @@ def test_a_page_shows_title_alternative_text_and_caption_or_the_reason() -> None
     text = on_a_page([1.0, 2.0])
     page = Page(text)
     assert "A line & more" in page.headings
-    assert page.values("aria-label") == ["A line & more"]
+    assert page.values("aria-label") == 2 * ["A line & more"]  # whole, and panel by panel on a phone
     assert "What a <line> is." in page.words
-    assert text.count("<svg") == 1
+    assert text.count("<svg id") == 1
+    assert text.count("<svg viewBox") == len(figure_line.plot([1.0, 2.0]).parts)
     bare = on_a_page([])
     assert "<svg" not in bare
     assert "<figcaption" not in bare

@@ -12,7 +12,7 @@ import pytest
 
 from tests.cli.conftest import Entry
 from tests.cli.conftest import entry as entry
-from tests.conftest import ROOT
+from tests.rig import regenerate_bench
 from waxstudy.plugin.registry import installed
 from waxstudy.rig.bench import Motors, run_trial
 from waxstudy.rig.instruments import Bench, displacement_mm
@@ -175,10 +175,7 @@ def test_what_the_bench_cannot_do_is_told_and_nothing_is_written(
 
 
 def test_the_page_lists_every_parameter_of_the_bench_with_its_default() -> None:
-    page = (ROOT / "docs" / "fit.md").read_text(encoding="utf-8")
-    for name, field in Bench.model_fields.items():
-        unit = str(field.json_schema_extra["unit"]) if isinstance(field.json_schema_extra, dict) else ""
-        assert f"| `{name}` | {'' if unit == '1' else unit} | {field.default:g} |" in page
+    assert regenerate_bench.PAGE.read_text(encoding="utf-8") == regenerate_bench.page()
 
 
 def test_nothing_is_overwritten(entry: Entry, programme: Path) -> None:

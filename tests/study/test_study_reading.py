@@ -1,5 +1,6 @@
 """What a correct study file means."""
 
+import json
 import math
 import re
 from collections.abc import Callable
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 import tomli_w
 
+from docs_site.keys import study_keys
 from waxstudy.plugin.registry import Registry, installed
 from waxstudy.study.model import Case, Comfort, Ensemble, Output, Study, StudyTable
 from waxstudy.study.read import StudyError, read_study
@@ -175,14 +177,15 @@ def test_the_resolved_study_has_every_default_filled_in(read: Read) -> None:
 
 
 @pytest.mark.parametrize("model", [StudyTable, Comfort, Ensemble, Output])
-def test_the_reference_page_gives_every_key_with_its_default(model: type[StudyTable]) -> None:
-    page = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
+def test_the_reference_gives_every_key_with_its_default_and_the_page_names_it(model: type[StudyTable]) -> None:
+    reference, page = study_keys(), (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
     for name, declared in model.model_fields.items():
-        row = re.search(rf"^\| `{name}` \|.*$", page, re.MULTILINE)
+        row = re.search(rf"^\| `{name}` \|.*$", reference, re.MULTILINE)
         assert row, name
-        given = "none" if declared.default is None else declared.default
-        default = "required" if declared.is_required() else str(given).removesuffix(".0")
-        assert f"| {default} |" in row[0], row[0]
+        has_default = not declared.is_required() and declared.default is not None
+        given = f"`{json.dumps(declared.default)}`" if has_default else "required" if declared.is_required() else ""
+        assert f"| {given} |" in row[0], row[0]
+        assert f"`{name}`" in page
 
 
 def test_the_reference_page_names_the_components_that_come_along() -> None:

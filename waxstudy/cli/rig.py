@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from waxstudy.rig.instruments import Bench
 
 SET = "Parameter of the actuator; repeatable."
-BENCH = "Parameter of the bench, as noise_mm=0.01 (docs/fit.md lists them); repeatable."
+BENCH = "Parameter of the bench, as noise_mm=0.01 (docs/bench.md lists them); repeatable."
 PROGRAMME = "CSV file of the records to make  [default: those of the paper's Table A1, and one of flow]"
 
 

@@ -18,6 +18,21 @@ from waxstudy.report.table import Column, Table, text
 from waxstudy.report.words import MEAN_DECIDES, SINGLE_RUN, counted, percent
 from waxstudy.results.run import Run
 
+MARK = {"held": "good", "not held": "bad", "not resolved": "open"}  # of a verdict on a page
+
+
+@dataclass(frozen=True)
+class Said:
+    """A finding as a sentence: its verdict with the mark of a page, and one figure of ours."""
+
+    verdict: str
+    statement: str
+    figure: str
+
+    @property
+    def mark(self) -> str:
+        return MARK[self.verdict]
+
 
 @dataclass(frozen=True)
 class Against(ABC):
@@ -72,6 +87,10 @@ class Against(ABC):
     def tables(self) -> list[Table[Any]]:
         """Return the agreement by column, then what only this kind has."""
         return [self._score_table()]
+
+    def sentences(self) -> list[Said]:
+        """Return each finding as a sentence with its first figure."""
+        return [Said(of.verdict, of.statement, of.figure.split("; ")[0]) for of in self.findings]
 
     def beside(self, figure: Column[Row]) -> Column[Row]:
         """Return the column of the other side's figures beside one of ours."""

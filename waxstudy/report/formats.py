@@ -72,6 +72,9 @@ def terminal(tables: Sequence[Table[Any]], notes: Sequence[str], width: int, col
         printer.print(table.title, style="bold", width=width)
         grid = _grid(table)
         least = Measurement.get(printer, printer.options, grid).minimum
+        if least > width:
+            grid = _grid(table, is_narrow=True)
+            least = Measurement.get(printer, printer.options, grid).minimum
         printer.print(grid, width=max(width, least), crop=False)
     for note in notes:
         printer.print(f"note: {note}", width=width)
@@ -90,22 +93,34 @@ def console(out: io.StringIO, width: int, colour: bool) -> Console:
     return _Terminal(file=out, width=width, force_terminal=colour, highlight=False, markup=False, emoji=False)
 
 
-def _grid(table: Table[Any]) -> Grid:
-    grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    for column in table.columns:
-        cells = [column.text(row) for row in table.rows]
+def _grid(table: Table[Any], is_narrow: bool = False) -> Grid:
+    """A table; a narrow one has headings of a word to a line, and no space about its plus-minuses."""
+    edges = {"show_edge": False, "padding": 0} if is_narrow else {"padding": (0, 1, 0, 0)}
+    grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, **edges)
+    texts_of = [[_tight(text) if is_narrow else text for text in texts] for texts in table.texts]
+    for place, column in enumerate(table.columns):
+        cells = [texts[place] for texts in texts_of]
         can_wrap = column.kind in ("prose", "list")
+        name = column.name.split(" ") if is_narrow else [column.name]
         grid.add_column(
-            column.name,
+            Text("\n".join(map(visible, name))),
             justify="left" if column.is_left else "right",
             style="dim" if column.kind == "theirs" else None,
             no_wrap=not can_wrap,
-            min_width=None if can_wrap else max(map(cell_len, (column.name, *cells))),
+            min_width=None if can_wrap else max(map(cell_len, (*name, *cells))),
         )
-    for texts in table.texts:
+    for texts in texts_of:
         row = zip(table.columns, texts, strict=True)
         grid.add_row(*(_first(text) if column.kind == "list" else text for column, text in row))
     return grid
+
+
+def _tight(text: str) -> str:
+    """
+    >>> _tight("0.05 ± 0.01")
+    '0.05±0.01'
+    """
+    return text.replace(" ± ", "±")
 
 
 def _first(text: str) -> str:

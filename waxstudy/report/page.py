@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from waxstudy.report.cases import legend, told_same
 from waxstudy.report.content import Content
 from waxstudy.report.figures import PAPER_FIGURES
 from waxstudy.report.figures.months import figure_months
@@ -18,6 +19,9 @@ def as_html(content: Content) -> str:
         "page.html.j2",
         content=content,
         summary=summary(content),
+        legend=legend(content.study),
+        same=told_same(content.run),
+        findings=content.against.sentences() if content.against else [],
         overview=figure_overview.plot(content),
         comparison=comparison_tables(content),
         months=figure_months.plot(content) if content.months else None,

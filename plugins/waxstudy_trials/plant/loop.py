@@ -1,4 +1,4 @@
-"""The loop of a plant, second by second; equations in docs/blind_test.md.
+"""The loop of a plant, second by second; equations in docs/blind_test_records.md.
 
 With `forced`, every stage is driven by what a record has before it, so that only its own equations can differ.
 """

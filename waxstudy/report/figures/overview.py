@@ -46,6 +46,8 @@ def figure_overview(content: Content) -> Figure:
     right.set(xlabel="mean absolute error of the air temperature, K", xlim=(0.0, None))
     left.set_yticks(range(len(cases)), cases)
     left.invert_yaxis()
+    for panel in (middle, right):
+        panel.tick_params(labelleft=True)  # on a phone each panel stands alone
     _separate_ladders(content, axes[0])
     _legend(figure, content)
     return figure

@@ -38,6 +38,8 @@ RC: Any = {
     "svg.fonttype": "path",
     "svg.hashsalt": "waxstudy",
 }
+POINTS = 72.0  # to an inch
+MARGIN_PT = 3.0
 Shown = TypeVar("Shown")  # what a figure is drawn of
 
 
@@ -54,6 +56,8 @@ class Plot:
     caption: str
     svg: str
     missing: str = ""
+    size: tuple[float, float] = (0.0, 0.0)  # of the whole, in its own unit
+    parts: Sequence[str] = ()  # `viewBox`es of panels and legends, which a phone shows one by one
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,10 @@ class Drawing(Generic[Shown]):
         """Return the figure as it is put on a page."""
         id = f"figure-{self.name}"
         try:
-            return Plot(id, self.title, self.caption, _svg(self(shown), id))
+            figure = self(shown)
+            svg = _svg(figure, id)
+            size = figure.get_figwidth() * POINTS, figure.get_figheight() * POINTS
+            return Plot(id, self.title, self.caption, svg, size=size, parts=_parts(figure))
         except Lacking as reason:
             return Plot(id, self.title, self.caption, "", str(reason))
 
@@ -112,4 +119,17 @@ def _svg(figure: Figure, prefix: str) -> str:
         figure.savefig(out, format="svg", metadata={"Date": None})
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", out.getvalue(), flags=re.S)
     element = re.sub(r"\sxmlns(:\w+)?=\"[^\"]*\"", "", text[text.index("<svg") :])
+    element = element.replace("<svg ", '<svg id="whole" ', 1)
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", element)
+
+
+def _parts(figure: Figure) -> list[str]:
+    """Where the panels and the legend lie in a figure that was drawn, as `viewBox`es: x, y, width, height."""
+    boxes = [panel.get_tightbbox() for panel in figure.axes] + [each.get_window_extent() for each in figure.legends]
+    scale, height = POINTS / figure.dpi, figure.get_figheight() * POINTS
+    found = []
+    for box in filter(None, boxes):
+        x, top = box.x0 * scale - MARGIN_PT, height - box.y1 * scale - MARGIN_PT
+        sides = x, top, box.width * scale + 2 * MARGIN_PT, box.height * scale + 2 * MARGIN_PT
+        found.append(" ".join(f"{side:.1f}" for side in sides))
+    return found

@@ -45,6 +45,8 @@ def figure_traces(diagnosis: Diagnosis) -> Figure:
         for panel, day in zip(row, days, strict=True):
             _draw(panel, day, stage.channel)
         row[0].set_ylabel(_label(stage))
+        for panel in row[1:]:
+            panel.tick_params(labelleft=True)  # on a phone each panel stands alone
     for panel, day in zip(axes[0], days, strict=True):
         panel.set_title(f"{day.what}, {day.date}")
     for panel in axes[-1]:
