@@ -206,7 +206,7 @@ def _on_facade(facade: Facade, sky: Sky, light: tuple[FloatArray, FloatArray, Fl
     lie = facade.tilt_deg, facade.azimuth_deg
     up = sky.is_up
     around = 0.5 * (1.0 + np.cos(np.radians(facade.tilt_deg)))
-    found = total * (around + ALBEDO * (1.0 - around))
+    found = np.asarray(total * (around + ALBEDO * (1.0 - around)))
     if not up.any():  # of no sun at all pvlib's spline makes an error
         return found
     at = sky.zenith_deg[up], sky.azimuth_deg[up], direct[up], total[up], diffuse[up]
