@@ -311,3 +311,17 @@ def test_each_switch_is_put_where_it_fits_best() -> None:
     error = right.residual(Predicted({"flow_L_h": flow}, {"flow_L_h": two})).error
     assert error[right.known] == pytest.approx(1.0)
     assert (error[~right.known] == 0.0).all()
+
+
+def test_a_flow_is_weighed_by_how_far_noise_of_the_opening_moves_it_and_by_more_while_that_moves() -> None:
+    at = np.arange(float(DAY))
+    opening = np.interp(at, [600.0, 620.0, 900.0, 920.0], [0.0, 1.0, 1.0, 0.0])
+    flow = 60.0 * opening
+    seen = plain({"displacement": opening, "flow_L_h": flow}, stated_noise={"displacement": 1e-3, "flow_L_h": 2.0})
+    by_opening = Segment(("valve",), "displacement", ("flow_L_h",))
+    moved = [Predicted({"flow_L_h": flow + off}) for off in (0.0, 1.5, -1.5)]
+    weighed = Continuous("flow_L_h", by_opening, seen, np.zeros(DAY), moved)
+    assert weighed.driven == pytest.approx(1.5)
+    assert weighed.scale[700:800] == pytest.approx(np.hypot(2.0, 1.5))
+    within = 60.0 * np.hypot(0.05, 0.18 * 0.05)  # of full flow, at a step of a twentieth of the stroke
+    assert weighed.scale[605:615] == pytest.approx(np.hypot(np.hypot(2.0, within), 1.5))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from waxstudy.plugin.files import TEXT_BYTES, read_file
+from waxstudy.plugin.files import TEXT_BYTES, check_file, read_file
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no devices and pipes of this kind there")
 
@@ -39,3 +39,11 @@ def test_what_is_no_file_that_somebody_wrote_is_refused_at_once(odd: str, tmp_pa
 def test_a_file_of_the_largest_size_is_read(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"#" * TEXT_BYTES)
     assert len(read_file(tmp_path / "file")) == TEXT_BYTES
+
+
+def test_a_file_that_is_too_large_is_refused_before_others_read_it(tmp_path: Path) -> None:
+    path = tmp_path / "data.csv"
+    path.write_bytes(b"time")
+    check_file(path, 4)
+    with pytest.raises(OSError, match="it is larger than"):
+        check_file(path, 3)
