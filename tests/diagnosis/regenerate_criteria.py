@@ -10,9 +10,9 @@ PAGE = ROOT / "docs" / "criteria.md"
 INTRO = """\
 # The criteria
 
-This page lists every limit and weight that decides what a diagnosis says, as `waxstudy diagnose --criteria` prints them;
+This page lists every number that decides what a diagnosis says, as `waxstudy diagnose --criteria` prints them;
 [diagnosis-method.md](diagnosis-method.md) says how they work together. It is written by `make golden` from
-`criteria.csv` and `weights.csv` in `waxstudy/diagnosis`; `waxstudy/diagnosis/select/evidence.py` explains the numbers.
+`criteria.csv` and `weights.csv` in `waxstudy/diagnosis`; `select/evidence.py` there explains the numbers.
 
 Of “is a room understood”, “does less stay than a room of another form would leave” and “is what stays no finding” one
 criterion is enough; of all other questions every one that applies must hold. A number that was set on judged records
