@@ -53,7 +53,7 @@ CHANGES = {
         "[room]",
         "[ensembel]\n[room]",
         "x.toml:3: ensembel: unknown key; did you mean 'ensemble'? "
-        "(allowed: study, room, weather, comfort, ensemble, output, ladder, activation)",
+        "(allowed: study, room, weather, comfort, season, ensemble, output, ladder, activation)",
     ),
     "a misspelled block": (
         "sensor = {",
