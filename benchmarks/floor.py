@@ -1,7 +1,7 @@
 """Hold the heated floor of Table 3 against EN 1264-2, ISO 11855-2 and exact conduction.
 
 `python -m benchmarks.floor` prints output and water-to-room resistance at 34/29 C into 20 C, and time constants;
-docs/room.md has the tables. All of it is for a floor without covering and no heat downwards.
+docs/room-choices.md has the tables. All of it is for a floor without covering and no heat downwards.
 """
 
 from __future__ import annotations

@@ -39,7 +39,6 @@ SUMMARY_INTRO = """\
 This page has the marks of the newest [judged run](../results/blind_test/README.md) of the [blind
 test](blind_test.md), beside a list of rules and a diagnoser that guesses. It is written by `make golden`. Shares have
 their 95 % intervals, or are counts of few; \\* falls short of its goal.
-
 """
 PICTURE = ROOT / "docs" / "images" / "blind-test.svg"
 SHOWN = ("right group", "right stage", "unknown found", "misdiagnosis", "false alarms on nulls")
@@ -61,7 +60,12 @@ def pages() -> dict[Path, str]:
     wanted = {RUNS / name / "README.md": [_run(score, where) for where in WHERE] for name, score in every.items()}
     wanted[RUNS / "README.md"] = [_over_runs(every, where) for where in WHERE]
     every_page = {page: _with(page.read_text(encoding="utf-8"), tables) for page, tables in wanted.items()}
-    return every_page | {SUMMARY_PAGE: SUMMARY_INTRO + _summary(newest)}
+    return every_page | {SUMMARY_PAGE: SUMMARY_INTRO + _answered(newest) + _summary(newest)}
+
+
+def _answered(score: Score) -> str:
+    told = [f"{name} answered {of['answered']}" for name, of in score["diagnosers"].items()]
+    return f"Of {score['records']} records {', '.join(told)}.\n\n"
 
 
 def _with(text: str, tables: Iterable[str]) -> str:

@@ -38,7 +38,7 @@ def provenance(judged: Dataset, baseline: Dataset | None, seed: int, options: Se
 
 
 def read_diagnosis(path: str | Path) -> dict[str, Any]:
-    """Return what diagnosis.json holds (docs/diagnose.md); `path`: it, or its folder.
+    """Return what diagnosis.json holds (docs/diagnosis-json.md); `path`: it, or its folder.
 
     Raises `RunError` for what is none, or of a format that this version does not read.
     """

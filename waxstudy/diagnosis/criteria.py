@@ -2,7 +2,7 @@
 
 A criterion compares one number of a piece of evidence (most are in `select/evidence.py`) with a limit. An effect is
 named if it may be claimed, by itself or as one of a pair, and is kept. What decides, why an effect is not named,
-`waxstudy diagnose --criteria` and the table in docs/diagnosis-method.md all come from there.
+`waxstudy diagnose --criteria` and the table in docs/criteria.md all come from there.
 """
 
 from __future__ import annotations

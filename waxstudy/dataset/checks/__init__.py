@@ -1,4 +1,4 @@
-"""The checks of a record, in one list: what is looked for, in the order in which it is told (docs/datasets.md).
+"""The checks of a record, in one list: what is looked for, in the order in which it is told (docs/checks.md).
 
 A check is a function that yields what it finds. Its docstring says what it sees, its decorator whether it refuses or
 warns and what mends it; the limits that decide stand above, with their reasons.
