@@ -32,7 +32,9 @@ LEAST = 2.0  # true gap over the noise floor from which an effect must be found
 def sources() -> str:
     """Digest of all that an outcome depends on, so that nothing stale is taken for new."""
     folders = [*(ROOT / "waxstudy" / name for name in PACKAGES), *(ROOT / "plugins").glob("waxstudy_*")]
-    files = [file for folder in folders for kind in ("*.py", "criteria.csv") for file in folder.rglob(kind)]
+    files = [
+        file for folder in folders for kind in ("*.py", "criteria.csv", "weights.csv") for file in folder.rglob(kind)
+    ]
     return digest(sorted([*files, *(ROOT / "benchmarks").glob("self_consistency_*.py")]))
 
 

@@ -154,5 +154,5 @@ class Loop(ABC):
 
     def end(self) -> None:
         """Raise what machine code could not, at the latest after the run."""
-        if self.wire.failed and isinstance(self.chain_of, Standalone):
+        if (self.native or self.wire.failed) and isinstance(self.chain_of, Standalone):
             self.chain_of.refuse(self.wire.failed, self.time_s, self.job.step_s)

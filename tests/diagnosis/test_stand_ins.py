@@ -12,7 +12,16 @@ from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, belief, dataset, estimator, rows, study
 from waxstudy.dataset.stand_ins import GAINS, SUN, own_gains_W, why_dark
-from waxstudy.dataset.sunlight import DIFFUSE, GLOBAL, PANELS, PANELS_YIELD, _sky, clear_sky_W, recorded_sun_W
+from waxstudy.dataset.sunlight import (
+    DIFFUSE,
+    GLOBAL,
+    PANELS,
+    PANELS_YIELD,
+    _on_facade,
+    _sky,
+    clear_sky_W,
+    recorded_sun_W,
+)
 from waxstudy.dataset.tables import Site
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
@@ -21,6 +30,8 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.select.evidence import Left
 from waxstudy.diagnosis.select.search import select
 from waxstudy.diagnosis.select.unexplained import done_by_drives, unexplained
+from waxstudy.plugin import Facade
+from waxstudy_paper.weather import sun as weather_sun
 
 TALLINN = Site(latitude=59.4, longitude=24.7, timezone="Europe/Tallinn")
 DAYS = 4
@@ -151,6 +162,34 @@ def test_panels_that_lie_level_tell_what_a_pyranometer_does() -> None:
     power_W = light * PANELS_YIELD * 5.0
     found = recorded_sun_W(built(study().room), time, 900.0, site, {PANELS: power_W})
     assert found.sum() == pytest.approx(sun_of({GLOBAL: light}, time).sum(), rel=0.1)  # two models of diffuse light
+
+
+def test_a_schedule_of_shading_goes_by_the_clock_wherever_the_record_begins() -> None:
+    component = study().room.component
+    shaded = component.build(component.Parameters(shading={"passes": 0.0, "above_W_m2": 0.0, "from_hour": 12.0}))
+    time, light = level_W_m2()
+    whole = recorded_sun_W(shaded, time, 900.0, HERE, {GLOBAL: light})
+    late = recorded_sun_W(shaded, time[24:], 900.0, HERE, {GLOBAL: light[24:]})
+    assert whole[:48].any()
+    assert not whole[48:].any()
+    assert late == pytest.approx(whole[24:], abs=1.0)
+
+
+@pytest.mark.parametrize("panes", [0, 2, 3])
+@pytest.mark.parametrize("azimuth_deg", [90.0, 180.0])
+def test_a_facade_gets_what_a_weather_gives_it(panes: int, azimuth_deg: float) -> None:
+    time, _ = level_W_m2()
+    sky, facade = _sky(time, 900.0, HERE), Facade(azimuth_deg, panes=panes)
+    found = _on_facade(facade, sky, (sky.global_W_m2, sky.diffuse_W_m2, sky.direct_W_m2), "perez-driesse")
+    light = weather_sun.Sky(sky.direct_W_m2, sky.diffuse_W_m2, sky.global_W_m2)
+    there = weather_sun.Sun(sky.zenith_deg, sky.azimuth_deg, sky.extra_W_m2)
+    assert found == pytest.approx(weather_sun.on_facade(facade, there, light, 0.2), abs=1e-6)
+
+
+def test_hours_whose_diffuse_light_is_lost_have_the_share_that_their_light_tells() -> None:
+    time, light = level_W_m2()
+    lost = np.full(96, np.nan)
+    assert sun_of({GLOBAL: light, DIFFUSE: lost}, time) == pytest.approx(sun_of({GLOBAL: light}, time))
 
 
 def test_a_gap_in_the_light_is_bridged_by_the_hours_beside_it() -> None:

@@ -71,10 +71,10 @@ def test_the_command_prints_tables_and_writes_a_page(entry: Entry, tmp_path: Pat
     done = entry("run", "fleet.toml")
     assert (done.code, done.stdout.splitlines()[-1]) == (0, "results/fleet"), done.stderr
     assert "Fully open within 300 s of the call: cold 0 %" in done.stdout
-    assert "loops for 1 MW of electricity" in done.stdout
+    assert "what 1 MW of reserve needs" in done.stdout
     folder = tmp_path / "results" / "fleet"
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 2
+    assert page.count("<svg id") == 2
     assert "kept off before the call for 120 min" in page
     assert entry("report", folder, "--format", "html").stdout == page
     assert entry("report", folder, "--format", "csv").stdout == (folder / "activation.csv").read_text()
@@ -141,6 +141,15 @@ def test_loops_are_drawn_from_a_table_of_rooms_by_how_many_there_are(tmp_path: P
         ),
         ("preheat_s", "prehat_s", "did you mean 'preheat_s'? (allowed: case, preheat_s, pause_s)"),
         ("at_h = [30.0]", "at_h = [30.0]\nlasts_s = 200", "limit_s = 300 must be less than lasts_s = 200"),
+        ("[30.0]", "[30.0, 30.0]", "at_h holds a time twice"),
+        ("[30.0]", "[30.0]\nlasts_s = 907", "[activation] lasts_s: 907 s is no multiple of the step of 10 s"),
+        ("preheat_s = 120", "preheat_s = 124", "124 s is no multiple of the step of 10 s"),
+        ("[activation]", "[season]\n[activation]", "[season]: has no use beside [activation]"),
+        (
+            "actuator.product =",
+            "modulator.pulse_s = [400.0]\nmodulator.pulse_period_s = [450.0, 100.0]\nactuator.product =",
+            "pulse_s = 400.0 must be less than pulse_period_s",
+        ),
         ("sd = 0.3", "sd = 9", "setpoint_C = -5.5: must be at least 5"),
         ("low = 0.7", "low = 2.0", "low must be less than high, not 2 and 1"),
         ("high = 1.0", "high = 3.0", "flow_share = 3.0: must be from 0.05 to 2.0 (high)"),

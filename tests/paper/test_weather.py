@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from waxstudy.plugin import Facade, FloatArray, WeatherRecord
+from waxstudy.plugin.glass import diffuse_through_glass, through_glass
 from waxstudy_paper.weather import Epw, TallinnWeek
-from waxstudy_paper.weather.sun import Sky, clear_sky, diffuse_through_glass, on_facade, sun_at, through_glass
+from waxstudy_paper.weather.sun import Sky, clear_sky, on_facade, sun_at
 from waxstudy_paper.weather.tallinn import clear_share
 
 FACADES = {"south": Facade(180.0), "west": Facade(270.0), "north": Facade(0.0), "east": Facade(90.0)}

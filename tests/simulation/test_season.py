@@ -61,6 +61,8 @@ def test_given_days_take_the_place_of_the_rule_and_may_pass_the_new_year() -> No
         ('first_day = "06-01"\nlast_day = "08-31"', "[season]:", "do not reach 06-01 to 08-31"),
         ('first_day = "06-01"', "[season]:", "first_day and last_day belong together"),
         ('first_day = "02-30"\nlast_day = "08-31"', "[season] first_day", "not a day of the year as MM-DD"),
+        ('first_day = ""\nlast_day = ""', "[season] first_day", "not a day of the year as MM-DD"),
+        ('first_day = "W01-1"\nlast_day = "03-01"', "[season] first_day", "not a day of the year as MM-DD"),
         (
             'first_day = "01-01"\nlast_day = "02-01"\nlimit_C = 9',
             "[season]:",

@@ -43,7 +43,6 @@ BUILT_DAYS = (7, 13)
 INTERVALS_S = {10.0: 0.1, 30.0: 0.15, 60.0: 0.4, 120.0: 0.15, 300.0: 0.12, 900.0: 0.08}  # -> how often
 NOISE = (0.5, 4.0)  # factor on the nominal noise, log-uniform
 MISSING = (0.0, 0.0, 0.003, 0.02)
-SUNLESS = ("solar_gain_W", "internal_gain_W")
 PATIENCE = 8  # attempts after which a record is measured in another way: its sampling may hide what it must show
 
 

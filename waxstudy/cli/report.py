@@ -56,13 +56,12 @@ def command(
         raise click.UsageError("--attribution stands in place of the comparison and goes with no --against")
     if sensitivity and (attribution or against is not None or form == "html"):
         raise click.UsageError("--sensitivity goes with --format table, csv, md or json only")
-    if text := _of_fleet(run_folder, form, attribution or sensitivity or against is not None):
-        pass
-    elif sensitivity:
+    text = _of_fleet(run_folder, form, attribution or sensitivity or against is not None)
+    if not text and sensitivity:
         text = render_sensitivity(run_folder, form)
-    elif attribution:
+    elif not text and attribution:
         text = render_attribution(run_folder, form, quiet)
-    else:
+    elif not text:
         text = render(run_folder, form, None if against is None else _folder_or_name(against))
     if out is None:
         print_out(text)

@@ -94,9 +94,11 @@ def sun_source(recorded: Collection[str], site: Site | None) -> str:
 
 def why_dark(recorded: Collection[str], site: Site | None) -> str:
     """Return why light that was recorded tells nothing of the sun, "" where it does or there is none."""
-    seen = [name for name in (GLOBAL, PANELS) if name in recorded]
+    seen = [name for name in (GLOBAL, PANELS, DIFFUSE) if name in recorded]
     if not seen or SUN in recorded or sun_source(recorded, site):
         return ""
+    if seen == [DIFFUSE]:
+        return f"{DIFFUSE} is not used: the sun in the room follows from it only beside {GLOBAL}"
     lacks = "latitude and longitude" if site is None or site.longitude is None else "panels_peak_W"
     return f"{seen[0]} is not used: the sun in the room follows from it only with {lacks} in [site]"
 

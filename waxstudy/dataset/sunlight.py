@@ -16,6 +16,7 @@ import numpy as np
 
 from waxstudy.dataset.channels import DIFFUSE, GLOBAL, PANELS
 from waxstudy.plugin import Facade, FloatArray, LinearRoom, WeatherRecord
+from waxstudy.plugin.glass import diffuse_through_glass, through_glass
 from waxstudy.simulation.recorded import sun_W
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ class _Hours:
         share = np.clip(told / clear[is_told], 0.0, MOST_CLEAR)
         if GLOBAL in light and DIFFUSE in light:
             under = sky.by_hour(light[DIFFUSE], known & np.isfinite(light[DIFFUSE]))[is_told]
-            part = _share(np.where(np.isfinite(under), under, told), told)
+            part = np.where(np.isfinite(under), _share(under, told), _by_disc(told, at))
         else:
             part = (_by_disc if GLOBAL in light else _by_erbs)(told, at)
         return cls(_filled(share, is_told), _filled(part, is_told))
@@ -193,25 +194,37 @@ def _heat_W(
     light: tuple[FloatArray, FloatArray, FloatArray],
     model: str,
 ) -> FloatArray:
-    irradiance = {name: _on_facade(facade, sky, light, model) for name, facade in room.facades.items()}
-    mild = np.full(len(time), 10.0)
-    return sun_W(room, WeatherRecord(interval_s, str(time[0].date()), mild, irradiance, sky_C=mild))
+    import pandas as pd
+
+    begins = time[0] - pd.Timedelta(seconds=interval_s)
+    before = round((begins - begins.normalize()).total_seconds() / interval_s)  # weather begins at midnight
+    irradiance = {
+        name: np.pad(_on_facade(facade, sky, light, model), (before, 0)) for name, facade in room.facades.items()
+    }
+    mild = np.full(before + len(time), 10.0)
+    return sun_W(room, WeatherRecord(interval_s, str(begins.date()), mild, irradiance, sky_C=mild))[before:]
 
 
 def _on_facade(facade: Facade, sky: Sky, light: tuple[FloatArray, FloatArray, FloatArray], model: str) -> FloatArray:
-    """Return what light, global, diffuse and direct, gives to a facade (n,); that of a low sun is even."""
-    from pvlib.irradiance import get_total_irradiance
+    """Return what light, global, diffuse and direct, gives to a facade (n,), as its panes count it.
+
+    That of a low sun is even.
+    """
+    from pvlib.irradiance import aoi, get_total_irradiance
 
     total, diffuse, direct = light
     lie = facade.tilt_deg, facade.azimuth_deg
     up = sky.is_up
     around = 0.5 * (1.0 + np.cos(np.radians(facade.tilt_deg)))
-    found = np.asarray(total * (around + ALBEDO * (1.0 - around)))
+    even = diffuse_through_glass(facade.panes)
+    found = np.asarray(total * (around + ALBEDO * (1.0 - around))) * even
     if not up.any():  # of no sun at all pvlib's spline makes an error
         return found
     at = sky.zenith_deg[up], sky.azimuth_deg[up], direct[up], total[up], diffuse[up]
     parts = get_total_irradiance(*lie, *at, dni_extra=sky.extra_W_m2[up], albedo=ALBEDO, model=model)
-    found[up] = np.nan_to_num(parts["poa_global"])
+    angle_deg = np.asarray(aoi(*lie, *at[:2]))
+    passed = parts["poa_direct"] * through_glass(facade.panes, angle_deg) + parts["poa_diffuse"] * even
+    found[up] = np.nan_to_num(passed)
     return found
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from waxstudy.plugin import Choice
 from waxstudy.simulation.engine import Start
 from waxstudy.simulation.ensemble import AIR_SPREAD_K, SLAB_SPREAD_K
-from waxstudy.study.activation import FLOW, SETPOINT, Activation, FleetState, as_file, bare, of_block
+from waxstudy.simulation.run import InputError
+from waxstudy.study.activation import FLOW, SETPOINT, TABLE, Activation, FleetState, as_file, bare, of_block
 from waxstudy.study.model import Case, Study
 from waxstudy.study.spread import OneOf
 
@@ -94,17 +95,22 @@ class Blocks:
 
     def of(self, case: Case, member: Member) -> dict[str, Choice]:
         """Return the blocks of a loop."""
-        return {kind: self._with(case.id, kind, choice, member.of(kind)) for kind, choice in case.blocks.items()}
+        return {kind: self._with(case.id, kind, choice, member) for kind, choice in case.blocks.items()}
 
     def room(self, choice: Choice, member: Member) -> Choice:
         """Return the room of a loop."""
-        return self._with("", "room", choice, member.of("room"))
+        return self._with("", "room", choice, member)
 
-    def _with(self, case: str, kind: str, choice: Choice, drawn: Mapping[str, Any]) -> Choice:
+    def _with(self, case: str, kind: str, choice: Choice, member: Member) -> Choice:
+        """Raise `InputError` for values that are possible one by one and not together."""
         fields = type(choice.parameters).model_fields
-        taken = {name: value for name, value in drawn.items() if name in fields}
+        taken = {name: value for name, value in member.of(kind).items() if name in fields}
         if not taken:
             return choice
         if (case, kind) not in self._bare:
             self._bare[case, kind] = bare(choice, [name for of, name in self.keys if of == kind])
-        return as_file(choice, {**self._bare[case, kind], **taken})
+        try:
+            return as_file(choice, {**self._bare[case, kind], **taken})
+        except ValueError as error:
+            told = "; ".join(line.strip() for line in str(error).splitlines()[1:3]) or str(error)
+            raise InputError(TABLE, f"loop {member.number}: {kind} with {taken} cannot be: {told}", "draw") from error

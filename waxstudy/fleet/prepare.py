@@ -12,7 +12,7 @@ from waxstudy.simulation.engine import DAY_S
 from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.run import InputError, prepare
 from waxstudy.study.activation import TABLE, Activation
-from waxstudy.study.model import Study
+from waxstudy.study.model import Study, is_multiple
 from waxstudy.sweeps.point import STOP
 
 
@@ -46,6 +46,7 @@ def prepared(study: Study, jit: bool = True) -> Fleet:
     """Draw the loops and build their rooms; raise what `simulation.run.prepare` raises, `InputError` for calls too."""
     if issubclass(study.room.component, OutsideRoom):
         raise InputError("room", "an activation needs a room that waxstudy simulates itself", "use")
+    _refuse_parts_of_steps(study)
     drawn, blocks = members(study), Blocks(study)
     rooms: dict[str, dict[str, DrivenRoom]] = {}
     for member in drawn:
@@ -54,6 +55,19 @@ def prepared(study: Study, jit: bool = True) -> Fleet:
     for week, driven in rooms[drawn[0].room_kind].items():
         _refuse_calls_outside(study, week, driven.weather.duration_s)
     return Fleet(study, drawn, rooms, blocks, jit, STOP)
+
+
+def _refuse_parts_of_steps(study: Study) -> None:
+    """A time that is no multiple of the step would be another one than the study says."""
+    activation = study.activation
+    assert activation
+    call = activation.call
+    times = [("at_h", 3600.0 * each) for each in call.at_h]
+    times += [("lasts_s", call.lasts_s), ("limit_s", call.limit_s), ("rebound_h", 3600.0 * call.rebound_h)]
+    times += [(f"state.{name}.preheat_s", state.preheat_s) for name, state in activation.states.items()]
+    for key, time_s in times:
+        if time_s and not is_multiple(time_s, study.step_s):
+            raise InputError(TABLE, f"{time_s:g} s is no multiple of the step of {study.step_s:g} s", key)
 
 
 def _refuse_calls_outside(study: Study, week: str, duration_s: float) -> None:

@@ -54,7 +54,7 @@ def run(study: Study, folder: Path, workers: int, told: Progress, jit: bool = Tr
         quiet = replace(told, warn=lambda text: None)  # no loop is left out: the first failure is raised
         failed = compute_points(missing, files, Where("threads", workers), quiet, partial(computed, fleet), units)
         if failed:
-            raise SimulationError(next(iter(failed.values())))
+            raise SimulationError(failed[min(failed)])
         return _finish(fleet, folder, files, told)
 
 

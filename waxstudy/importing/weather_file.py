@@ -24,7 +24,7 @@ COLUMNS = {
     "weather diffuse irradiance": (15, "W/m2", (0.0, 1500.0), True),
 }
 # years pieced together from months of many, by what their makers call them
-TYPICAL = re.compile(r"\b(TMY\w*|TRY\w*|IWEC\w*|WYEC\w*|CWEC\w*|CTZ\w*|RMY\w*|SWEC\w*|DSY\w*|IGDG|typical)\b", re.I)
+TYPICAL = re.compile(r"\b((TMY|TRY|IWEC|WYEC|CWEC|CTZ|RMY|SWEC|DSY)\w{0,4}|IGDG|(?i:typical))\b")
 NO_TYPICAL = (
     "a typical year is not the weather that the record had: what it would explain of a room, and what not, would be "
     "chance"

@@ -115,8 +115,9 @@ def _inputs(imported: Imported) -> dict[str, float]:
     found = {name: spread for name, spread in ASSUMED.items() if name in imported.matches}
     if GAINS not in imported.matches:
         found[GAINS] = GAINS_FACTOR
-    if SUN not in imported.matches and (told := [name for name in RECORDED if name in imported.matches]):
-        found[SUN] = RECORDED[DIFFUSE if DIFFUSE in told and GLOBAL in told else told[0]][0]
+    told = [name for name in RECORDED if name in imported.matches and (name != DIFFUSE or GLOBAL in imported.matches)]
+    if SUN not in imported.matches and told:
+        found[SUN] = RECORDED[DIFFUSE if DIFFUSE in told else told[0]][0]
     return found
 
 

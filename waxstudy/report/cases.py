@@ -63,8 +63,6 @@ def _changes(old: Mapping[str, Choice], new: Mapping[str, Choice]) -> Iterator[s
             yield f"{kind} “{choice.component.name}”: {_small(one_sentence(choice.component.__doc__))}{_set(choice)}"
         elif changed := list(_parameters(before, choice)):
             yield f"{kind}: {', '.join(changed)}"
-    for kind in old.keys() - new.keys():
-        yield f"no {kind}"
 
 
 def _set(choice: Choice) -> str:
@@ -72,7 +70,7 @@ def _set(choice: Choice) -> str:
     given = choice.parameters.model_dump(mode="json", exclude_none=True)
     for name in reversed(list(given)):
         fewer = {key: value for key, value in given.items() if key != name}
-        with suppress(ValueError):
+        with suppress(Exception):  # a stranger's check may raise anything
             if Choice.of(choice.component, fewer).parameters.model_dump() == choice.parameters.model_dump():
                 given = fewer
     return f" ({', '.join(f'{name} = {_short(value)}' for name, value in given.items())})" if given else ""

@@ -7,6 +7,7 @@ import io
 import json
 import math
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import Any
 
 from rich import box
@@ -94,20 +95,23 @@ def console(out: io.StringIO, width: int, colour: bool) -> Console:
 
 
 def _grid(table: Table[Any], is_narrow: bool = False) -> Grid:
-    """A table; a narrow one has headings of a word to a line, and no space about its plus-minuses."""
+    """A table; a narrow one has headings no wider than its cells and words, and no space about its plus-minuses."""
     edges = {"show_edge": False, "padding": 0} if is_narrow else {"padding": (0, 1, 0, 0)}
     grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, **edges)
     texts_of = [[_tight(text) if is_narrow else text for text in texts] for texts in table.texts]
     for place, column in enumerate(table.columns):
         cells = [texts[place] for texts in texts_of]
         can_wrap = column.kind in ("prose", "list")
-        name = column.name.split(" ") if is_narrow else [column.name]
+        words = [column.name]
+        if is_narrow:
+            least = max(map(cell_len, (*column.name.split(" "), *cells)))
+            words = wrap(column.name, least, break_long_words=False, break_on_hyphens=False) or [""]
         grid.add_column(
-            Text("\n".join(map(visible, name))),
+            Text("\n".join(map(visible, words))),
             justify="left" if column.is_left else "right",
             style="dim" if column.kind == "theirs" else None,
             no_wrap=not can_wrap,
-            min_width=None if can_wrap else max(map(cell_len, (*name, *cells))),
+            min_width=None if can_wrap else max(map(cell_len, (*words, *cells))),
         )
     for texts in texts_of:
         row = zip(table.columns, texts, strict=True)

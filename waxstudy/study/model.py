@@ -147,8 +147,12 @@ class Season(Parameters):
     @field_validator("first_day", "last_day")
     @classmethod
     def _is_a_day(cls, day: str | None) -> str | None:
+        if day is None:
+            return None
         try:
-            return day and f"{date.fromisoformat(f'2000-{day}'):%m-%d}"
+            if not re.fullmatch(r"\d\d-\d\d", day):
+                raise ValueError
+            return f"{date.fromisoformat(f'2000-{day}'):%m-%d}"
         except ValueError:
             raise ValueError(f"'{day}' is not a day of the year as MM-DD") from None
 

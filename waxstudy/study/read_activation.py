@@ -45,6 +45,8 @@ def read_activation(check: Check, cases: Mapping[str, Case], room: Choice | None
     states = dict(_states(check, cases))
     if "ensemble" in check.source.values and "weather" in (check.table(Spot.table("ensemble")) or {}):
         check.problem(Spot.table("ensemble", "weather"), "has no use beside [activation]: each week is taken as it is")
+    if "season" in check.source.values:
+        check.problem(Spot.table("season"), "has no use beside [activation]: cold minutes count in all of its hours")
     before = len(check.problems)
     file, rows = _table_of_rooms(check, values)
     draws = dict(_draws(check))

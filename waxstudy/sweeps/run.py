@@ -102,9 +102,7 @@ def compute_points(
 ) -> dict[int, str]:
     """Compute points until all have ended, and keep each in its file; return why which failed.
 
-    `units` are of columns that are no key figures.
-
-    Those that a dying process had are computed again, one by one.
+    Those that a dying process had are computed again, one by one. `units` are of columns that are no key figures.
     """
     failed: dict[int, str] = {}
 

@@ -37,8 +37,10 @@ def figure_switchings(diagnosis: Diagnosis) -> Figure:
     if signal is None or not shown:
         raise Lacking("no signal that only switches, or nothing that it moves within minutes, is in the record")
     step_min = _interval_min(traces)
-    on = (traces[f"{signal}_measured"] > 0.5).to_numpy()
-    changed = np.flatnonzero(np.diff(on.astype(int)) != 0) + 1
+    course = traces[f"{signal}_measured"].to_numpy(dtype=float)
+    on = course > 0.5
+    # what a gap hides is no switching
+    changed = np.flatnonzero((np.diff(on.astype(int)) != 0) & np.isfinite(np.diff(course))) + 1
     starts = [changed[on[changed]], changed[~on[changed]]]
     if step_min > AFTER_MIN / LEAST or min(map(len, starts)) < LEAST:
         raise Lacking("the record is too coarse for minutes, or the signal hardly switches")
