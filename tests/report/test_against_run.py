@@ -208,7 +208,7 @@ def test_text_formats_show_the_other_mean_with_its_spread_and_every_table(base: 
     beside, against = held(base, changed)
     mae = next(cell.theirs for cell in against.cells if (cell.case, cell.column) == ("rough", "mae_K"))
     for text in (as_terminal(beside, 120, colour=False), as_markdown(beside), as_html(beside)):
-        assert f"{mae.mean:.3f} ± {mae.sd:.3f}" in text
+        assert f"{mae.mean:.3f}±{mae.sd:.3f}" in text.replace(" ± ", "±")  # a narrow terminal sets it tight
         plain = re.sub(r"\s+", " ", text)
         for title in ("gainst", "his run minus", "1 differs: rough to middle (cold)"):
             assert title in plain

@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 import re
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
@@ -108,14 +109,21 @@ def one_panel(height_in: float) -> tuple[Figure, Axes]:
     return figure, axes[0, 0]
 
 
+@contextmanager
+def _any_script() -> Iterator[None]:
+    """A name in another script gets boxes, and no warning."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        yield
+
+
 def _svg(figure: Figure, prefix: str) -> str:
     """Return the figure as an element of a page, the same for the same figure; the prefix keeps ids apart."""
     for words in figure.findobj(Text):  # names may hold anything: no formulas, and nothing that no font has a sign for
         words.set_text(visible_lines(words.get_text()))
         words.set_parse_math("$" not in words.get_text())
     out = io.StringIO()
-    with rc_context(RC), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a name in another script gets boxes
+    with rc_context(RC), _any_script():
         figure.savefig(out, format="svg", metadata={"Date": None})
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", out.getvalue(), flags=re.S)
     element = re.sub(r"\sxmlns(:\w+)?=\"[^\"]*\"", "", text[text.index("<svg") :])
@@ -125,7 +133,8 @@ def _svg(figure: Figure, prefix: str) -> str:
 
 def _parts(figure: Figure) -> list[str]:
     """Where the panels and the legend lie in a figure that was drawn, as `viewBox`es: x, y, width, height."""
-    boxes = [panel.get_tightbbox() for panel in figure.axes] + [each.get_window_extent() for each in figure.legends]
+    with _any_script():
+        boxes = [panel.get_tightbbox() for panel in figure.axes] + [each.get_window_extent() for each in figure.legends]
     scale, height = POINTS / figure.dpi, figure.get_figheight() * POINTS
     found = []
     for box in filter(None, boxes):

@@ -38,7 +38,8 @@ def figure_record(diagnosis: Diagnosis) -> Figure:
     pieces = np.floor(np.asarray(days) * 24.0 / HOURS)
     for row, channel in enumerate(channels):
         known = traces[f"{channel}_measured"].notna()
-        modelled = known & traces[f"{channel}_before"].notna() & (np.asarray(days) * 24.0 >= FIRST_H)
+        is_beside = traces[f"{channel}_before"].notna() if f"{channel}_before" in traces else False
+        modelled = known & is_beside & (np.asarray(days) * 24.0 >= FIRST_H)
         for mask, (colour, height) in ((modelled, LOOKS["judged"]), (known & ~modelled, LOOKS["recorded, not judged"])):
             _bar(panel, row, pieces[mask.to_numpy()], colour, height)
     name_rows(panel, [channel_words(channel) for channel in channels])
