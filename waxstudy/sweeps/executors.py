@@ -7,6 +7,7 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
 
 from waxstudy.plugin import BackendMissing
+from waxstudy.simulation.threads import use_one_thread
 from waxstudy.simulation.workers import worker_processes
 from waxstudy.sweeps.kinds import Kind
 from waxstudy.sweeps.point import STOP
@@ -25,6 +26,7 @@ def executor(kind: Kind, workers: int, scheduler: str | None) -> Iterator[Execut
         with _dask(workers, scheduler) as pool:
             yield pool
     elif kind == "processes":
+        use_one_thread()  # of each process: else they wait for each other
         with worker_processes(workers) as pool:
             yield pool
     else:

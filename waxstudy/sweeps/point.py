@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from waxstudy.plugin import Choice, SimulationError, Stopped
+from waxstudy.plugin import Choice, Component, SimulationError, Stopped
 from waxstudy.plugin.registry import described, installed
 from waxstudy.results.run import CaseFolder
 from waxstudy.simulation.run import InputError, Plan, loops_of, prepare, simulate_case
@@ -24,10 +24,15 @@ ONE = threading.Lock()  # rooms are built and blocks compiled by one thread at a
 STOP = np.zeros(1, dtype=np.int64)  # 1 ends what threads of this process compute at its next weather interval
 
 
-def key_of(study: Study) -> str:
-    """Return a digest of everything that a point's figures depend on: what is stated, files that it names, sources."""
-    choices = list(_choices(study))
-    sources = sorted({component_digest(choice.component) for choice in choices})
+def key_of(study: Study, digests: MutableMapping[type[Component], str] | None = None) -> str:
+    """Return a digest of everything that a point's figures depend on: what is stated, files that it names, sources.
+
+    `digests` holds those of components that were asked for before, as many points have the same.
+    """
+    choices, digests = list(_choices(study)), {} if digests is None else digests
+    for component in {choice.component for choice in choices} - digests.keys():
+        digests[component] = component_digest(component)
+    sources = sorted({digests[choice.component] for choice in choices})
     files = sorted(
         {value for choice in choices for value in vars(choice.parameters).values() if isinstance(value, Path)}
     )

@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 
 import pandas as pd
 
-from waxstudy.plugin import SimulationError
+from waxstudy.plugin import Component, SimulationError
 from waxstudy.plugin.files import check_file
 from waxstudy.results.atomic import sole_use, whole_file
 from waxstudy.results.folder import RunError, holds_run
@@ -56,7 +56,8 @@ def run(
     `KeyboardInterrupt`; what was finished before that is kept.
     """
     with points_folder(folder, POINTS, "sweep"):
-        keys = [key_of(study) for study in studies]
+        digests: dict[type[Component], str] = {}
+        keys = [key_of(study, digests) for study in studies]
         told.total(len(keys))
         files = [folder / POINTS / f"{key}.parquet" for key in keys]
         # points that are alike are computed once
