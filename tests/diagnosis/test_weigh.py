@@ -15,8 +15,9 @@ from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import concentrated, patterns
-from waxstudy.diagnosis.select.posterior import Weighed, posterior
+from waxstudy.diagnosis.select.posterior import Weighed, _is_within, _with_peers, _with_unseen, posterior
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Inputs, open_share
 
 NOTHING = Weighed(
@@ -61,6 +62,19 @@ def test_more_cycles_tell_more_and_never_more_than_what_is_gained() -> None:
     assert all(each <= 0.5 * cycles * 4.6**2 for each, cycles in zip(most, (2, 4, 8, 16, 64), strict=True))
 
 
+@pytest.mark.parametrize("cycles", [2, 5, 40])
+def test_what_cycles_tell_is_the_logarithm_of_student_s_t(cycles: int) -> None:
+    """Of errors of 3 in each cycle that an effect takes away: t squared is 9 times the degrees of freedom."""
+    spread, most = _gained(cycles, 3.0)
+    assert spread == 1.0
+    assert most == pytest.approx(0.5 * cycles * np.log1p(9.0))
+
+
+def test_an_effect_that_changes_nothing_gains_nothing() -> None:
+    errors = np.array([1.0, -2.0, 3.0])
+    assert gain_spread(errors, errors, np.arange(3)) == (1.0, 0.0)
+
+
 @given(st.lists(st.floats(-5.0, 5.0), min_size=2, max_size=30))
 def test_a_gain_varies_at_least_as_errors_that_are_independent_do(missed: list[float]) -> None:
     spread, most = gain_spread(np.array(missed), np.zeros(len(missed)), np.arange(len(missed)) // 2)
@@ -78,6 +92,29 @@ def test_a_gain_of_one_day_among_many_is_no_effect_s() -> None:
 
 
 # --- probabilities -----------------------------------------------------------------------------------
+
+
+def _of(*names: str) -> Hypothesis:
+    return Hypothesis(tuple((EFFECTS[name], {}) for name in names), PLAIN, np.zeros(0), ())
+
+
+def test_an_effect_of_a_chain_that_leaves_something_amiss_is_outdone_by_the_square_of_that() -> None:
+    first, second = (replace(LEAK, stands=1.0, misfit=misfit) for misfit in (0.0, 3.0))
+    told = _with_peers([NOTHING, first, second], [0.0, 100.0, 10.0])
+    assert told == pytest.approx([0.0, 100.0, 100.0 - WEIGHTS.unknown_price - 9.0 * WEIGHTS.sure])
+
+
+def test_a_pair_is_within_what_it_was_added_to_alone() -> None:
+    pair = _of("floor-cover", "infiltration")
+    assert _is_within(_of("floor-cover"), pair)
+    assert not _is_within(_of("dead-band"), pair)
+    assert not _is_within(_of("infiltration"), pair)
+
+
+def test_what_would_not_show_is_asked_of_effects_that_were_weighed_alone() -> None:
+    pair = replace(LEAK, fitted=_of("floor-cover", "infiltration"))
+    told = _with_unseen({"none": 1.0}, [NOTHING, LEAK, pair], 0.1)
+    assert told == pytest.approx({"none": 0.9, "infiltration": 0.1})
 
 
 @given(
