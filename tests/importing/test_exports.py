@@ -85,7 +85,10 @@ def test_what_was_decided_is_written_down_and_repeats_the_import_without_a_quest
     done = entry(*told["command"].split()[1:])
     assert done.code == 0, done.stderr
     assert Path("living/data.csv").read_bytes() == first
-    assert "use = 'nzeb'  # ours" in Path("living/dataset.toml").read_text()
+    second = Path("living/dataset.toml").read_text()
+    assert "use = 'nzeb'  # ours" in second
+    assert entry(*told["command"].split()[1:]).code == 0
+    assert Path("living/dataset.toml").read_text() == second
 
 
 def test_a_folder_of_another_import_is_kept_unless_it_is_to_be_replaced(made: dict[str, Export], entry: Entry) -> None:

@@ -97,7 +97,7 @@ def described(folder: Path, imported: Imported, earlier: str = "") -> str:
     rest = rest if re.search(r"^\s*\[nominal", rest, re.MULTILINE) else rest + STILL
     if (site := _site(imported)) and not re.search(r"^\s*\[site\b", rest, re.MULTILINE):
         rest = tomli_w.dumps({"site": site}) + "\n" + rest
-    return HEAD + tomli_w.dumps(own) + "\n" + rest
+    return HEAD + tomli_w.dumps(own) + "\n" + rest.lstrip("\n")
 
 
 def _dataset(imported: Imported) -> dict[str, Any]:
