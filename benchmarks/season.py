@@ -17,7 +17,7 @@ import pandas as pd
 from benchmarks.commands import WAXSTUDY
 from waxstudy.api.running import Results
 from waxstudy.report.comparison import CORRECTED, HEAT, differences_percent, member_values
-from waxstudy.report.season import Months, interval_percent
+from waxstudy.report.season import COLD_SHARE, Months, interval_percent
 from waxstudy.results.kpis import months_of
 from waxstudy.sweeps.result import read_swept
 
@@ -59,7 +59,7 @@ def differences(weeks: pd.DataFrame, season: pd.DataFrame, bare: pd.DataFrame) -
 def _over_months(kpis: pd.DataFrame, case: str, other: str) -> str:
     """The season's difference, and half its 95 % interval over months that have a hundredth of the heat at least."""
     own, its = (_months(kpis, name) for name in (case, other))
-    told = its > 0.01 * its.sum()
+    told = its > COLD_SHARE * its.sum()
     return f"{100.0 * (own.sum() / its.sum() - 1.0):+.2f} ± {interval_percent(own[told], its[told]):.2f}"
 
 

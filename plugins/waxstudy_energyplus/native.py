@@ -1,4 +1,4 @@
-"""What a run does at each step in machine code, once it is warm: no Python runs then.
+"""What a run does at each step in machine code, once it is warm: no Python of the chain runs then.
 
 `native_code.py` makes the code where numba is; here it is loaded and told where all is.
 """
