@@ -34,22 +34,20 @@ class Scatter:
 
 
 SCATTER: Mapping[str, Scatter] = {
-    "wall_U": Scatter(
-        "factor", 0.12, "1", "gaps, moisture and studs; in-situ U strays by 10 to 20 % from the drawn one"
-    ),
-    "window_U": Scatter("factor", 0.08, "1", "frame share and spacers; panes themselves are made to a tolerance"),
-    "sun": Scatter("factor", 0.12, "1", "dirt, curtains, frames and a horizon that nobody drew"),
-    "gains": Scatter("factor", 0.25, "1", "households of one size use a quarter more or less"),
-    "gains_later_h": Scatter("sum", 1.0, "h", "people get up and come home when they do"),
-    "furniture": Scatter("factor", 0.3, "1", "nobody weighs what is moved in"),
-    "mass": Scatter("factor", 0.08, "1", "boards and plaster as delivered, not as drawn"),
+    "wall_U": Scatter("factor", 0.12, "1", "gaps, moisture, studs: U in situ is 10 to 20 % off"),
+    "window_U": Scatter("factor", 0.08, "1", "frame share, spacers, tolerance of panes"),
+    "sun": Scatter("factor", 0.12, "1", "dirt, curtains, frames, horizon"),
+    "gains": Scatter("factor", 0.25, "1", "households of one size differ by a quarter"),
+    "gains_later_h": Scatter("sum", 1.0, "h", "people's hours"),
+    "furniture": Scatter("factor", 0.3, "1", "what is moved in"),
+    "mass": Scatter("factor", 0.08, "1", "as delivered, not as drawn"),
     "leaks": Scatter("factor", 0.5, "1", "blower-door results of one design differ by a factor of two and more"),
-    "flow": Scatter("factor", 0.07, "1", "a circuit is balanced by hand at a scale of coarse steps"),
-    "cover_m2K_W": Scatter("even", 0.02, "m2 K/W", "tiles, a thin carpet, a rug: what lies on the screed on the day"),
-    "exchange_m2K_W": Scatter("even", 0.04, "m2 K/W", "pipes that lie deeper, wider or with air around them"),
-    "supply_sensor_K": Scatter("sum", 0.12, "K", "a clamp-on sensor under insulation, as it was fixed once"),
-    "room_sensor_K": Scatter("sum", 0.1, "K", "a thermistor's tolerance and the wall behind it"),
-    "wax": Scatter("factor", 0.07, "1", "heater and mains within their tolerance"),
+    "flow": Scatter("factor", 0.07, "1", "balanced by hand, in coarse steps"),
+    "cover_m2K_W": Scatter("even", 0.02, "m2 K/W", "tiles, a thin carpet, a rug"),
+    "exchange_m2K_W": Scatter("even", 0.04, "m2 K/W", "pipes deeper, wider or with air around them"),
+    "supply_sensor_K": Scatter("sum", 0.12, "K", "a clamp-on sensor, as it was fixed"),
+    "room_sensor_K": Scatter("sum", 0.1, "K", "a thermistor's tolerance, the wall behind it"),
+    "wax": Scatter("factor", 0.07, "1", "tolerance of heater and mains"),
 }
 EVERY_DAY: Mapping[str, Scatter] = {
     "gains": Scatter("factor", 0.2, "1", "guests, cooking, a day out: no day is as another"),
