@@ -35,7 +35,7 @@ def dataset_keys() -> str:
 
 
 def _spreads() -> str:
-    about = "What `waxstudy believe` adds, as squares, to a room's uncertainties where an answer was guessed: the spread of the"
+    about = "What each guess of `waxstudy believe` adds to an uncertainty of the room, as squares: the spread of the"
     rows = [(f"`{each.key}`", f"`{each.unknown}`", f"{each.spread:g}", plain(each.why)) for each in SPREADS]
     widens = table(("guessed", "widens", "by", "why"), rows)
     return f"## What guesses widen\n\n{about} logarithm.\n\n{widens}"
