@@ -7,6 +7,7 @@ from importlib import import_module
 
 from docs_site.commands import commands
 from docs_site.components import components, effects
+from docs_site.folders import folders
 from docs_site.keys import dataset_keys, study_keys
 from waxstudy import _PLACES
 
@@ -29,4 +30,5 @@ PAGES: Mapping[str, Callable[[], str]] = {
     "reference/python.md": python,
     "reference/components.md": components,
     "reference/effects.md": effects,
+    "reference/folders.md": folders,
 }
