@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from docs_site.tables import plain, table
+from waxstudy.believing.tolerance import SPREADS
 from waxstudy.dataset.schema import dataset_schema
 from waxstudy.plugin import CHAIN
 from waxstudy.plugin.registry import installed
@@ -29,7 +30,15 @@ def study_keys() -> str:
 def dataset_keys() -> str:
     """Return the page of the keys of dataset.toml."""
     intro = "Every key of `dataset.toml`. [Record and check data](../datasets.md) says how they go together.\n\n"
-    return "# Keys of a dataset\n\n" + intro + "\n".join(_tables(dataset_schema(installed())["properties"]))
+    tables = "\n".join(_tables(dataset_schema(installed())["properties"]))
+    return f"# Keys of a dataset\n\n{intro}{tables}\n{_spreads()}"
+
+
+def _spreads() -> str:
+    about = "What each guess of `waxstudy believe` adds to an uncertainty of the room, as squares: the spread of the"
+    rows = [(f"`{each.key}`", f"`{each.unknown}`", f"{each.spread:g}", plain(each.why)) for each in SPREADS]
+    widens = table(("guessed", "widens", "by", "why"), rows)
+    return f"## What guesses widen\n\n{about} logarithm.\n\n{widens}"
 
 
 def _tables(properties: Mapping[str, Node], parent: str = "") -> Iterator[str]:

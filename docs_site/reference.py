@@ -7,7 +7,9 @@ from importlib import import_module
 
 from docs_site.commands import commands
 from docs_site.components import components, effects
+from docs_site.folders import folders
 from docs_site.keys import dataset_keys, study_keys
+from docs_site.stages import stages
 from waxstudy import _PLACES
 
 
@@ -29,4 +31,6 @@ PAGES: Mapping[str, Callable[[], str]] = {
     "reference/python.md": python,
     "reference/components.md": components,
     "reference/effects.md": effects,
+    "reference/stages.md": stages,
+    "reference/folders.md": folders,
 }

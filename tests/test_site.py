@@ -14,6 +14,7 @@ import pytest
 
 import waxstudy as wx
 from docs_site import links, order, tables
+from docs_site.folders import about, folders
 from tests.conftest import ROOT
 from waxstudy.cli import COMMANDS
 from waxstudy.plugin.registry import installed
@@ -28,6 +29,14 @@ def test_the_examples_of_the_site_hold(module: object) -> None:
     tried = doctest.testmod(module)  # type: ignore[arg-type]
     assert tried.attempted
     assert not tried.failed
+
+
+def test_every_folder_of_the_code_says_what_it_holds_and_has_its_row() -> None:
+    page = folders()
+    for place in ("waxstudy", "waxstudy/diagnosis", "plugins"):
+        for package in (path.parent for path in (ROOT / place).glob("*/__init__.py")):
+            assert f"| `{package.name}` | " in page, f"{package}: no layer of [tool.importlinter] names it"
+            assert about(package), f"{package}: no docstring"
 
 
 def build(source: Path, site: Path) -> subprocess.CompletedProcess[str]:

@@ -1,1 +1,1 @@
-"""Engines that records of the blind test come from: the fast room, plants of other physics, a measured house."""
+"""Engines of the blind test's records (fast room, other physics, a measured house), families, baselines."""

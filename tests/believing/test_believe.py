@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from docs_site.keys import dataset_keys
 from tests.cli.conftest import Entry
 from tests.cli.conftest import entry as entry
 from tests.conftest import ROOT, WAXSTUDY
@@ -225,7 +226,7 @@ def test_it_asks_on_a_terminal(living: Path, tmp_path: Path) -> None:
     assert "valve" not in found["believe"]["stated"]
 
 
-def test_the_page_shows_every_spread() -> None:
-    page = (ROOT / "docs" / "import.md").read_text(encoding="utf-8")
+def test_the_reference_shows_every_spread() -> None:
+    page = dataset_keys()
     rows = [f"| `{each.key}` | `{each.unknown}` | {each.spread:g} | {each.why} |" for each in SPREADS]
     assert [row for row in rows if row not in page] == []

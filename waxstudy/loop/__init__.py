@@ -1,1 +1,1 @@
-"""A case as a control loop: what its week does to valve and comfort, and its linearised loop."""
+"""A case as a control loop: what its week does to valve and comfort, its margins, textbook rules."""

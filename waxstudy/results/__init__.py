@@ -1,1 +1,2 @@
+"""Key figures of a member's week, and the run folder."""
 

@@ -1,1 +1,1 @@
-"""A healthy record of the loop: how it was built, and what the model leaves of it all the same."""
+"""A healthy record of the loop: how it was built, how well that is known, what the model leaves; rooms for studies."""

@@ -1,1 +1,1 @@
-"""Fitting hypotheses to a problem, whatever it is of."""
+"""Fitting hypotheses to any problem: solver, start points, parameter space; it knows no channel."""

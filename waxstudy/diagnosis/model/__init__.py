@@ -1,1 +1,1 @@
-"""What the believed loop makes of the record: segments, their response, and what nobody knows of a room."""
+"""What the believed loop makes of the record: segments, responses, logging conventions, what nobody knows."""

@@ -1,1 +1,1 @@
-"""What was measured, how well, and what stands in for drives that nobody recorded."""
+"""The record: channels made ready, their noise, which days serve for what, stand-ins for drives nobody recorded."""

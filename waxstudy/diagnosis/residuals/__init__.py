@@ -1,1 +1,1 @@
-"""What a prediction misses of each channel, in the channel's own terms."""
+"""What a prediction misses: a class for each way to judge a channel; a segment as a problem; the noise floor."""

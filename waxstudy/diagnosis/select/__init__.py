@@ -1,1 +1,1 @@
-"""Which effects a record shows, and what it cannot show."""
+"""Which effects a record shows, and what it cannot show: evidence, search, the null, intervals, what stays."""
