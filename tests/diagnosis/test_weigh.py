@@ -146,6 +146,15 @@ def test_what_leaves_much_may_as_well_be_something_unknown() -> None:
     assert posterior([NOTHING, replace(LEAK, misfit=2.5, left=0.05)])["infiltration"] > 0.7
 
 
+def test_two_effects_at_once_that_leave_much_may_as_well_be_one_that_is_unknown() -> None:
+    """A stove in the evenings looks like warmer water and less mass together, and something stays."""
+    cover = (EFFECTS["floor-cover"], {"resistance_m2K_W": 0.05})
+    both = replace(LEAK.fitted, effects=(*LEAK.fitted.effects, cover))
+    pair = replace(LEAK, fitted=both, names=("floor-cover", "infiltration"), gain=60.0, price=12.0, most=90.0)
+    assert posterior([NOTHING, LEAK, replace(pair, misfit=5.0, left=0.5)])["unknown"] > 0.8
+    assert posterior([NOTHING, LEAK, replace(pair, left=0.03)])["floor-cover+infiltration"] > 0.6
+
+
 def test_of_two_that_leave_nothing_the_finer_name_must_be_earned() -> None:
     coarse = replace(LEAK, names=("coarse",), gain=20.0, price=6.0, stands=5.0)
     fine = replace(LEAK, names=("fine",), gain=24.0, price=12.0, stands=5.0)

@@ -27,6 +27,7 @@ class Weights:
     price: float
     unknown_price: float
     form: float
+    form_of_room: float
     scatter: float
     coarse_scatter: float
     least_left: float

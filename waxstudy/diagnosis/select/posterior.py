@@ -57,7 +57,7 @@ def posterior(found: Sequence[Weighed], soft: float = WEIGHTS.soft, unseen: floa
     logs: dict[str, float] = {}
     for each, gain in zip(found, gains, strict=True):
         _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
-        if len(each.fitted.effects) == 1:
+        if each.fitted.effects:
             _raise(logs, (UNKNOWN,), _mimicked(each, gain))
         if each.always > 0.0:
             _add(logs, (), gain - each.unlike - each.price, each.misfit)
@@ -83,8 +83,8 @@ def _with_unseen(beliefs: Mapping[str, float], found: Sequence[Weighed], share: 
 
 
 def _mimicked(each: Weighed, gain: float) -> float:
-    """Return what speaks for something unknown that looks like an effect: the less likely the more alike."""
-    freedom = each.price + float(np.log(WEIGHTS.prior))  # of its parameters, and of when it acts
+    """Return what speaks for something unknown that looks like effects: the less likely the more alike."""
+    freedom = each.price + len(each.fitted.effects) * float(np.log(WEIGHTS.prior))  # of parameters, and of when
     return gain - max(0.0, each.always) - freedom + WEIGHTS.alike * float(np.log(each.left)) - WEIGHTS.unknown_price
 
 

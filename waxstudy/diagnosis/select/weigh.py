@@ -131,7 +131,9 @@ class Weighing:
         """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
         weighed = self.of(fitted, given.fitted)
         # what the form of the first effect may leave is no second one
-        more = weighed.gain - given.gain - WEIGHTS.form**2 * max(0.0, given.gain)
+        told = max(0.0, given.gain) + max(0.0, given.ease)
+        form = WEIGHTS.form_of_room if self.problem.segment.with_room else WEIGHTS.form
+        more = weighed.gain - given.gain - form**2 * told
         spread, most = self._spread(fitted, given.fitted)
         return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
 

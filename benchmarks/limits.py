@@ -1,0 +1,128 @@
+"""What each limit of the criteria decides: `python -m benchmarks.limits SET KEYFILE`.
+
+SET is a blind test's folder that was made for this, never one that is judged. Each record is diagnosed as if it had no
+baseline (with one, hypotheses are weighed), and the truth is opened. A limit decides where evidence fails by it alone,
+or passes by it alone. Such a limit is then taken away, and the record diagnosed again. Told are the records in which
+a limit decides, those whose answer is another without it, and how many of these turn right and wrong. What is done is
+kept in SET/limits: the same command goes on.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+from typing import Any
+
+from waxstudy.blind_test.answer import Answer
+from waxstudy.blind_test.box import open_box
+from waxstudy.blind_test.key import Key
+from waxstudy.blind_test.marks import Mark, Truth
+from waxstudy.dataset.read import read_dataset
+from waxstudy.diagnosis import criteria
+from waxstudy.diagnosis.criteria import Criterion, Question
+from waxstudy.diagnosis.diagnose import diagnose
+from waxstudy.plugin.trial import engine_of
+from waxstudy.results.atomic import whole_file
+
+ONE_IS_ENOUGH = (Question.UNDERSTOOD, Question.EXCUSED)
+ASKED = criteria._of
+WORKERS = 2
+
+
+class Watched:
+    """Asks the criteria in the place of `criteria._of`, without one limit, and notes which ones decide alone."""
+
+    def __init__(self, without: str = "") -> None:
+        self.without, self.alone = without, set[str]()
+
+    def __call__(self, question: Question, evidence: Any) -> Iterator[Criterion]:
+        found = list(ASKED(question, evidence))
+        if evidence is not None:
+            self._note(question, evidence, found)
+        return (self._as_asked(question, each) for each in found)
+
+    def _note(self, question: Question, evidence: Any, found: list[Criterion]) -> None:
+        is_one = question in ONE_IS_ENOUGH
+        try:
+            deciding = {each.limit.name for each in found if each.holds(evidence) is is_one}
+        except AttributeError:
+            return  # only asked for a limit
+        if len(deciding) == 1:
+            self.alone |= deciding
+
+    def _as_asked(self, question: Question, each: Criterion) -> Criterion:
+        if each.limit.name != self.without:
+            return each
+        is_least, is_met = each.operator in (">", ">="), question not in ONE_IS_ENOUGH
+        open_ = (0.0 if is_met else inf) if is_least else (inf if is_met else -inf)
+        return replace(each, limit=replace(each.limit, value=open_))
+
+
+def answered(record: Path, watched: Watched) -> dict[str, Any]:
+    """Return what a diagnosis says of a record, as its JSON has it."""
+    criteria._of = watched
+    try:
+        return json.loads(json.dumps(diagnose(read_dataset(record)).described(), default=str))
+    finally:
+        criteria._of = ASKED
+
+
+def done(folder: Path, name: str) -> Mapping[str, Any]:
+    """Diagnose one record with all limits, then without each that decides; return what is said of it."""
+    path = folder / "limits" / f"{name}.json"
+    if not path.exists():
+        whole = Watched()
+        said: dict[str, Any] = {"": answered(folder / "records" / name, whole)}
+        for limit in sorted(whole.alone):
+            said[limit] = answered(folder / "records" / name, Watched(limit))
+        with whole_file(path) as place:
+            place.write_text(json.dumps(said) + "\n", encoding="utf-8")
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def table(told: Mapping[str, tuple[Truth, Mapping[str, Any]]]) -> Iterator[str]:
+    """Yield a line for each limit."""
+    yield "| limit | decides in | answer is another | turns right | turns wrong |"
+    yield "|---|---|---|---|---|"
+    for limit in criteria.limits():
+        marks = [(_mark(t, said[""]), _mark(t, said[limit])) for t, said in told.values() if limit in said]
+        other = [(old, new) for old, new in marks if _named(old) != _named(new)]
+        better = sum(new.is_right and not old.is_right for old, new in other)
+        worse = sum(old.is_right and not new.is_right for old, new in other)
+        yield f"| {limit} | {len(marks)} of {len(told)} | {len(other)} | {better} | {worse} |"
+
+
+def _mark(truth: Truth, said: Mapping[str, Any]) -> Mark:
+    return Mark(truth, Answer.read(said))
+
+
+def _named(mark: Mark) -> tuple[set[frozenset[str]], set[frozenset[str]]]:
+    return {claim.group for claim in mark.answer.claims}, set(mark.answer.open_stages)
+
+
+def main(folder: Path, key: Key) -> None:
+    (folder / "limits").mkdir(exist_ok=True)
+    truths = {}
+    for box in sorted((folder / "boxes").glob("*.box")):
+        truth = Truth.read(open_box(key, box.stem, box.read_bytes()))
+        if not engine_of(truth.engine).is_kept:
+            truths[box.stem] = truth
+    told = {}
+    with ProcessPoolExecutor(WORKERS) as pool:
+        tasks = {pool.submit(done, folder, name): name for name in truths}
+        for task in as_completed(tasks):
+            name = tasks[task]
+            told[name] = (truths[name], task.result())
+            print(f"{len(told)} of {len(truths)}: {name}, {truths[name].label}", file=sys.stderr, flush=True)
+    print("\n".join(table(told)))
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    main(Path(sys.argv[1]), Key.read(Path(sys.argv[2]).read_text(encoding="utf-8").strip()))
