@@ -12,11 +12,24 @@ INTRO = """\
 
 This page lists every number that decides what a diagnosis says, as `waxstudy diagnose --criteria` prints them;
 [diagnosis-method.md](diagnosis-method.md) says how they work together. It is written by `make golden` from
-`criteria.csv` and `weights.csv` in `waxstudy/diagnosis`; `select/evidence.py` there explains the numbers.
+`limits.csv`, `criteria.csv` and `weights.csv` in `waxstudy/diagnosis`; `select/evidence.py` there explains the numbers.
 
-Of “is a room understood”, “does less stay than a room of another form would leave” and “is what stays no finding” one
-criterion is enough; of all other questions every one that applies must hold. A number that was set on judged records
-is marked: it is training, not proof.
+## The limits
+
+A number that was set on judged records is marked: it is training, not proof.
+
+"""
+
+
+CRITERIA = """\
+
+What each of them decides on records that were made afresh, `python -m benchmarks.limits` tells
+([diagnosis-limits.md](diagnosis-limits.md#what-each-limit-decides)).
+
+## The criteria
+
+Of “is a room understood” and “is what stays no finding” one criterion is enough; of all other questions every one that
+applies must hold.
 
 """
 
@@ -33,9 +46,13 @@ judged.
 
 
 def page() -> str:
-    """The page as it should be: its tables list the criteria and the weights, in their order."""
-    limits, weights = criteria.table(), criteria.table_of_weights()
-    return INTRO + table(limits.names, limits.texts) + WEIGHTS + table(weights.names, weights.texts)
+    """The page as it should be: its tables list limits, criteria and weights, in their order."""
+    parts = (
+        (INTRO, criteria.table_of_limits()),
+        (CRITERIA, criteria.table()),
+        (WEIGHTS, criteria.table_of_weights()),
+    )
+    return "".join(words + table(found.names, found.texts) for words, found in parts)
 
 
 if __name__ == "__main__":

@@ -1,14 +1,14 @@
-"""The limits by which effects are claimed, kept and excused: the table criteria.csv, and how it is asked.
+"""The limits by which effects are claimed, kept and excused, in limits.csv and criteria.csv, and how they are asked.
 
-A criterion compares one number of a piece of evidence (most are in `select/evidence.py`) with a limit. An effect is
-named if it may be claimed, by itself or as one of a pair, and is kept. What decides, why an effect is not named,
-`waxstudy diagnose --criteria` and the table in docs/criteria.md all come from there.
+A criterion compares one number of a piece of evidence (most are in `select/evidence.py`) with a limit, which several
+criteria share. An effect is named if it may be claimed, by itself or as one of a pair, and is kept. What decides, why
+an effect is not named, `waxstudy diagnose --criteria` and the tables in docs/criteria.md all come from there.
 """
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
@@ -19,11 +19,10 @@ from typing import Any, NamedTuple
 COMPARE = {"<=": le, "<": lt, ">=": ge, ">": gt}
 FAR_APART_S = 300.0  # interval from which on samples hide what happened between them
 ROOM_STAGES = ("emitter", "room")
-CLEAR_GAIN, CLEAR_GAP = 50.0, 3.0  # whitened gain and floors, from which on a gap is clear
 
 
 class Question(StrEnum):
-    """What the table decides; of UNDERSTOOD, NO_FORM and EXCUSED one criterion is enough."""
+    """What the table decides; of UNDERSTOOD and EXCUSED one criterion is enough."""
 
     NUISANCE = "how far may what nobody knows of a room depart"
     JUDGE = "may a segment be judged"
@@ -39,7 +38,6 @@ class Question(StrEnum):
     UNDERSTOOD = "is a room understood with its effects"
     LATE = "do the last days show what those before do not"
     EXACT = "is a room exactly as believed, but for its effects"
-    NO_FORM = "does less stay than a room of another form would leave"
     UNKNOWN = "is what stays a gap of its own"
     EXCUSED = "is what stays no finding"
 
@@ -51,71 +49,76 @@ class Where(NamedTuple):
     applies: Callable[[Any], bool]
 
 
-def _is_clear_flow(e: Any) -> bool:
-    return bool(e.stage == "valve" and e.gain >= CLEAR_GAIN and e.over >= CLEAR_GAP)
-
-
 WHERE = {
     "": Where("everything", lambda e: True),
     "actuator": Where("effects of the actuator", lambda e: e.stage == "actuator"),
-    "sensor": Where("effects of the sensor", lambda e: e.stage == "sensor"),
     "of-room": Where("effects of emitter and room", lambda e: e.stage in ROOM_STAGES),
     "several-parameters": Where(
         "effects of the chain with several parameters",
         lambda e: e.stage not in ROOM_STAGES and e.parameters > 1,
     ),
-    "smoothed": Where(
-        "a control output that runs on; opening and flow behind a smoothed temperature",
-        lambda e: e.runs_on or (e.is_behind_smoothed and e.channel in ("displacement", "flow_L_h")),
-    ),
-    "far-flow": Where(
-        "flow in samples of 5 min and more", lambda e: e.channel == "flow_L_h" and e.interval_s >= FAR_APART_S
-    ),
     "far-opening": Where(
         "opening in samples of 5 min and more", lambda e: e.channel == "displacement" and e.interval_s >= FAR_APART_S
     ),
-    "clear-flow": Where(f"a valve's clear gap ({CLEAR_GAP:g} floors, a gain of {CLEAR_GAIN:g})", _is_clear_flow),
-    "not-clear-flow": Where("all but a valve's clear gap", lambda e: not _is_clear_flow(e)),
-    "supply": Where("the supply temperature", lambda e: e.channel == "supply_temperature_C"),
     "handicapped": Where("a controller that reads the logged noise, or once a sample", lambda e: e.is_handicapped),
-    "runs-on": Where("a control output that runs on", lambda e: e.runs_on),
     "room": Where("rooms", lambda e: e.is_room),
     "not-room": Where("the chain", lambda e: not e.is_room),
 }
 
 
 @dataclass(frozen=True)
-class Criterion:
-    """One comparison. `name` is said of what it decides; `is_tuned`: its limit was set on judged records."""
+class Limit:
+    """One number that decides; `is_tuned`: it was set on judged records."""
 
-    questions: tuple[Question, ...]
-    statistic: str  # attribute of the evidence
-    operator: str
-    limit: float
-    where: Where
     name: str
+    value: float
+    unit: str
+    what: str
     reason: str
     source: str
     is_tuned: bool
 
+
+@dataclass(frozen=True)
+class Criterion:
+    """One comparison. `name` is said of what it decides."""
+
+    questions: tuple[Question, ...]
+    statistic: str  # attribute of the evidence
+    operator: str
+    limit: Limit
+    where: Where
+    name: str
+    reason: str
+
     def holds(self, evidence: Any) -> bool:
-        return bool(COMPARE[self.operator](getattr(evidence, self.statistic), self.limit))
+        return bool(COMPARE[self.operator](getattr(evidence, self.statistic), self.limit.value))
+
+
+@cache
+def limits() -> Mapping[str, Limit]:
+    """Return every limit by its name, in the order of their table."""
+    return {row["name"]: _limit(**row) for row in _rows("limits.csv")}
+
+
+def _limit(value: str, tuned: str, **words: str) -> Limit:
+    return Limit(**words, value=float(value), is_tuned=bool(tuned))
 
 
 @cache
 def criteria() -> tuple[Criterion, ...]:
     """Return the table, in the order in which it is asked."""
-    text = files("waxstudy.diagnosis").joinpath("criteria.csv").read_text(encoding="utf-8")
-    return tuple(_read(row) for row in csv.DictReader(text.splitlines()))
+    return tuple(_read(row) for row in _rows("criteria.csv"))
 
 
-def _read(row: dict[str, str]) -> Criterion:
+def _read(row: Mapping[str, str]) -> Criterion:
     questions = tuple(Question[name.upper().replace("-", "_")] for name in row["questions"].split())
-    where = WHERE[row["where"]]
-    words = row["name"], row["reason"], row["source"]
-    return Criterion(
-        questions, row["statistic"], row["operator"], float(row["limit"]), where, *words, bool(row["tuned"])
-    )
+    compared = row["statistic"], row["operator"], limits()[row["limit"]]
+    return Criterion(questions, *compared, WHERE[row["where"]], row["name"], row["reason"])
+
+
+def _rows(name: str) -> Iterator[Mapping[str, str]]:
+    return csv.DictReader(files("waxstudy.diagnosis").joinpath(name).read_text(encoding="utf-8").splitlines())
 
 
 def _of(question: Question, evidence: Any) -> Iterator[Criterion]:
@@ -138,4 +141,4 @@ def meets_one(question: Question, evidence: Any) -> bool:
 def limit(question: Question, statistic: str, evidence: Any = None) -> float:
     """Return the strictest limit of a statistic among the criteria that apply, which all compare it the same way."""
     found = [each for each in _of(question, evidence) if each.statistic == statistic]
-    return (max if found[0].operator in (">", ">=") else min)(each.limit for each in found)
+    return (max if found[0].operator in (">", ">=") else min)(each.limit.value for each in found)

@@ -35,28 +35,30 @@ class Candidate:
 def best_of(candidates: Sequence[Candidate]) -> Candidate:
     """Return the candidate that gains most; of those that gain the same but for rounding, the first by name.
 
-    One with fewer parameters that leaves no more than noise is better: more of them follow what sampling blurs.
+    One with fewer parameters that cannot be told from it is better: more of them follow what sampling blurs.
     """
     most = max(c.evidence.gain for c in candidates)
     alike = [c for c in candidates if c.evidence.gain >= most * (1.0 - SAME)]
     best = min(alike, key=lambda c: c.effect.name)
     simpler = [c for c in candidates if c.evidence.parameters < best.evidence.parameters]
-    even = [c for c in simpler if meets(Question.SIMPLER, c.evidence)]
+    even = [c for c in simpler if meets(Question.SIMPLER, SimpleNamespace(apart=_apart(best.evidence, c.evidence)))]
     return min(even, key=lambda c: (c.evidence.parameters, -c.evidence.gain, c.effect.name), default=best)
 
 
 def alike(best: Candidate, candidates: Sequence[Candidate]) -> tuple[str, ...]:
     """Return the effects that cannot be told from the best one on what it was chosen by, the best first."""
-    own = best.evidence
-    left = max(1.0, own.missed) ** 2 * own.form_share
-
-    def apart(other: Evidence) -> float:
-        worse = other.loss + other.strain - own.loss - own.strain
-        return worse / left if left else float("inf") if worse > 0.0 else -float("inf")
 
     def is_alike(other: Evidence) -> bool:
-        pair = SimpleNamespace(p=other.p, gain_per_form=other.gain_per_form, apart=apart(other))
-        return meets(Question.ALIKE, pair)
+        apart = _apart(best.evidence, other)
+        return meets(Question.ALIKE, SimpleNamespace(p=other.p, gain_per_form=other.gain_per_form, apart=apart))
 
     others = [c for c in candidates if c.effect is not best.effect and is_alike(c.evidence)]
-    return (best.effect.name, *(c.effect.name for c in sorted(others, key=lambda c: apart(c.evidence))))
+    nearest = sorted(others, key=lambda c: _apart(best.evidence, c.evidence))
+    return (best.effect.name, *(c.effect.name for c in nearest))
+
+
+def _apart(best: Evidence, other: Evidence) -> float:
+    """Return how much more another one leaves, in units of what the best one leaves."""
+    left = max(1.0, best.missed) ** 2 * best.form_share
+    worse = other.loss + other.strain - best.loss - best.strain
+    return worse / left if left else float("inf") if worse > 0.0 else -float("inf")

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.diagnosis.criteria import CLEAR_GAIN
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
@@ -24,8 +23,6 @@ class Evidence:
     channel: str  # where it gains most
     parameters: int  # how many are free
     interval_s: float
-    runs_on: bool  # the channel is a control output that does not switch
-    is_behind_smoothed: bool  # the segment's drive is a smoothed temperature
     gain: float  # loss that it takes away, but for what the drive's noise adds to it
     loss: float  # on both parts
     strain: float  # squares of how far the room had to depart from what is believed, in standard deviations
@@ -42,10 +39,6 @@ class Evidence:
     @property
     def gain_per_form(self) -> float:
         return self.gain / self.form_share if self.form_share else (np.inf if self.gain >= 0.0 else -np.inf)
-
-    @property
-    def least_share(self) -> float:
-        return min(self.share, self.plain_share)
 
 
 @dataclass(frozen=True)
@@ -99,13 +92,12 @@ class Late:
 
     is_room: bool
     growth: float  # over that of the days before
-    over: float  # over the floor
     over_form: float  # over the most that a room's form may leave
 
     @classmethod
-    def of(cls, residual: Residual, floor: float, is_room: bool) -> Late:
+    def of(cls, residual: Residual, is_room: bool) -> Late:
         last, before = residual.gap(SHRINK), max(residual.gap(FIT), residual.gap(SELECT))
-        return cls(is_room, in_floors(last, before), in_floors(last, floor), in_floors(last, residual.form))
+        return cls(is_room, in_floors(last, before), in_floors(last, residual.form))
 
 
 @dataclass(frozen=True)
@@ -113,7 +105,6 @@ class Left:
     """What stays of a channel with all effects that were found; `over` may be asked for before the rest is known."""
 
     is_room: bool
-    runs_on: bool
     over: float = np.inf  # floors
     p: float = 1.0  # of drawing its cycles or days again
     typical: float = 0.0  # standard deviations by which the samples that make up the gap are off
@@ -129,15 +120,7 @@ class Exact:
     over_loose: float = 0.0  # left with all that nobody knows of the room
     over: float = np.inf  # without an effect, and of each channel that is named
     left: float = 0.0  # with the effects
-    alike: int = 0  # names in the largest group
-
-
-@dataclass(frozen=True)
-class FormLeft:
-    """What stays of a temperature of a room."""
-
-    left_K: float
-    left_share: float  # of what was missed before
+    left_K: float = 0.0  # the same in kelvins, or what noise may hide
 
 
 # --- numbers that several of them share ---
@@ -172,19 +155,6 @@ def steps(prior: Prior, value: float, still: float) -> float:
     if prior.is_log:
         return float(abs(np.log(value / still)) / np.log(prior.noticeable))
     return abs(value - still) / prior.noticeable
-
-
-def over_floor(current: Hypothesis, channel: str, floor: NoiseFloor, gain: float) -> float:
-    """Return a channel's gap over a floor, in its unit; of a slight gain in what runs on also weighed as errors are.
-
-    A model that passes less noise on misses less, right or wrong: the gap must stand out of its own model's floor too.
-    """
-    residual = current.residual_of(channel)
-    plain = in_floors(residual.gap(SELECT), floor.plain[channel])
-    if residual.unit == "s" or gain >= CLEAR_GAIN:
-        return plain
-    weighed = float(np.sqrt(residual.loss(SELECT) / residual.count(SELECT)))
-    return min(plain, in_floors(weighed, floor.white[channel]))
 
 
 def strongest(current: Hypothesis, fitted: Hypothesis, floor: NoiseFloor) -> tuple[str, float, float]:

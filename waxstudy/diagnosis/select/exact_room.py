@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from waxstudy.diagnosis.criteria import Question, meets, meets_one
+from waxstudy.diagnosis.criteria import Question, meets
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
@@ -12,7 +12,7 @@ from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import in_floors
-from waxstudy.diagnosis.select.evidence import Exact, FormLeft
+from waxstudy.diagnosis.select.evidence import Exact
 from waxstudy.diagnosis.select.search import Selection, Tick, select
 
 
@@ -26,8 +26,8 @@ def with_exact_room(loose: Selection, effects: Sequence[EffectType], seed: int, 
     estimator = Estimator(loose.problem.exact(), loose.estimator.thorough)
     believed = estimator.base_on_both(estimator.base.convention)
     floor = NoiseFloor.of(estimator.problem, believed)
-    is_hidden = any(not _is_no_form(floor.plain[each.channel], each) for each in _shown(believed))
-    if is_hidden or not _is_exact(Exact(over=_most(believed, floor))):
+    blurred_K = max(floor.plain[each.channel] for each in _shown(believed))
+    if not _is_exact(Exact(over=_most(believed, floor), left_K=blurred_K)):
         return loose
     exact = select(estimator, effects, seed, tick)
     return exact if exact.found and _is_clear(exact) else loose
@@ -45,18 +45,12 @@ def _is_known_well(problem: SegmentProblem) -> bool:
 def _is_clear(exact: Selection) -> bool:
     """Whether of air and floor nothing but noise is left, and less than another form of a room would leave."""
     over = min(each.candidate.evidence.over for each in exact.found)
-    alike = max(len(each.group) for each in exact.found)
-    pairs = zip(_shown(exact.before), _shown(exact.after), strict=True)
-    is_no_form = all(_is_no_form(after.gap(), before) for before, after in pairs)
-    return is_no_form and _is_exact(Exact(over=over, left=_most(exact.after, exact.floor), alike=alike))
+    left_K = max(each.gap() for each in _shown(exact.after))
+    return _is_exact(Exact(over=over, left=_most(exact.after, exact.floor), left_K=left_K))
 
 
 def _is_exact(evidence: Exact) -> bool:
     return meets(Question.EXACT, evidence)
-
-
-def _is_no_form(left_K: float, before: Residual) -> bool:
-    return meets_one(Question.NO_FORM, FormLeft(left_K, in_floors(left_K, before.gap())))
 
 
 def _shown(model: Hypothesis) -> list[Residual]:

@@ -16,10 +16,9 @@ from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.model.travel import travel
 from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT
-from waxstudy.diagnosis.observations.record import CONTINUOUS
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.result import Interval
+from waxstudy.diagnosis.result import Interval, in_floors
 from waxstudy.diagnosis.select.candidate import Candidate, alike, best_of
 from waxstudy.diagnosis.select.evidence import (
     AirLeft,
@@ -29,7 +28,6 @@ from waxstudy.diagnosis.select.evidence import (
     departure,
     distinct,
     explained,
-    over_floor,
     strongest,
 )
 from waxstudy.diagnosis.select.intervals import parameter_intervals
@@ -107,9 +105,8 @@ class Selection:
         """Whether nothing was found, and the last days, which took no part in it, show a gap that the others do not."""
         if self.found:
             return False
-        is_room, floor = self.segment.with_room, self.floor.plain
-        residuals = self.after.residuals
-        return any(meets(Question.LATE, Late.of(each, floor[each.channel], is_room)) for each in residuals)
+        is_room = self.segment.with_room
+        return any(meets(Question.LATE, Late.of(each, is_room)) for each in self.after.residuals)
 
     @property
     def slight(self) -> frozenset[str]:
@@ -314,12 +311,10 @@ class Search:
             channel=channel,
             parameters=len(effect.priors),
             interval_s=self.problem.record.interval_s,
-            runs_on=runs_on_at(fitted, channel),
-            is_behind_smoothed=self.problem.segment.driven_by in CONTINUOUS,
             gain=gain,
             loss=self.loss(fitted, FIT) + self.loss(fitted, SELECT),
             strain=self.estimator.strain(fitted),
-            over=min(over_floor(current, channel, each, gain) for each in floors),
+            over=min(in_floors(before, each.plain[channel]) for each in floors),
             share=share,
             plain_share=explained(before**2, after**2, floor.plain[channel] ** 2),
             left=left,
@@ -373,8 +368,3 @@ def is_poor(segment: Segment, before: Hypothesis, after: Hypothesis) -> bool:
         return False
     pairs = [each for each in zip(before.residuals, after.residuals, strict=True) if each[0].channel in OF_AIR]
     return not all(meets_one(Question.UNDERSTOOD, AirLeft.of(old, new)) for old, new in pairs)
-
-
-def runs_on_at(fitted: Hypothesis, channel: str) -> bool:
-    """Whether a channel is a control output that does not switch."""
-    return channel == "control_output" and fitted.residual_of(channel).unit != "s"

@@ -16,7 +16,7 @@ from waxstudy.diagnosis.select.evidence import Left, departure
 from waxstudy.diagnosis.select.null import by_block, redrawn
 from waxstudy.diagnosis.select.patterns import concentrated
 from waxstudy.diagnosis.select.posterior import UNKNOWN
-from waxstudy.diagnosis.select.search import Found, Selection, runs_on_at
+from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -55,7 +55,7 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
 
 def _left(selection: Selection, residual: Residual, random: np.random.Generator) -> Left:
     is_room, channel = selection.segment.with_room, residual.channel
-    bare = Left(is_room, runs_on_at(selection.after, channel))
+    bare = Left(is_room)
     # by what each switch and sample can be known to: one that hangs on noise says little
     errors, floor = (residual.error, selection.floor.plain) if is_room else (residual.whitened, selection.floor.white)
     p = _p(residual, errors, limit(Question.UNKNOWN, "over", bare) * floor[channel], random)

@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from waxstudy.diagnosis.criteria import Criterion, criteria
+from waxstudy.diagnosis.criteria import Criterion, Limit, criteria, limits
 from waxstudy.diagnosis.weights import Weight, weights
 from waxstudy.report.formats import terminal
 from waxstudy.report.table import Column, Table, text
 
 
+def table_of_limits() -> Table[Limit]:
+    columns: tuple[Column[Limit], ...] = (
+        text("limit", lambda each: each.name),
+        text("value", lambda each: f"{each.value:g} {each.unit}".rstrip()),
+        text("what it is", lambda each: each.what, "prose"),
+        text("because", lambda each: each.reason, "prose"),
+        text("from", lambda each: f"{each.source} (set on judged records)" if each.is_tuned else each.source, "prose"),
+    )
+    return Table("limits", columns, list(limits().values()))
+
+
 def table() -> Table[Criterion]:
     columns: tuple[Column[Criterion], ...] = (
         text("asked", lambda each: "; ".join(each.questions), "prose"),
-        text("number", lambda each: f"{each.statistic} {each.operator} {each.limit:g}"),
+        text("number", lambda each: f"{each.statistic} {each.operator} {each.limit.name}"),
         text("of", lambda each: each.where.words, "prose"),
         text("because", lambda each: each.reason, "prose"),
-        text("from", lambda each: f"{each.source} (set on judged records)" if each.is_tuned else each.source, "prose"),
     )
     return Table("criteria", columns, criteria())
 
@@ -31,4 +41,4 @@ def table_of_weights() -> Table[Weight]:
 
 
 def as_terminal(width: int) -> str:
-    return terminal([table(), table_of_weights()], [], width, colour=False)
+    return terminal([table_of_limits(), table(), table_of_weights()], [], width, colour=False)
