@@ -260,7 +260,7 @@ CASES = (
     Case((Q.UNDERSTOOD,), "share_left", "<=", 0.25),
     Case((Q.LATE,), "growth", ">", 1.5),
     Case((Q.LATE,), "over_form", ">", 1.0, beside={"is_room": False}),
-    Case((Q.EXACT,), "over_loose", "<=", 1.5),
+    Case((Q.EXACT,), "over_loose", "<=", 3.0),
     Case((Q.EXACT,), "over", ">=", 1.5),
     Case((Q.EXACT,), "left", "<=", 1.5),
     Case((Q.EXACT,), "left_K", "<=", 0.015),
