@@ -152,6 +152,8 @@ def test_a_course_has_the_strength_that_leaves_least() -> None:
     assert 1.0 < strength < WEIGHTS.strongest
     losses = [np.sum((none[half:] + each * change) ** 2) for each in strength + np.array([-0.05, 0.0, 0.05])]
     assert np.argmin(losses) == 1
+    errors = [only(each).error[half:] for each in (found[0], found[1], found[3])]
+    assert errors[2] == pytest.approx(errors[0] + strength * (errors[1] - errors[0]))
 
 
 def test_a_second_effect_gains_no_more_than_its_cycles_can_tell() -> None:
@@ -163,3 +165,16 @@ def test_a_second_effect_gains_no_more_than_its_cycles_can_tell() -> None:
     assert pair.gain == pytest.approx(slow.most, rel=1e-4)
     assert pair.price == pytest.approx(2.0 * slow.price)
     assert pair.most == found[2].most
+
+
+def test_a_second_effect_gains_what_it_adds_beyond_the_form_of_the_first() -> None:
+    """Also beside one that is there since day 3, and with its own spread over cycles."""
+    weighing, found = of(NOTHING, SLOW, 1.0)
+    for given in (found[1], found[3]):
+        pair = next(each for each in found[4:] if each.most == given.most)
+        counted = [only(each).whitened / weighing.share["displacement"] ** 0.5 for each in (given, pair)]
+        spread, most = gain_spread(counted[0], counted[1], weighing.problem.record.cycle)
+        more = weighing.of(pair.fitted).gain - given.gain - WEIGHTS.form**2 * given.gain
+        assert pair.gain == pytest.approx(given.gain + min(more / spread, most))
+        assert pair.spread == given.spread
+        assert pair.fitted.names == ("slow-actuator", "stuck-open")
