@@ -41,14 +41,16 @@ def _recorded(data: pd.DataFrame) -> Record:
 
 
 @cache
-def calibration() -> Calibration:
-    healthy = _recorded(rows("WAX", DAYS, seed=2))
+def calibration(was_so: Effects) -> Calibration:
+    healthy = _recorded(rows("WAX", DAYS, was_so, seed=2))
     return calibrate(healthy, belief("WAX", healthy), LIBRARY, QUICK)
 
 
 @cache
-def of(before: Effects, since_day_3: Effects, thorough: float = QUICK) -> tuple[Weighing, list[Weighed]]:
-    record, known = seen(before, since_day_3), calibration()
+def of(
+    before: Effects, since_day_3: Effects, thorough: float = QUICK, was_so: Effects = NOTHING
+) -> tuple[Weighing, list[Weighed]]:
+    record, known = seen(before, since_day_3), calibration(was_so)
     believed = known.as_built.believed(belief("WAX", record))
     (motor,) = segments(record, believed)
     problem = SegmentProblem(motor, record, believed, as_built=known.as_built, parts=np.full(len(record), FIT))
@@ -178,3 +180,15 @@ def test_a_second_effect_gains_what_it_adds_beyond_the_form_of_the_first() -> No
         assert pair.gain == pytest.approx(given.gain + min(more / spread, most))
         assert pair.spread == given.spread
         assert pair.fitted.names == ("slow-actuator", "stuck-open")
+
+
+def test_what_the_healthy_record_says_for_an_effect_varies_over_cycles_as_its_gain_does() -> None:
+    """A motor was a little slow from the start, by too little to be calibrated."""
+    weighing, found = of(
+        NOTHING, effects(slow_actuator={"factor": 1.15}), was_so=effects(slow_actuator={"factor": 1.09})
+    )
+    slow = found[1]
+    had_it, _ = weighing.healthy.had_it(slow.fitted.effects)
+    assert had_it > 0.5
+    assert slow.spread > 1.1
+    assert slow.always == pytest.approx(had_it / slow.spread)
