@@ -111,6 +111,8 @@ def test_an_effect_of_a_chain_that_leaves_something_amiss_is_outdone_by_the_squa
     first, second = (replace(LEAK, stands=1.0, misfit=misfit) for misfit in (0.0, 3.0))
     told = _with_peers([NOTHING, first, second], [0.0, 100.0, 10.0])
     assert told == pytest.approx([0.0, 100.0, 100.0 - WEIGHTS.unknown_price - 9.0 * WEIGHTS.sure])
+    of_room = [NOTHING, *(replace(each, stands=np.inf) for each in (first, second))]
+    assert _with_peers(of_room, [0.0, 100.0, 10.0]) == [0.0, 100.0, 10.0]
 
 
 def test_what_speaks_for_a_hypothesis_by_itself_is_a_sum_of_logarithms() -> None:
@@ -159,6 +161,9 @@ def test_what_would_not_show_is_asked_of_effects_that_were_weighed_alone() -> No
     pair = replace(LEAK, fitted=_of("floor-cover", "infiltration"))
     told = _with_unseen({"none": 1.0}, [NOTHING, LEAK, pair], 0.1)
     assert told == pytest.approx({"none": 0.9, "infiltration": 0.1})
+    cover = replace(LEAK, fitted=_of("floor-cover"))
+    told = _with_unseen({"none": 1.0}, [NOTHING, LEAK, cover], 0.1)
+    assert told == pytest.approx({"none": 0.9, "infiltration": 0.05, "floor-cover": 0.05})
 
 
 @given(
