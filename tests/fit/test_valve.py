@@ -20,6 +20,7 @@ from waxstudy.identification.valve import (
     _delayed,
     _full_flow,
     _is_at_bound,
+    _near,
     _Problem,
     authority_of,
     curve,
@@ -109,7 +110,14 @@ def test_a_delay_is_a_share_of_the_next_sample_and_a_pace_one_of_the_next_pace()
     assert _at(openings, 1.0, -0.25) == pytest.approx([0.05, 0.3, 0.7, 1.0])
     assert _at(openings, 1.0 + 0.3 * step, 0.0)[3] == pytest.approx(1.0 + 0.3 * step)
     assert _at(openings, 1.15, 0.0)[3] == pytest.approx(1.15)
+    bent = _delayed(np.array([[0.0, 1.0]] * len(PACES)) * PACES[:, None] ** 2)
+    assert _at(bent, 1.15, 0.0)[1] == pytest.approx(1.15**2)
     assert _at(openings, 0.7, 0.0)[3] == pytest.approx(0.85)
+
+
+def test_a_sample_is_near_where_any_pace_puts_it_between_closed_and_open() -> None:
+    at_paces = np.array([[0.0, 0.04, 0.5, 0.94, 1.0], [0.05, 0.06, 0.6, 0.95, 1.0]])
+    assert _near(at_paces).tolist() == [False, True, True, True, False]
 
 
 def test_cycles_count_from_the_second_start(record: FlowRecord) -> None:
