@@ -7,7 +7,7 @@ from pathlib import Path
 from random import Random
 
 from tests.attack.campaign import Ground, Impossible
-from tests.attack.kills import COMMANDS, before, whole
+from tests.attack.kills import COMMANDS, FILES, before, whole
 from tests.attack.processes import contents, ended, small_files, without_rights
 from tests.attack.verdict import DONE, FAILED, INVALID, USAGE, Ended, wrong_with
 
@@ -39,7 +39,7 @@ def full(ground: Ground, folder: Path, number: int, random: Random) -> str:
         told = ended(folder, *words, before=small_files(random.choice((0, 100, 5_000, 60_000))))
         if half := _half_written(ground, name, folder):
             return f"{name}: {half} is half written"
-    wrong = wrong_with(told, ["s.toml", "set", "room", "healthy", "bench"], CODES)
+    wrong = wrong_with(told, [*FILES, "set", "room", "healthy", "bench"], CODES)
     return f"{name}: {wrong}" if wrong else ""
 
 
@@ -66,5 +66,5 @@ def read_only(ground: Ground, folder: Path, number: int, random: Random) -> str:
             each.chmod(0o755)
     if contents(folder) != earlier:
         return f"{name}: it wrote"
-    wrong = wrong_with(told, ["s.toml", "set", "room", "healthy", "bench"], (USAGE, INVALID, FAILED))
+    wrong = wrong_with(told, [*FILES, "set", "room", "healthy", "bench"], (USAGE, INVALID, FAILED))
     return f"{name}: {wrong}" if wrong else ""

@@ -13,6 +13,8 @@ from tests.attack.campaign import Ground
 from tests.attack.files import STUDY
 from tests.attack.processes import contents, ended
 from tests.attack.verdict import DONE, USAGE, wrong_with
+from tests.fleet.conftest import FLEET
+from tests.paper.test_weather import HEADER, year_of
 
 Files = dict[str, str]
 TOOK = "took_s"  # file of the undisturbed call
@@ -26,7 +28,21 @@ SWEEP = """\
 [vary]
 "controller.dead_band_K" = [0.4, 0.6]
 """
-FILES = {"s.toml": STUDY, "programme.csv": PROGRAMME, "key": f"{KEY}\n", "sweep.toml": SWEEP}
+# two batches of loops in one state
+CALLS = FLEET.partition("[activation.state.natural]")[0].replace("loops = 10", "loops = 40").replace("= 10", "= 20", 1)
+# two weeks at the turn of a month, of whose days only the first count
+SEASON = STUDY.replace(
+    'use = "tallinn-week"\nmonth = "january"', 'use = "epw"\npath = "year.epw"\nstart = "02-22"\ndays = 14'
+)
+FILES = {
+    "s.toml": STUDY,
+    "programme.csv": PROGRAMME,
+    "key": f"{KEY}\n",
+    "sweep.toml": SWEEP,
+    "calls.toml": CALLS,
+    "season.toml": f"{SEASON}\n[season]\nlimit_C = 7.0\n",
+    "year.epw": "\n".join([*HEADER, *year_of(2019, 75)]) + "\n",
+}
 
 
 class Writing(NamedTuple):
@@ -35,7 +51,7 @@ class Writing(NamedTuple):
     words: str
     needs: Sequence[str] = ()  # commands before it
     is_taken: bool = False  # it refuses to write over what it has finished
-    varied: str = " "  # files below hold a time, or random numbers
+    varied: Sequence[str] = ()  # files that begin so hold a time, random numbers or a path
 
 
 RUN = "run s.toml --quiet --out run"
@@ -51,14 +67,19 @@ COMMANDS = {
     "calibrate": Writing("calibrate healthy --quiet --out built.toml", [HEALTHY]),
     "rig": Writing(RIG, is_taken=True),
     "fit": Writing("fit actuator bench --out motor.toml", [RIG]),
-    "make": Writing(MAKE, varied="set/boxes/"),
+    "make": Writing(MAKE, varied=["set/boxes/"]),
     "sweep": Writing("run s.toml --sweep sweep.toml --quiet --out swept"),
     "tune": Writing("tune s.toml --case O_WM --budget 40 --quiet --workers 1 --out tuned"),
     "import": Writing("import room/data.csv --timezone Etc/GMT-2 --yes --out brought", [REALITY]),
     "plugin": Writing(
         "export energyplus s.toml --case O_WM --zone Z --radiant R --full-flow-kg-s 0.03 --out motor.py", is_taken=True
     ),
-    "solve": Writing("blind-test solve set --with random --quiet --workers 1", [MAKE], varied="set/answers/"),
+    "solve": Writing("blind-test solve set --with random --quiet --workers 1", [MAKE], varied=["set/answers/"]),
+    "activation": Writing("run calls.toml --quiet --out called"),
+    "season": Writing(
+        "run season.toml --quiet --out seasons",
+        varied=[f"seasons/{name}" for name in ("origin.json", "study.toml", "SHA256SUMS")],
+    ),
 }
 
 
@@ -92,7 +113,7 @@ def whole(ground: Ground, name: str) -> tuple[Files, float]:
 def _files(folder: Path, writing: Writing) -> Files:
     """Return every file's digest, "" of those that differ from one call to the next."""
     found = {path: digest for path, digest in contents(folder).items() if path != TOOK}
-    return {path: "" if path.startswith(writing.varied) else digest for path, digest in found.items()}
+    return {path: "" if path.startswith(tuple(writing.varied)) else digest for path, digest in found.items()}
 
 
 def kill(ground: Ground, folder: Path, number: int, random: Random) -> str:
@@ -105,7 +126,7 @@ def kill(ground: Ground, folder: Path, number: int, random: Random) -> str:
     if wrong := [path for path, digest in left.items() if complete.get(path) and complete[path] != digest]:
         return f"{name}: {wrong[0]} is half written"
     again = ended(folder, *writing.words.split())
-    if wrong_words := wrong_with(again, ["s.toml"], (DONE, USAGE) if writing.is_taken else (DONE,)):
+    if wrong_words := wrong_with(again, FILES, (DONE, USAGE) if writing.is_taken else (DONE,)):
         return f"{name}, once more: {wrong_words}"
     found = _files(folder, writing)
     differing = [path for path in complete.keys() | found.keys() if complete.get(path) != found.get(path)]

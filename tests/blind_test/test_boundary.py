@@ -28,7 +28,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes end o
 # prints its own surroundings instead of a diagnosis
 TELL = """\
 import json, os, sys
-seen = {"environment": dict(os.environ), "arguments": sys.argv[1:], "folder": os.getcwd()}
+seen = {"environment": dict(os.environ), "arguments": sys.argv[1:], "folder": os.getcwd(), "input": sys.stdin.read()}
 print(json.dumps({"verdict": "none", "seen": seen}))
 """
 
@@ -61,20 +61,26 @@ print(json.dumps({"verdict": "none", "said": said, "files": sorted(map(str, fold
 DOCS = ROOT / "docs" / "blind_test.md"
 
 
-def test_a_diagnoser_gets_no_path_of_the_set_and_no_variable_of_ours(
+def test_a_diagnoser_gets_no_path_of_the_set_no_variable_and_no_input_of_ours(
     place: Place, waxstudy: Waxstudy, tmp_path: Path
 ) -> None:
     (tmp_path / "tell.py").write_text(TELL)
     (tmp_path / "command").mkdir()
     (tmp_path / "command" / "tell.py").write_text(TELL)
     secret = {"WAXSTUDY_SECRET": "swordfish", "OLDPWD": str(place.folder), "PWD": str(tmp_path)}
+    (tmp_path / "temporary").mkdir()
+    from_here = {"TMPDIR": "temporary", "WAXSTUDY_CACHE": "cache"}  # which the command leaves
     command = ("blind-test", "solve", "test", "--share", "0.2", "--", sys.executable, "command/tell.py")
-    assert waxstudy(*command, env=secret).returncode == 0
+    with (tmp_path / "key").open() as key:
+        assert waxstudy(*command, env={**secret, **from_here}, stdin=key).returncode == 0
     (answer,) = answers(place).values()
     seen = answer["answer"]["seen"]
+    assert seen["input"] == ""
     assert "WAXSTUDY_SECRET" not in seen["environment"]
     assert str(place.folder) not in json.dumps({**seen, "arguments": seen["arguments"][1:]})
     assert seen["environment"]["HOME"] == seen["environment"]["TMPDIR"] == seen["folder"]
+    assert Path(seen["folder"]).parent == tmp_path / "temporary"
+    assert seen["environment"]["WAXSTUDY_CACHE"] == str(tmp_path / "cache")
     assert seen["environment"]["OPENBLAS_NUM_THREADS"] == "1"
     assert not Path(seen["folder"]).exists()
 

@@ -106,6 +106,13 @@ def test_a_record_that_holds_too_little_is_said_to_be_untestable(poor: Callable[
     assert diagnosis.untestable
 
 
+def test_of_a_long_record_the_days_that_tell_most_are_judged_and_it_is_said():
+    time = pd.date_range("2021-01-01 01:00", periods=40 * 24, freq="h")
+    diagnosis = diagnose(dataset(pd.DataFrame({"time": time, "air_temperature_C": 21.0}), "WAX"), quick=True)
+    said = "Of the record's 40 days the 28 from 2021-01-13 to 2021-02-09 are judged, which tell most"
+    assert [warning for warning in diagnosis.warnings if warning.startswith(said)]
+
+
 @pytest.mark.slow
 def test_an_effect_is_not_joined_by_those_that_only_it_makes_possible():
     """A modulation that nobody believes in has a period and a shortest pulse of its own."""

@@ -53,6 +53,14 @@ def test_a_pulse_between_two_samples_is_left_out_and_a_lasting_change_is_not() -
     assert not is_lone(drive, opening).any()
 
 
+@pytest.mark.parametrize("switch", [7, 8, 9])
+def test_a_sample_alone_where_the_drive_moves_is_its_answer(switch: int) -> None:
+    drive, opening = np.zeros(20), np.zeros(20)
+    opening[8] = 0.6
+    drive[switch:] = 1.0
+    assert not is_lone(opening, drive).any()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("interval_s", [300.0, 900.0])
 def test_nothing_is_claimed_of_a_loop_as_believed_that_is_sampled_coarsely(interval_s: float) -> None:

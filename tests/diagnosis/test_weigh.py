@@ -15,7 +15,16 @@ from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import concentrated, patterns
-from waxstudy.diagnosis.select.posterior import Weighed, _is_within, _with_peers, _with_unseen, posterior
+from waxstudy.diagnosis.select.posterior import (
+    Weighed,
+    _gains,
+    _is_within,
+    _mimicked,
+    _with_peers,
+    _with_unseen,
+    posterior,
+    score,
+)
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Inputs, open_share
@@ -102,6 +111,43 @@ def test_an_effect_of_a_chain_that_leaves_something_amiss_is_outdone_by_the_squa
     first, second = (replace(LEAK, stands=1.0, misfit=misfit) for misfit in (0.0, 3.0))
     told = _with_peers([NOTHING, first, second], [0.0, 100.0, 10.0])
     assert told == pytest.approx([0.0, 100.0, 100.0 - WEIGHTS.unknown_price - 9.0 * WEIGHTS.sure])
+    of_room = [NOTHING, *(replace(each, stands=np.inf) for each in (first, second))]
+    assert _with_peers(of_room, [0.0, 100.0, 10.0]) == [0.0, 100.0, 10.0]
+
+
+def test_what_speaks_for_a_hypothesis_by_itself_is_a_sum_of_logarithms() -> None:
+    told = replace(LEAK, gain=30.0, spread=2.0, ease=3.0, always=4.0, misfit=2.0, price=6.0)
+    assert score(told) == pytest.approx(30.0 / 2.0 + 3.0 - 4.0 - 0.5 * 4.0 - 6.0)
+    assert score(replace(told, always=-4.0)) == pytest.approx(10.0)
+
+
+def test_nothing_is_outdone_by_no_more_than_days_can_tell_nor_by_more_than_stands_out() -> None:
+    far = replace(LEAK, gain=1e4, spread=2.0, ease=1.0, most=7.0)
+    assert _gains([NOTHING, far], far) == pytest.approx([5e3 - 7.0, 5e3 + 1.0])
+    assert _gains([replace(NOTHING, gain=5.0), far], NOTHING) == pytest.approx([5.0, 5e3 + 1.0])  # by its own spread
+    near = replace(LEAK, gain=100.0, stands=2.0)
+    assert _gains([NOTHING, near], NOTHING)[0] == pytest.approx(100.0 - 4.0 * WEIGHTS.sure)
+    pair = replace(near, fitted=_of("infiltration", "dead-band"), gain=150.0, stands=3.0)
+    assert _gains([NOTHING, near, pair], NOTHING)[1] == pytest.approx(150.0 - 9.0 * WEIGHTS.sure)
+
+
+def test_what_looks_like_an_effect_is_something_unknown_the_rather_the_more_that_leaves() -> None:
+    told = replace(LEAK, always=4.0, price=6.0, left=0.5)
+    free = 6.0 + np.log(WEIGHTS.prior)
+    expected = 20.0 - 4.0 - free + WEIGHTS.alike * np.log(0.5) - WEIGHTS.unknown_price
+    assert _mimicked(told, 20.0) == pytest.approx(expected)
+    assert _mimicked(replace(told, always=-4.0), 20.0) == pytest.approx(expected + 4.0)
+
+
+def test_odds_are_the_softened_difference_of_what_speaks_for_each() -> None:
+    told = replace(LEAK, gain=8.0, price=6.0, misfit=1.0, always=-1.0)
+    found = posterior([NOTHING, told], soft=2.0, unseen=0.0)
+    assert found["infiltration"] / found["none"] == pytest.approx(np.exp((8.0 - 6.0 - 0.5) / 2.0))
+    assert found["infiltration+unknown"] / found["none"] == pytest.approx(
+        np.exp((8.0 - 6.0 - WEIGHTS.unknown_price) / 2.0)
+    )
+    was_there = posterior([NOTHING, replace(told, gain=30.0, always=1.0, unlike=3.0)], soft=2.0, unseen=0.0)
+    assert was_there["infiltration"] / was_there["none"] == pytest.approx(np.exp((-1.0 + 3.0) / 2.0))
 
 
 def test_a_pair_is_within_what_it_was_added_to_alone() -> None:
@@ -115,6 +161,9 @@ def test_what_would_not_show_is_asked_of_effects_that_were_weighed_alone() -> No
     pair = replace(LEAK, fitted=_of("floor-cover", "infiltration"))
     told = _with_unseen({"none": 1.0}, [NOTHING, LEAK, pair], 0.1)
     assert told == pytest.approx({"none": 0.9, "infiltration": 0.1})
+    cover = replace(LEAK, fitted=_of("floor-cover"))
+    told = _with_unseen({"none": 1.0}, [NOTHING, LEAK, cover], 0.1)
+    assert told == pytest.approx({"none": 0.9, "infiltration": 0.05, "floor-cover": 0.05})
 
 
 @given(

@@ -13,7 +13,19 @@ import pytest
 from waxstudy.identification.description import Described
 from waxstudy.identification.flow import FlowRecord, read_flow
 from waxstudy.identification.performance import block
-from waxstudy.identification.valve import authority_of, curve, fit_valve
+from waxstudy.identification.valve import (
+    PACES,
+    _at,
+    _cycle_of,
+    _delayed,
+    _full_flow,
+    _is_at_bound,
+    _near,
+    _Problem,
+    authority_of,
+    curve,
+    fit_valve,
+)
 from waxstudy.plugin import Choice
 from waxstudy.rig.bench import Motors, run_trial
 from waxstudy.rig.instruments import Bench
@@ -43,6 +55,95 @@ def written(path: Path, bench: Bench, seed: int = 1, hours: float = 6.0) -> Flow
 def record(tmp_path_factory: pytest.TempPathFactory) -> FlowRecord:
     """The paper's flow: its noise, and an exemplar that is not quite the product."""
     return written(tmp_path_factory.mktemp("flow") / "flow.csv", Bench())
+
+
+# --- the parts of a fit, without one ------------------------------------------------------------------
+
+
+def of_openings(authority: float | None = 0.1) -> _Problem:
+    """Samples of two cycles, whose flow is the true curve's at the pace in the middle and no delay."""
+    opening = np.concatenate((np.linspace(0.0, 1.0, 40), np.linspace(1.0, 0.0, 40)))
+    openings = _delayed(np.array([np.clip(opening * pace, 0.0, 1.0) for pace in PACES]))
+    flow = curve(opening, 0.17, 0.41, 0.5, 0.1)
+    return _Problem(openings, flow, np.repeat([0, 1], 40), authority)
+
+
+def test_the_true_curve_misses_nothing_and_every_other_one_something() -> None:
+    problem, true = of_openings(), np.array([0.17, 0.41, 0.5, 1.0, 0.0])
+    assert problem.error(true) == pytest.approx(0.0, abs=1e-12)
+    assert of_openings(None).error([*true, 0.1]) == pytest.approx(0.0, abs=1e-12)
+    for off in np.diag([0.02, 0.02, 0.02, 0.02, 0.1]):
+        assert 1e-4 < problem.error(true + off) < 0.1
+        assert 1e-4 < problem.error(true - off) < 0.1
+
+
+def test_an_error_is_the_mean_over_the_openings_that_are_considered() -> None:
+    problem = of_openings()
+    opening, true = problem.openings[1, len(PACES) // 2], [0.17, 0.41, 0.5, 1.0, 0.0]
+    inner = (opening > 0.05) & (opening < 0.95)
+    missed = np.abs(curve(opening, 0.17, 0.41, 0.6, 0.1) - problem.flow)
+    assert problem.error([0.17, 0.41, 0.6, 1.0, 0.0]) == pytest.approx(missed[inner].mean())
+    last = problem.cycle.astype(float)
+    weighed = problem.error([0.17, 0.41, 0.6, 1.0, 0.0], weight=last)
+    assert weighed == pytest.approx(missed[inner & (problem.cycle == 1)].mean())
+    assert problem.error(true, weight=0.0 * last) == 1.0  # nothing is known of it
+
+
+@pytest.mark.parametrize(
+    ("x", "over"),
+    [
+        ([0.05, 0.41, 0.5, 1.0, 0.0], 0.05),
+        ([0.17, 1.2, 0.5, 1.0, 0.0], 0.2),
+        ([0.17, 0.41, 0.5, 0.75, 0.7], 0.3),
+        ([0.3, 0.2, 0.5, 1.0, 0.0], 0.11),  # a hundredth apart at least
+    ],
+)
+def test_what_is_out_of_bounds_is_worse_the_farther_it_is(x: list[float], over: float) -> None:
+    assert of_openings().error(x) == pytest.approx(1.0 + over)
+
+
+def test_a_delay_is_a_share_of_the_next_sample_and_a_pace_one_of_the_next_pace() -> None:
+    openings = _delayed(np.array([[0.0, 0.2, 0.6, 1.0]] * len(PACES)) * PACES[:, None])
+    step = PACES[1] - PACES[0]
+    assert _at(openings, 1.0, 0.0) == pytest.approx([0.0, 0.2, 0.6, 1.0])
+    assert _at(openings, 1.0, 0.25) == pytest.approx([0.0, 0.15, 0.5, 0.9])
+    assert _at(openings, 1.0, -0.25) == pytest.approx([0.05, 0.3, 0.7, 1.0])
+    assert _at(openings, 1.0 + 0.3 * step, 0.0)[3] == pytest.approx(1.0 + 0.3 * step)
+    assert _at(openings, 1.15, 0.0)[3] == pytest.approx(1.15)
+    bent = _delayed(np.array([[0.0, 1.0]] * len(PACES)) * PACES[:, None] ** 2)
+    assert _at(bent, 1.15, 0.0)[1] == pytest.approx(1.15**2)
+    assert _at(openings, 0.7, 0.0)[3] == pytest.approx(0.85)
+
+
+def test_a_sample_is_near_where_any_pace_puts_it_between_closed_and_open() -> None:
+    at_paces = np.array([[0.0, 0.04, 0.5, 0.94, 1.0], [0.05, 0.06, 0.6, 0.95, 1.0]])
+    assert _near(at_paces).tolist() == [False, True, True, True, False]
+
+
+def test_cycles_count_from_the_second_start(record: FlowRecord) -> None:
+    on = np.array([False, True, True, False, True, False, True, True])
+    assert _cycle_of(replace(record, on=on)).tolist() == [-2, -1, -1, -1, 0, 0, 1, 1]
+
+
+def test_the_full_flow_is_that_of_the_open_valve_where_little_flows_when_it_is_closed(record: FlowRecord) -> None:
+    opening = np.array([0.0, 0.02, 0.5, 0.96, 1.0, 1.0, 1.0])
+    missing = np.array([False] * 6 + [True])
+    flow = np.array([1.0, 3.0, 20.0, 30.0, 50.0, 40.0, 999.0])
+    assert _full_flow(replace(record, flow=flow, missing=missing), opening) == 40.0
+    shut = np.array([20.0, 22.0, 20.0, 30.0, 50.0, 40.0, 999.0])
+    with pytest.raises(StudyError, match="40 with the valve open, 21 with it closed"):
+        _full_flow(replace(record, flow=shut, missing=missing), opening)
+    with pytest.raises(StudyError, match="0 with the valve open"):
+        _full_flow(replace(record, flow=flow, missing=missing), 0.9 * opening)
+
+
+def test_a_pace_is_at_its_bound_within_a_hundredth_and_a_delay_never_is() -> None:
+    assert [_is_at_bound("pace", value) for value in (0.852, 0.854, 1.0, 1.148)] == [True, False, False, True]
+    assert [_is_at_bound("h_mid", value) for value in (0.1005, 0.102, 0.9995)] == [True, False, True]
+    assert not _is_at_bound("delay", 0.5)
+
+
+# --- whole fits ---------------------------------------------------------------------------------------
 
 
 def test_the_curve_is_that_of_the_registered_valve() -> None:

@@ -18,7 +18,7 @@ def gain_spread(before: FloatArray, after: FloatArray, block: np.ndarray) -> tup
     _, member = np.unique(block, return_inverse=True)
     along, power = np.bincount(member, before * change), np.bincount(member, change * change)
     count, whole = int(np.count_nonzero(power)), float(power.sum())
-    if count < 2 or whole <= 0.0:
+    if count < 2:
         return 1.0, 0.0
     off = along - along.sum() / whole * power
     # switches that agree by rounding tell no more than noise lets them
