@@ -18,6 +18,7 @@ from tests.cli.conftest import Entry, entry
 from tests.conftest import WAXSTUDY
 from tests.fleet.conftest import FLEET, study
 from waxstudy.api.activating import activate
+from waxstudy.plugin import SimulationError
 from waxstudy.simulation.run import Progress
 from waxstudy.study.spread import spread_of
 
@@ -103,6 +104,21 @@ def test_pulses_that_heat_while_nobody_asks_are_warned_of(tmp_path: Path) -> Non
     standby = next(row for row in found.rows if row.state == "standby")
     assert standby.idle_share > 0.1
     assert all(row.idle_share == 0.0 for row in found.rows if row.state != "standby")
+
+
+def test_the_first_batch_that_fails_is_told_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+
+    def failing(fleet: object, batch: range) -> pd.DataFrame:
+        raise SimulationError(f"loop {batch[0]}, cold: no")
+
+    monkeypatch.setattr("waxstudy.fleet.run.computed", failing)
+    fleet = study(tmp_path, COLD.replace("loops = 10", "loops = 60"))
+    progress = Progress(warn=said.append, done=lambda case, computed: said.append("ended"))
+    with pytest.raises(SimulationError, match="loop 0, cold: no"):
+        activate(fleet, tmp_path / "out", workers=1, progress=progress)
+    told = "loop 0, cold: no; the other batches are computed and kept, then the call ends"
+    assert said == [told, "ended", "ended", "ended"]
 
 
 ROOMS = '[activation]\nrooms = "rooms.csv"'

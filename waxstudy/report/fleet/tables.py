@@ -10,8 +10,9 @@ from typing import Any
 from waxstudy.fleet.response import Band
 from waxstudy.fleet.result import Activated
 from waxstudy.fleet.summary import Row
-from waxstudy.report.formats import json_text, markdown, terminal
+from waxstudy.report.formats import markdown, terminal
 from waxstudy.report.table import Column, Table, text
+from waxstudy.results.json_text import json_text
 
 
 def tables(found: Activated) -> list[Table[Row]]:

@@ -68,9 +68,8 @@ def extremes(values: FloatArray, most: int = MOST_POINTS) -> NDArray[np.intp]:
     if n <= most:
         return np.arange(n)
     size = -(-2 * n // most)
-    pieces = np.full(-(-n // size) * size, np.nan)
-    pieces[:n] = values
-    pieces = pieces.reshape(-1, size)
+    pieces = np.full((-(-n // size), size), np.nan)
+    pieces.flat[:n] = values
     gone, first = np.isnan(pieces), size * np.arange(len(pieces))
     low = first + np.where(gone, np.inf, pieces).argmin(axis=1)
     high = first + np.where(gone, -np.inf, pieces).argmax(axis=1)

@@ -92,7 +92,7 @@ def _figure(traces: Traces) -> str:
 def _trace(panel: Panel, line: Line, told: set[str]) -> dict[str, Any]:
     """A line as plotly has it; a name stands in the legend once."""
     stamps = pd.DatetimeIndex(line.known.index).tz_localize(None).as_unit("ms")
-    times, values = broken(np.asarray(stamps.asi8, dtype=float), line.known.to_numpy(dtype=float))
+    times, values = broken(stamps.asi8.astype(np.float64), np.asarray(line.known, dtype=np.float64))
     kept = extremes(values)
     colour, dash, width = LOOKS[line.place % len(LOOKS)]
     is_new = line.name not in told and not line.is_dotted

@@ -62,7 +62,8 @@ def _frame(run: Run, case: str, week: str) -> pd.DataFrame:
         raise RunError(f"{run.folder}: the study keeps no traces ([output] trace_members is 0)")
     if "time" not in frame:
         raise RunError(f"{run.folder}: traces of an earlier version, without calendar time; {again(run.folder)}")
-    return frame[frame["member"] == frame["member"].min()].set_index("time")
+    first: pd.DataFrame = frame[frame["member"] == frame["member"].min()]
+    return first.set_index("time")
 
 
 def _lines(frames: dict[str, pd.DataFrame], channel: str) -> list[Line]:
