@@ -14,7 +14,6 @@ from waxstudy.plugin import FloatArray
 # a week at a minute is whole (10,080); of more, each of 6,000 pieces keeps its lowest and highest: a screen has 4,000
 # columns of pixels at most
 MOST_POINTS = 12_000
-BREAK = 3.5  # times what usually lies between two samples: a line through more would be made up
 
 
 @dataclass(frozen=True)
@@ -48,15 +47,6 @@ class Traces:
     def longest(self) -> int:
         """Samples of the longest line."""
         return max(len(line.known) for panel in self.panels for line in panel.lines)
-
-
-def broken(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Break a line where nothing was recorded or modelled for long."""
-    if len(times) < 2:
-        return times, values
-    steps = np.diff(times)
-    breaks = 1 + np.flatnonzero(steps > BREAK * np.median(steps))
-    return np.insert(times, breaks, np.nan), np.insert(values, breaks, np.nan)
 
 
 def extremes(values: FloatArray, most: int = MOST_POINTS) -> NDArray[np.intp]:

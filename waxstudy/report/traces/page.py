@@ -12,9 +12,10 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.plugin import BackendMissing
+from waxstudy.report.figures.breaks import broken
 from waxstudy.report.figures.style import BLACK, COLOURS
 from waxstudy.report.html import filled
-from waxstudy.report.traces.lines import MOST_POINTS, Line, Panel, Traces, broken, extremes
+from waxstudy.report.traces.lines import MOST_POINTS, Line, Panel, Traces, extremes
 from waxstudy.report.words import capital
 from waxstudy.study.visible import visible
 

@@ -15,9 +15,9 @@ from waxstudy.diagnosis.result import Diagnosis, StageGap
 from waxstudy.plugin import FloatArray
 from waxstudy.report.diagnosis.focus import Day, main_stages, shown_days
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
+from waxstudy.report.figures.breaks import broken
 from waxstudy.report.figures.plot import Lacking, drawing, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_of
-from waxstudy.report.traces.lines import broken
 
 LOOKS: Mapping[str, tuple[str, Any]] = {
     "measured": ("measured", {"color": BLACK, "linewidth": 0.9}),
