@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import time
 from pathlib import Path
@@ -19,6 +20,7 @@ from tests.conftest import WAXSTUDY
 from tests.fleet.conftest import FLEET, study
 from waxstudy.api.activating import activate
 from waxstudy.plugin import SimulationError
+from waxstudy.report.fleet.tables import render
 from waxstudy.simulation.run import Progress
 from waxstudy.study.spread import spread_of
 
@@ -83,6 +85,12 @@ def test_the_command_prints_tables_and_writes_a_page(entry: Entry, tmp_path: Pat
     assert [row["state"] for row in said["table"]] == ["cold", "natural", "preheated", "standby"]
     assert "## What 1 MW of reserve needs" in entry("report", folder, "--format", "md").stdout
     assert entry("report", folder, "--against", "paper").code == USAGE
+
+
+def test_tables_of_a_fleet_fit_100_columns_with_three_digits(called: wx.Activated) -> None:
+    text = render(called, "table", 100, False)
+    assert max(map(len, text.splitlines())) <= 100
+    assert set(re.findall(r"\d,\d\d(\d)", text)) == {"0"}
 
 
 def test_python_gets_what_the_command_writes(called: wx.Activated, tmp_path: Path) -> None:
