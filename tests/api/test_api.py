@@ -18,6 +18,7 @@ from tests.cli.conftest import Entry
 from tests.cli.conftest import entry as entry
 from tests.conftest import ROOT, SMALL
 from tests.diagnosis.realities import rows
+from tests.fleet.conftest import FLEET
 
 PUBLIC = Path(__file__).with_name("public.txt")
 NOMINAL = {
@@ -98,6 +99,13 @@ def test_what_is_wrong_with_a_study_has_its_fields(tmp_path: Path, monkeypatch: 
     assert str(problem).startswith("study: [ensemble] membres")
     with pytest.raises(wx.StudyError, match="no study file can hold"):
         wx.run({**tomllib.loads(SMALL), "output": None})
+
+
+def test_replace_is_refused_where_it_would_do_nothing(tmp_path: Path) -> None:
+    (tmp_path / "fleet.toml").write_text(FLEET)
+    with pytest.raises(ValueError, match=r"this study has \[activation\]"):
+        wx.run(tmp_path / "fleet.toml", tmp_path / "run", replace=True)
+    assert not (tmp_path / "run").exists()
 
 
 def test_an_edited_mapping_goes_on_in_its_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 from tests.diagnosis.realities import EFFECTS, belief, dataset, record, rows
 from waxstudy.diagnosis.calibration import stored
 from waxstudy.diagnosis.diagnose import diagnose
-from waxstudy.report.formats import json_text
+from waxstudy.results.json_text import json_text
 
 OF_ROOM = (
     "operative_temperature_C",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import time
 from pathlib import Path
@@ -18,6 +19,8 @@ from tests.cli.conftest import Entry, entry
 from tests.conftest import WAXSTUDY
 from tests.fleet.conftest import FLEET, study
 from waxstudy.api.activating import activate
+from waxstudy.plugin import SimulationError
+from waxstudy.report.fleet.tables import render
 from waxstudy.simulation.run import Progress
 from waxstudy.study.spread import spread_of
 
@@ -84,6 +87,12 @@ def test_the_command_prints_tables_and_writes_a_page(entry: Entry, tmp_path: Pat
     assert entry("report", folder, "--against", "paper").code == USAGE
 
 
+def test_tables_of_a_fleet_fit_100_columns_with_three_digits(called: wx.Activated) -> None:
+    text = render(called, "table", 100, False)
+    assert max(map(len, text.splitlines())) <= 100
+    assert set(re.findall(r"\d,\d\d(\d)", text)) == {"0"}
+
+
 def test_python_gets_what_the_command_writes(called: wx.Activated, tmp_path: Path) -> None:
     (tmp_path / "fleet.toml").write_text(FLEET)
     seen: list[tuple[int, int]] = []
@@ -103,6 +112,21 @@ def test_pulses_that_heat_while_nobody_asks_are_warned_of(tmp_path: Path) -> Non
     standby = next(row for row in found.rows if row.state == "standby")
     assert standby.idle_share > 0.1
     assert all(row.idle_share == 0.0 for row in found.rows if row.state != "standby")
+
+
+def test_the_first_batch_that_fails_is_told_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+
+    def failing(fleet: object, batch: range) -> pd.DataFrame:
+        raise SimulationError(f"loop {batch[0]}, cold: no")
+
+    monkeypatch.setattr("waxstudy.fleet.run.computed", failing)
+    fleet = study(tmp_path, COLD.replace("loops = 10", "loops = 60"))
+    progress = Progress(warn=said.append, done=lambda case, computed: said.append("ended"))
+    with pytest.raises(SimulationError, match="loop 0, cold: no"):
+        activate(fleet, tmp_path / "out", workers=1, progress=progress)
+    told = "loop 0, cold: no; the other batches are computed and kept, then the call ends"
+    assert said == [told, "ended", "ended", "ended"]
 
 
 ROOMS = '[activation]\nrooms = "rooms.csv"'

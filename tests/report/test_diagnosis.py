@@ -45,7 +45,7 @@ from waxstudy.report.diagnosis.page import as_html
 from waxstudy.report.diagnosis.summary import VERDICTS as VERDICT_WORDS
 from waxstudy.report.diagnosis.summary import as_terminal, impact_words, lines
 from waxstudy.report.figures.plot import Lacking
-from waxstudy.report.formats import json_text
+from waxstudy.results.json_text import json_text
 
 VERDICTS = pytest.mark.parametrize("diagnosis", ALL.values(), ids=ALL)
 FIGURE = re.compile(r"(?<![\w.-])[-+]?\d+(?:\.\d+)?(?![\w.]|-\d)")

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import study as gap_study
-from waxstudy.plugin import PublishedRow, changed
+from waxstudy.plugin import OutsideRoom, PublishedRow, changed
 from waxstudy.report.activation import activations
 from waxstudy.report.against import Published
 from waxstudy.report.content import Content
@@ -275,3 +275,15 @@ def test_the_heating_curve_is_the_room_s_and_its_weeks_lie_on_it(small: Content)
         used = small.run.traces("precise", week)["supply_C"]
         part = line(axes, week).get_ydata()
         assert [part.max(), part.min()] == pytest.approx([used.max(), used.min()], abs=0.1)
+
+
+def test_a_room_whose_engine_has_its_own_water_has_no_heating_curve(small: Content) -> None:
+    class Theirs(OutsideRoom):
+        """A room of another engine."""
+
+        name = "theirs"
+        has_own_water = True
+
+    room = replace(small.study.room, component=Theirs)
+    with pytest.raises(Lacking, match="as warm as the model of this room says"):
+        figure_b1(replace(small, study=replace(small.study, room=room)))

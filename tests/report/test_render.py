@@ -11,12 +11,15 @@ from dataclasses import replace
 from types import ModuleType
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from waxstudy.plugin import Finding, PublishedRow, Reference
 from waxstudy.report import formats, words
 from waxstudy.report.against import Published, published
 from waxstudy.report.comparison import COLUMNS
 from waxstudy.report.content import Content
+from waxstudy.report.diagnosis.words import number
 from waxstudy.report.render import all_notes, as_csv, as_json, as_markdown, as_terminal, tables
 
 
@@ -26,6 +29,21 @@ def test_a_narrow_terminal_hides_no_figure(small: Content, width: int) -> None:
     assert "…" not in text
     for row in small.rows:
         assert f"{row.heat_kWh_m2_week.mean:.2f} ± " in text.replace(" ± ", "±").replace("±", " ± ")
+
+
+def test_the_tables_of_a_run_fit_100_columns_beside_published_figures_as_well(small: Content) -> None:
+    beside = replace(small, against=published(Book, small.run, small.rows, small.members))
+    for content in (small, beside):
+        lines = as_terminal(content, 100, colour=False).splitlines()
+        assert max(map(len, lines)) <= 100
+
+
+@given(st.floats(1e-4, 9.9e5) | st.floats(-9.9e5, -1e-4))
+def test_a_figure_of_a_diagnosis_has_three_significant_digits(value: float) -> None:
+    text = number(value)
+    assert float(text) == pytest.approx(value, rel=0.0051)
+    if abs(value) < 1000.0 and value != round(value):
+        assert len(text.lstrip("-").replace(".", "").lstrip("0")) in (3, 4)  # 9.999 becomes 10.00
 
 
 def test_every_format_tells_the_same_heat(small: Content) -> None:

@@ -13,9 +13,10 @@ import pytest
 from rich.cells import cell_len
 
 from tests.report.test_page import Page
-from waxstudy.report.formats import csv_text, json_text, markdown, terminal
+from waxstudy.report.formats import csv_text, markdown, terminal
 from waxstudy.report.html import filled
 from waxstudy.report.table import Column, Table, text
+from waxstudy.results.json_text import json_text
 
 COLOUR = re.compile(r"\x1b\[([0-9;]*)m")
 WORDS = "a sentence of several words, long enough to be broken where the terminal is narrow"

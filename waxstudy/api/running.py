@@ -86,15 +86,18 @@ def run(
     jit: bool = True,
     replace: bool = False,
     progress: Told | Progress | None = None,
-) -> Results | Any:
+) -> Results | Activated:
     """Run every case of a study and return what came out; what the folder `out` has already is not computed again.
 
     `study` is a study file, or what one holds as a mapping. Of one with `[activation]` the fleet is called, and an
     `Activated` returned. Without `out` the results go with the object that is returned. `progress` is told how many
     cases (or batches of loops) are done, and of how many. Raises `StudyError` for what is wrong with the study,
-    `PluginError`, `BackendMissing`, `SimulationError`, and `RunError` for a folder that cannot be used.
+    `PluginError`, `BackendMissing`, `SimulationError`, `RunError` for a folder that cannot be used, and `ValueError`
+    for `replace` with `[activation]`: it is of runs of cases.
     """
     read = study if isinstance(study, Study) else _read(study)
+    if read.activation and replace:
+        raise ValueError("replace is of a run of cases; this study has [activation]")
     folder = Path(tempfile.mkdtemp(prefix="waxstudy-run-") if out is None else out)
     results: Results | Activated
     try:

@@ -13,6 +13,7 @@ from waxstudy.version import __version__
 COMMANDS = {
     "run": "Run a study and print its comparison.",
     "report": "Print the comparison of a run again, in another format, or against published figures or another run.",
+    "traces": "Write a page on which the traces of a run or a diagnosis zoom.",
     "tune": "Find better parameters for a case at equal comfort, tested on weather that took no part.",
     "loop": "Print stability, wear and useful duty of every case's loop.",
     "reality": "Make a dataset of a case, as if its room had been measured, and keep the truth apart.",

@@ -66,7 +66,7 @@ def _fragment(found: CalibratedRoom) -> str:
 
 
 def _json(found: CalibratedRoom) -> str:
-    from waxstudy.report.formats import json_text
+    from waxstudy.results.json_text import json_text
 
     return json_text(found.described())
 

@@ -115,7 +115,7 @@ def _found(
 
 
 def _json(found: Found) -> str:
-    from waxstudy.report.formats import json_text
+    from waxstudy.results.json_text import json_text
 
     return json_text(found.described())
 

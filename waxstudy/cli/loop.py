@@ -52,10 +52,11 @@ def command(
     from waxstudy.report import formats
     from waxstudy.report.tuning.loops import as_html, notes, summary, tables
     from waxstudy.report.tuning.loops import as_json as told_as_json
+    from waxstudy.results.json_text import json_text
 
     if out is not None:
         _write(out, as_html(found))
-    text = formats.json_text(told_as_json(found)) if as_json else ""
+    text = json_text(told_as_json(found)) if as_json else ""
     print_out(text or f"{summary(found)}\n{formats.terminal(tables(found), notes(found), *terminal())}")
 
 

@@ -8,6 +8,7 @@ import re
 import shutil
 import sys
 from contextlib import redirect_stdout
+from pathlib import Path
 from typing import Any, TextIO
 
 import click
@@ -72,3 +73,17 @@ def print_out(text: str) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stdout().fileno())
         if not isinstance(error, BrokenPipeError):
             raise CommandError(f"the output cannot be written: {error.strerror or error}", FAILED) from error
+
+
+def write_file(out: Path, text: str) -> None:
+    """Write a file whole; a device or pipe is written to, as a file in its place would take it from everyone."""
+    from waxstudy.results.atomic import whole_file
+
+    try:
+        if out.exists() and not out.is_file():
+            out.write_text(text, encoding="utf-8")
+            return
+        with whole_file(out) as path:
+            path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise CommandError(f"{out}: cannot be written: {error.strerror}", FAILED) from error

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from waxstudy.cli.errors import BACKEND, FAILED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.errors import BACKEND, INVALID, PLUGIN, CommandError
 from waxstudy.cli.existing import Existing, Written
-from waxstudy.cli.output import Command, print_out, terminal
+from waxstudy.cli.output import Command, print_out, terminal, write_file
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
 
@@ -66,7 +66,7 @@ def command(
     if out is None:
         print_out(text)
     else:
-        _write(out, text)
+        write_file(out, text)
 
 
 def _of_fleet(folder: Path, form: str, has_options: bool) -> str:
@@ -94,20 +94,6 @@ def _of_fleet(folder: Path, form: str, has_options: bool) -> str:
 def _by_suffix(out: Path | None) -> str:
     suffix = out.suffix[1:].lower() if out else ""
     return suffix if suffix in FORMATS else "table"
-
-
-def _write(out: Path, text: str) -> None:
-    """Write a file whole; a device or pipe is written to, as a file in its place would take it from everyone."""
-    from waxstudy.results.atomic import whole_file
-
-    try:
-        if out.exists() and not out.is_file():
-            out.write_text(text, encoding="utf-8")
-            return
-        with whole_file(out) as path:
-            path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise CommandError(f"{out}: cannot be written: {error.strerror}", FAILED) from error
 
 
 def _folder_or_name(word: str) -> Path | str:

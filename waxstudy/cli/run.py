@@ -68,12 +68,13 @@ def command(
     if workers:
         raise click.UsageError("--workers is of a sweep, named with --sweep, or of a study with [activation]")
     with failures(study_file, folder), progress(quiet) as told:
-        from waxstudy.api.running import run
+        from waxstudy.api.running import Results, run
 
         with resumable():
             results = run(study, folder, jit=not no_jit, progress=told, replace=replaces)
     from waxstudy.cli.report import render
 
+    assert isinstance(results, Results)  # of cases
     text = render(results, "json" if as_json else "table", study.against)
     print_out(text if as_json else f"{text}{folder}\n")
 

@@ -143,7 +143,7 @@ def _write(found: Tuned, folder: Path) -> None:
 
 
 def _json(found: Tuned) -> str:
-    from waxstudy.report.formats import json_text
+    from waxstudy.results.json_text import json_text
     from waxstudy.tuning.fragment import as_json
 
     return json_text(as_json(found))

@@ -6,9 +6,7 @@ digest of all that they depend on.
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -22,6 +20,7 @@ from waxstudy.fleet.prepare import Fleet, prepared
 from waxstudy.fleet.result import BATCHES, FORMAT, LOOPS, MANIFEST, RESPONSE
 from waxstudy.plugin import SimulationError
 from waxstudy.results.atomic import whole_file
+from waxstudy.results.json_text import json_text
 from waxstudy.results.parquet import write_parquet
 from waxstudy.simulation.run import Progress
 from waxstudy.simulation.software import software
@@ -51,11 +50,24 @@ def run(study: Study, folder: Path, workers: int, told: Progress, jit: bool = Tr
         for _ in range(len(batches) - len(missing)):
             told.done(None, False)
         units = {**figures.UNITS, **units_of(study)}
-        quiet = replace(told, warn=lambda text: None)  # no loop is left out: the first failure is raised
-        failed = compute_points(missing, files, Where("threads", workers), quiet, partial(computed, fleet), units)
+        failing = replace(told, warn=_first(told.warn))  # no loop is left out: what failed first ends the command
+        failed = compute_points(missing, files, Where("threads", workers), failing, partial(computed, fleet), units)
         if failed:
             raise SimulationError(failed[min(failed)])
         return _finish(fleet, folder, files, told)
+
+
+def _first(tell: Callable[[str], None]) -> Callable[[str], None]:
+    """Return what tells the first failure when it happens; those after it change nothing."""
+    told: list[str] = []
+
+    def once(text: str) -> None:
+        if not told:
+            reason = text.partition(": ")[2].removesuffix("; it is left out")
+            tell(f"{reason}; the other batches are computed and kept, then the call ends")
+        told.append(text)
+
+    return once
 
 
 def _warn_of_slow_blocks(fleet: Fleet, told: Progress) -> None:
@@ -122,7 +134,7 @@ def _finish(fleet: Fleet, folder: Path, files: Sequence[Path], told: Progress) -
     with whole_file(folder / RESPONSE) as path:
         write_parquet(response.response(loops, call, study.step_s), path, response.UNITS)
     with whole_file(folder / MANIFEST) as path:
-        path.write_text(json.dumps(_finite(said), indent=1, allow_nan=False) + "\n")
+        path.write_text(json_text(said))
     for warning in warnings:
         told.warn(warning)
     return warnings
@@ -138,12 +150,3 @@ def _sorted(fleet: Fleet, loops: pd.DataFrame) -> pd.DataFrame:
     places = [loops[name].map({value: place for place, value in enumerate(known)}) for name, known in order.items()]
     keys = pd.DataFrame({"week": places[0], "state": places[1], "at_h": places[2], "loop": loops["loop"]})
     return loops.loc[keys.sort_values([*order, "loop"]).index].reset_index(drop=True)
-
-
-def _finite(value: Any) -> Any:
-    """JSON has neither NaN nor infinity; both are null, and read as NaN."""
-    if isinstance(value, dict):
-        return {key: _finite(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(each) for each in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -12,9 +12,10 @@ from waxstudy.plugin import FloatArray
 from waxstudy.results.kpis import FIGURES, Figures, MemberWeek
 from waxstudy.results.run import CaseFolder
 from waxstudy.results.wear import Wear
+from waxstudy.simulation.comfort import WEEK_H, equal_comfort
 from waxstudy.simulation.engine import Loop, Start
 from waxstudy.simulation.outside import OutsideLoop
-from waxstudy.simulation.run import WEEK_H, Plan, equal_comfort, member_week, part_intervals
+from waxstudy.simulation.run import Plan, member_week, part_intervals
 
 HEAT = "heat_corrected_kWh_m2_week"
 RAW_HEAT = "heat_kWh_m2_week"  # of rooms that do not say what heat they hold
@@ -38,7 +39,7 @@ def loop_figures(
     the setpoint is moved by what the difference of heat is worth in kelvins.
     """
     driven = loops[0].driven
-    shift_K = equal_comfort(plan, loops).shift_K
+    shift_K = equal_comfort(plan.study.comfort, loops, plan.starts, plan.stop).shift_K
     setpoint_C = plan.study.comfort.setpoint_C + shift_K
     per_K = driven.heat_W_K * WEEK_H / 1000.0 / driven.room.floor_area_m2
     members = list(product(loops, plan.starts))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 from waxstudy.plugin.contracts import FloatArray, Room, WeatherRecord
 
@@ -42,8 +42,10 @@ class OutsideRoom(Room):
     """A room whose own engine owns time and calls the chain.
 
     Its `build` gives the linear room that stands in for it: for areas and flows, and for a first guess of the setpoint
-    shift.
+    shift. `has_own_water` says that the engine's model, not the stand-in, tells how warm its water is.
     """
+
+    has_own_water: ClassVar[bool] = False
 
     @classmethod
     def ready(cls, p: Any, weather: WeatherRecord, step_s: float) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 from waxstudy.plugin import Choice
 from waxstudy.report.comparison import FIGURES, member_values
 from waxstudy.results.run import Run
+from waxstudy.study.activation import bare
 from waxstudy.study.model import Study
 
 ALIKE = tuple(figure.key for figure in FIGURES if figure.key != "heat_vs_most_detailed_percent")
@@ -67,12 +67,7 @@ def _changes(old: Mapping[str, Choice], new: Mapping[str, Choice]) -> Iterator[s
 
 def _set(choice: Choice) -> str:
     """The parameters that it takes to say which choice it is; the rest are defaults, or follow from these."""
-    given = choice.parameters.model_dump(mode="json", exclude_none=True)
-    for name in reversed(list(given)):
-        fewer = {key: value for key, value in given.items() if key != name}
-        with suppress(Exception):  # a stranger's check may raise anything
-            if Choice.of(choice.component, fewer).parameters.model_dump() == choice.parameters.model_dump():
-                given = fewer
+    given = bare(choice)
     return f" ({', '.join(f'{name} = {_short(value)}' for name, value in given.items())})" if given else ""
 
 

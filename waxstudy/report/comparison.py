@@ -15,7 +15,7 @@ from waxstudy.report.table import Column
 from waxstudy.report.words import with_spread
 from waxstudy.results.kpis import WEATHER
 from waxstudy.results.run import Run
-from waxstudy.study.model import Ladder
+from waxstudy.study.model import Ladder, Study
 
 CONFIDENCE = 0.95
 
@@ -147,6 +147,11 @@ def member_values(kpis: pd.DataFrame, case: str, week: str, column: str) -> Floa
     values = rows[column].to_numpy(dtype=float)
     several = WEATHER in rows and rows[WEATHER].nunique() > 1
     return values.reshape(rows[WEATHER].nunique(), -1) if several else values
+
+
+def shifted_setpoint_C(run: Run, study: Study, case: str, week: str) -> float:
+    """Return the setpoint at which a case is compared [°C]."""
+    return study.comfort.setpoint_C + float(member_values(run.kpis, case, week, "setpoint_shift_K").flat[0])
 
 
 def differences_percent(kpis: pd.DataFrame, case: str, reference: str, week: str, column: str = HEAT) -> FloatArray:

@@ -1,11 +1,9 @@
-"""Tables and notes as text for a terminal, as Markdown and as CSV; data as JSON. Pages are in `page`."""
+"""Tables and notes as text for a terminal, as Markdown and as CSV; pages are in `page`."""
 
 from __future__ import annotations
 
 import csv
 import io
-import json
-import math
 from collections.abc import Sequence
 from textwrap import wrap
 from typing import Any
@@ -30,20 +28,6 @@ def csv_text(table: Table[Any]) -> str:
     writer = csv.writer(out, lineterminator="\n")
     writer.writerows([[column.key for column in table.columns], *table.texts])
     return out.getvalue()
-
-
-def json_text(data: dict[str, Any]) -> str:
-    """Return data as JSON, NaN as null."""
-    return json.dumps(_finite(data), indent=1) + "\n"
-
-
-def _finite(value: Any) -> Any:
-    """JSON has no NaN."""
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def markdown(title: str, tables: Sequence[Table[Any]], notes: Sequence[str]) -> str:

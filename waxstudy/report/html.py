@@ -47,8 +47,12 @@ def _style(column: Column[Any], text: str = "") -> str:
 
 def provenance(run: Run) -> list[tuple[str, str]]:
     """Where the figures come from: the folder's name, then what the run says of itself."""
-    pairs = [(key, _words(value)) for key, value in run.provenance.items()]
-    return [("run folder", run.folder.resolve().name), *pairs]
+    return [("run folder", run.folder.resolve().name), *told(run.provenance)]
+
+
+def told(said: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Names and what is said of them, in words."""
+    return [(key, _words(value)) for key, value in said.items()]
 
 
 def _words(value: Any) -> str:

@@ -13,11 +13,12 @@ from waxstudy.report.activation import Activation
 from waxstudy.report.against import Against
 from waxstudy.report.comparison import CORRECTED_FIGURES, FIGURES, Row
 from waxstudy.report.content import Content, Starts
-from waxstudy.report.formats import csv_text, json_text, markdown, terminal
+from waxstudy.report.formats import csv_text, markdown, terminal
 from waxstudy.report.season import Comfort, Months
 from waxstudy.report.spread import Spread
 from waxstudy.report.table import Column, Table, text
 from waxstudy.report.words import MEAN_DECIDES, SINGLE_RUN, percent, with_spread, yes_or_no
+from waxstudy.results.json_text import json_text
 from waxstudy.results.kpis import CATEGORIES_C, HEAT_OF_MONTH
 
 OF_SPREAD = ("start", "weather", "rest")

@@ -11,10 +11,11 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from waxstudy.report.formats import csv_text, json_text, markdown, terminal
+from waxstudy.report.formats import csv_text, markdown, terminal
 from waxstudy.report.table import Column, Table, text
 from waxstudy.report.words import with_spread
 from waxstudy.results.folder import RunError
+from waxstudy.results.json_text import json_text
 from waxstudy.sweeps.axes import problem, salib
 from waxstudy.sweeps.result import Swept
 

@@ -16,7 +16,6 @@ import pandas as pd
 
 from waxstudy.plugin import (
     BackendMissing,
-    FloatArray,
     LinearRoom,
     OutsideRoom,
     Refused,
@@ -31,9 +30,10 @@ from waxstudy.plugin.shapes import driving_problems, physics_problems, room_prob
 from waxstudy.results.folder import STUDY, run_folder
 from waxstudy.results.kpis import WEATHER, BoolArray, Figures, MemberWeek, thinned
 from waxstudy.results.run import CaseFolder, damaged, finish, what_is_wrong, writing_case
-from waxstudy.simulation import ensemble, kernel, shift
+from waxstudy.simulation import ensemble, kernel
 from waxstudy.simulation.budget import Needs, free_disk, free_memory
 from waxstudy.simulation.chain import Chain
+from waxstudy.simulation.comfort import WEEK_H, equal_comfort
 from waxstudy.simulation.engine import DAY_S, Loop, Part, Start
 from waxstudy.simulation.modes import DrivenRoom, drive
 from waxstudy.simulation.outside import OutsideLoop, engine_of, given_to
@@ -42,8 +42,6 @@ from waxstudy.simulation.software import software
 from waxstudy.simulation.sources import component_digest, digest, source_digest
 from waxstudy.study.model import Case, Choice, Season, Study, is_multiple
 
-WEEK_H = 168.0
-CLOSE_K = 0.02  # how near the few members' shift is to that of all
 PART_STEPS = 2 * 17_280  # two days at 5 s; longer runs are reduced part by part
 
 
@@ -269,26 +267,6 @@ class _NotWritten(Exception):
         self.reason = reason
 
 
-def equal_comfort(plan: Plan, loops: Sequence[Loop | OutsideLoop]) -> shift.Shift:
-    """Return the setpoint shift at which the members of a case are as comfortable as the study asks, on their mean."""
-    comfort = plan.study.comfort
-
-    def hours_at(of: Sequence[Loop | OutsideLoop], starts: Sequence[Start], shift_K: float) -> FloatArray:
-        return np.concatenate([each_hours(each, starts, shift_K) for each in of])
-
-    def each_hours(loop: Loop | OutsideLoop, starts: Sequence[Start], shift_K: float) -> FloatArray:
-        weeks = loop.weeks(comfort.setpoint_C + shift_K, starts, stop=plan.stop)
-        return np.array([week.hours_below for week in weeks]) * WEEK_H * 3600.0 / loop.driven.counted_s
-
-    target_h = comfort.hours_below_per_week
-    # a few members, or the room that stands in, find the neighbourhood at a fraction of the cost
-    quick, few = _quick(loops, plan.starts)
-    found = near = shift.solve(partial(hours_at, quick, few), target_h)
-    if quick is not loops or len(few) < len(plan.starts):
-        found = shift.solve(partial(hours_at, loops, plan.starts), target_h, near.shift_K, CLOSE_K)
-    return found
-
-
 def simulate_case(
     plan: Plan, job: CaseFolder, loops: Sequence[Loop | OutsideLoop], keep: Callable[[pd.DataFrame], None]
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -297,7 +275,7 @@ def simulate_case(
     Returns key figures and durations; traces go to `keep`, part by part.
     """
     comfort, driven = plan.study.comfort, loops[0].driven
-    found = equal_comfort(plan, loops)
+    found = equal_comfort(comfort, loops, plan.starts, plan.stop)
     single_K = found.single_run_shifts_K(comfort.hours_below_per_week)
     kpis, spans = [], []
     for member, (number, start) in enumerate(product(range(len(loops)), range(len(plan.starts)))):
@@ -336,13 +314,6 @@ def part_intervals(driven: DrivenRoom, trace_interval_s: float) -> int:
     steps, row = driven.steps_per_interval, round(trace_interval_s / driven.step_s)
     whole = math.lcm(steps, row) // steps
     return max(1, PART_STEPS // steps // whole) * whole
-
-
-def _quick(
-    loops: Sequence[Loop | OutsideLoop], starts: Sequence[Start]
-) -> tuple[Sequence[Loop | OutsideLoop], Sequence[Start]]:
-    stand_ins = [loop.stand_in for loop in loops if isinstance(loop, OutsideLoop)]
-    return (stand_ins, starts) if stand_ins else (loops, starts[: -(-len(starts) // 4)])
 
 
 def member_week(

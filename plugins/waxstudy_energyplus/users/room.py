@@ -71,6 +71,7 @@ class EnergyPlusModelRoom(OutsideRoom):
 
     name = "energyplus-model"
     api_version = "1.0"
+    has_own_water = True
     Parameters = ModelParameters
     examples = {}
     exemptions = {"examples": "it runs a model that the user has"}

@@ -73,8 +73,8 @@ def _shrinkages(place: Place, found: Opened, workers: int, tick: Tick) -> dict[s
 
 def _write(out: Path, told: dict[str, Any]) -> None:
     from waxstudy.report.blind_test.page import as_html
-    from waxstudy.report.formats import json_text
     from waxstudy.results.atomic import whole_file
+    from waxstudy.results.json_text import json_text
 
     out.mkdir(parents=True, exist_ok=True)
     page, text = as_html(told), json_text(told)
@@ -85,6 +85,6 @@ def _write(out: Path, told: dict[str, Any]) -> None:
 
 def _text(told: dict[str, Any], as_json: bool) -> str:
     from waxstudy.report.blind_test.tables import as_terminal
-    from waxstudy.report.formats import json_text
+    from waxstudy.results.json_text import json_text
 
     return json_text(told) if as_json else as_terminal(told, *terminal())

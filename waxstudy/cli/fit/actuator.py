@@ -110,7 +110,7 @@ def _texts(found: ActuatorFit, files: dict[str, Path], out: Path) -> dict[Path, 
 
 
 def _json(found: ActuatorFit) -> str:
-    from waxstudy.report.formats import json_text
+    from waxstudy.results.json_text import json_text
 
     return json_text(found.described())
 

@@ -101,7 +101,7 @@ def _page(found: ValveFit) -> str:
 
 
 def _json(found: ValveFit) -> str:
-    from waxstudy.report.formats import json_text
+    from waxstudy.results.json_text import json_text
 
     return json_text(found.described())
 

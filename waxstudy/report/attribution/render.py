@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 from waxstudy.report.attribution.notes import notes
 from waxstudy.report.attribution.shares import HEAT, MAE, PERCENT, SHIFT, Attribution, Difference, OrderFree, Share
 from waxstudy.report.comparison import CORRECTED_DIFFERENCE, Estimate
-from waxstudy.report.formats import csv_text, json_text, markdown, terminal
+from waxstudy.report.formats import csv_text, markdown, terminal
 from waxstudy.report.table import Column, Table, text
 from waxstudy.report.words import counted, with_spread, yes_or_no
+from waxstudy.results.json_text import json_text
 
 WORDS = {
     HEAT: ("heat", "kWh/m²", ".3f"),

@@ -43,7 +43,8 @@ def figure_overview(content: Content) -> Figure:
     if all(row.corrected_resolved is None for row in content.rows):
         middle.set_xlabel("corrected heat is not known")
     middle.sharex(left)
-    right.set(xlabel="mean absolute error of the air temperature, K", xlim=(0.0, None))
+    right.set_xlabel("mean absolute error of the air temperature, K")
+    right.set_xlim(0.0, 1.04 * right.dataLim.x1)  # no marker is cut at the edge
     left.set_yticks(range(len(cases)), cases)
     left.invert_yaxis()
     for panel in (middle, right):

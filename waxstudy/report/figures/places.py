@@ -7,7 +7,6 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from waxstudy.plugin import FloatArray
-from waxstudy.report.comparison import member_values
 from waxstudy.report.content import Content
 from waxstudy.report.figures.plot import Lacking
 from waxstudy.study.model import Ladder
@@ -62,12 +61,6 @@ def steps(frame: pd.DataFrame, channel: str) -> pd.DataFrame:
 def cumulative(content: Content, case: str, week: str) -> pd.DataFrame:
     """Duration curves of a case, mean over the members, by percent of the time."""
     return content.run.durations(case, week).groupby("percent").mean()
-
-
-def setpoint_C(content: Content, case: str, week: str) -> float:
-    """The shifted setpoint."""
-    shift_K = member_values(content.run.kpis, case, week, "setpoint_shift_K")
-    return content.study.comfort.setpoint_C + float(shift_K.flat[0])
 
 
 def hours(frame: pd.DataFrame, start_s: float = 0.0) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from waxstudy.plugin import FloatArray, Room, WeatherRecord
+from waxstudy.plugin import FloatArray, OutsideRoom, Room, WeatherRecord
 from waxstudy.report.content import Content
 from waxstudy.report.figures.places import trace
 from waxstudy.report.figures.plot import Lacking, drawing, one_panel
@@ -45,6 +45,8 @@ def _supply_C(content: Content) -> FloatArray:
     """Return what the room is supplied with at each outdoor temperature, without sun."""
     component = content.study.room.component
     assert issubclass(component, Room)
+    if issubclass(component, OutsideRoom) and component.has_own_water:
+        raise Lacking("the water is as warm as the model of this room says, not by a curve of the study")
     try:
         room = component.build(content.study.room.parameters)
         dark = {facade: np.zeros(len(OUTDOOR_C)) for facade in room.facades}

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from waxstudy.report.comparison import shifted_setpoint_C
 from waxstudy.report.content import Content
 from waxstudy.report.figures import places
 from waxstudy.report.figures.plot import drawing, panels
@@ -43,7 +44,7 @@ def _day(panel: Axes, content: Content, case: str, week: str) -> None:
     time_h, colour = places.hours(frame, start_s), COLOURS[1]
     panel.plot(time_h, frame["air_C"], color=colour, label="air")
     panel.plot(time_h, frame["operative_C"], color=BLACK, linestyle=DASHED, label="operative")
-    setpoint_C = places.setpoint_C(content, case, week)
+    setpoint_C = shifted_setpoint_C(content.run, content.study, case, week)
     panel.axhline(setpoint_C, color=COLOURS[5], linestyle=":", linewidth=1.8, label="setpoint")
     panel.set(title=f"{case}, {week}, day {int(start_s / places.DAY_S) + 1}", xticks=range(0, 25, 3), xlim=(0, 24))
 

@@ -9,7 +9,7 @@ from waxstudy.fleet.result import Activated
 from waxstudy.report.figures.plot import plots
 from waxstudy.report.fleet import tables
 from waxstudy.report.fleet.figures import figure_later, figure_response
-from waxstudy.report.html import filled
+from waxstudy.report.html import filled, told
 from waxstudy.report.words import counted
 from waxstudy.version import __version__
 
@@ -27,6 +27,7 @@ def as_html(found: Activated) -> str:
         notes=tables.notes(found),
         states=list(_states(found)),
         figures=plots((figure_response, figure_later), found),
+        provenance=told(found.provenance),
         version=__version__,
     )
 

@@ -10,16 +10,18 @@ from typing import Any
 from waxstudy.fleet.response import Band
 from waxstudy.fleet.result import Activated
 from waxstudy.fleet.summary import Row
-from waxstudy.report.formats import json_text, markdown, terminal
+from waxstudy.report.formats import markdown, terminal
 from waxstudy.report.table import Column, Table, text
+from waxstudy.results.json_text import json_text
 
 
 def tables(found: Activated) -> list[Table[Row]]:
-    """Four tables with the same rows."""
+    """Five tables with the same rows."""
     place = _place(found)
     return [
         Table("answers within the limit", [*place, *_answers(found)], found.rows),
-        Table("what 1 MW of reserve needs", [*place, *_reserve(found)], found.rows),
+        Table("reserve of a loop", [*place, *_reserve_of_a_loop(found)], found.rows),
+        Table("what 1 MW of reserve needs", [*place, *LOOPS_PER_MW], found.rows),
         Table("heat of a loop", [*place, *_heat(found)], found.rows),
         Table("rooms meanwhile", [*place, *_rooms(found)], found.rows),
     ]
@@ -46,13 +48,11 @@ def _answers(found: Activated) -> list[Column[Row]]:
     ]
 
 
-def _reserve(found: Activated) -> list[Column[Row]]:
+def _reserve_of_a_loop(found: Activated) -> list[Column[Row]]:
     return [
         _band("limit_W", f"at {found.said['limit_s']:g} s, W per loop"),
         _band("firm_W", "firm, W per loop"),
         _band("mean_W", "on the mean, W per loop"),
-        _band("loops_per_MW_heat", "loops for 1 MW of heat"),
-        _band("loops_per_MW_electric", "loops for 1 MW of electricity"),
     ]
 
 
@@ -84,7 +84,7 @@ def _band(key: str, heading: str, times: float = 1.0) -> Column[Row]:
 def banded(band: Band, times: float = 1.0) -> str:
     """
     >>> banded(Band(2084.2, 1999.7, 2187.6)), banded(Band(0.55, 0.55, 0.55), 100.0), banded(Band(math.nan, 1.0, 2.0))
-    ('2,084 (2,000 to 2,188)', '55', '-')
+    ('2,080 (2,000 to 2,190)', '55', '-')
     """
     if math.isnan(band.value):
         return "-"
@@ -93,7 +93,14 @@ def banded(band: Band, times: float = 1.0) -> str:
 
 
 def _figure(value: float) -> str:
-    return "any number" if math.isnan(value) else f"{value:z,.0f}"
+    """No more than three digits that tell something."""
+    return "any number" if math.isnan(value) else f"{float(f'{value:.3g}') if abs(value) >= 1000.0 else value:z,.0f}"
+
+
+LOOPS_PER_MW = (
+    _band("loops_per_MW_heat", "loops for 1 MW of heat"),
+    _band("loops_per_MW_electric", "loops for 1 MW of electricity"),
+)
 
 
 def notes(found: Activated) -> list[str]:

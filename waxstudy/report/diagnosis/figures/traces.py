@@ -15,6 +15,7 @@ from waxstudy.diagnosis.result import Diagnosis, StageGap
 from waxstudy.plugin import FloatArray
 from waxstudy.report.diagnosis.focus import Day, main_stages, shown_days
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
+from waxstudy.report.figures.breaks import broken
 from waxstudy.report.figures.plot import Lacking, drawing, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_of
 
@@ -24,7 +25,6 @@ LOOKS: Mapping[str, tuple[str, Any]] = {
     "after": ("with the effects found", {"color": COLOURS[1], "linewidth": 1.5}),
 }
 LEVELS = 2  # values of a channel that only switches
-BREAK = 3.5  # times what usually lies between two samples: a line through more would be made up
 
 
 @drawing(
@@ -75,12 +75,7 @@ def _draw(panel: Axes, day: Day, channel: str) -> None:
 
 def course(known: pd.Series[float]) -> tuple[FloatArray, FloatArray]:
     """Hours and values of a line, which is broken where nothing was recorded or modelled for long."""
-    hours, values = _hours(known), np.asarray(known, dtype=float)
-    if len(hours) < 2:
-        return hours, values
-    steps = np.diff(hours)
-    breaks = 1 + np.flatnonzero(steps > BREAK * np.median(steps))
-    return np.insert(hours, breaks, np.nan), np.insert(values, breaks, np.nan)
+    return broken(_hours(known), np.asarray(known, dtype=float))
 
 
 def _hours(known: pd.Series[float]) -> FloatArray:

@@ -1,0 +1,1 @@
+"""Pages on which traces zoom, by plotly: of a run and of a diagnosis."""
