@@ -44,6 +44,34 @@ def test_the_conda_recipe_builds_this_version_and_asks_for_what_pyproject_does()
     assert [CONDA_NAMES.get(name, name) + bounds for name, bounds in found] == PROJECT["dependencies"]
 
 
+def test_what_is_run_with_the_oldest_dependencies_is_there_and_needs_no_more_than_is_installed_for_it() -> None:
+    recipe = (ROOT / "Makefile").read_text(encoding="utf-8").split("\nlowest:")[1].split("\n\n")[0]
+    installed = set(re.findall(r'"([a-z-]+)>=', recipe)) - {"uv"}
+    of_dev = " ".join(PROJECT["optional-dependencies"]["dev"])
+    assert [
+        name for name in re.findall(r'"([a-z-]+>=[\d.]+)"', recipe) if name[:3] != "uv>" and name not in of_dev
+    ] == []
+    files = [file for name in (ROOT / "tests" / "lowest.txt").read_text().split() for file in _tests_below(ROOT / name)]
+    imported = set(re.findall(r"^(?:import|from) (\w+)", "".join(file.read_text("utf-8") for file in files), re.M))
+    own = {re.split(r"[<>=]", each)[0].replace("-", "_") for each in PROJECT["dependencies"]}
+    ours = {
+        "waxstudy",
+        "waxstudy_paper",
+        "waxstudy_effects",
+        "waxstudy_enthalpy",
+        "waxstudy_ramp",
+        "tests",
+        "docs_site",
+    }
+    assert imported - sys.stdlib_module_names - own - installed - ours == set()
+
+
+def _tests_below(place: Path) -> list[Path]:
+    found = sorted(place.rglob("*.py")) if place.is_dir() else [place]
+    assert found, f"{place} holds no test"
+    return found
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_shells_get_what_completes_commands_as_the_start_page_says(shell: str, waxstudy: Waxstudy) -> None:
     page = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
