@@ -13,6 +13,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from rattler_build import Stage0Recipe
 
 import waxstudy
 from tests.conftest import ROOT, Waxstudy
@@ -31,17 +32,50 @@ def test_all_that_describes_the_package_agrees() -> None:
     assert code["keywords"] == PROJECT["keywords"] == [line[4:] for line in citation if line.startswith("  - ")][1:6]
 
 
-CONDA = (ROOT / "packaging" / "conda" / "meta.yaml").read_text(encoding="utf-8")
+CONDA = ROOT / "packaging" / "conda" / "recipe.yaml"
 CONDA_NAMES = {"matplotlib-base": "matplotlib"}  # where conda calls a package otherwise
 
 
-def test_the_conda_recipe_builds_this_version_and_asks_for_what_pyproject_does() -> None:
-    assert f'version = "{waxstudy.__version__}"' in CONDA
-    needed = re.search(r"  run:\n    - python (\S+)\n((?:    - .*\n)+)", CONDA)
-    assert needed
-    assert needed[1] == PROJECT["requires-python"]
-    found = [line.removeprefix("    - ").split(" ") for line in needed[2].splitlines()]
-    assert [CONDA_NAMES.get(name, name) + bounds for name, bounds in found] == PROJECT["dependencies"]
+def test_the_conda_recipe_renders_to_this_version_with_the_requirements_of_pyproject() -> None:
+    (rendered,) = Stage0Recipe.from_yaml(CONDA.read_text(encoding="utf-8")).render()
+    recipe = rendered.recipe.to_dict()
+    assert recipe["package"] == {"name": "waxstudy", "version": waxstudy.__version__}
+    assert recipe["source"] == [{"path": f"../../dist/waxstudy-{waxstudy.__version__}.tar.gz"}]
+    assert recipe["build"]["noarch"] == "python"
+    python, *needed = (each.split(" ") for each in recipe["requirements"]["run"])
+    assert python == ["python", PROJECT["requires-python"]]
+    assert [CONDA_NAMES.get(name, name) + bounds for name, bounds in needed] == PROJECT["dependencies"]
+    started = [f"{name} = {entry}" for name, entry in PROJECT["scripts"].items()]
+    assert recipe["build"]["python"]["entry_points"] == started
+    assert recipe["about"]["license"] == PROJECT["license"]
+
+
+def test_what_is_run_with_the_oldest_dependencies_is_there_and_needs_no_more_than_is_installed_for_it() -> None:
+    recipe = (ROOT / "Makefile").read_text(encoding="utf-8").split("\nlowest:")[1].split("\n\n")[0]
+    installed = set(re.findall(r'"([a-z-]+)>=', recipe)) - {"uv"}
+    of_dev = " ".join(PROJECT["optional-dependencies"]["dev"])
+    assert [
+        name for name in re.findall(r'"([a-z-]+>=[\d.]+)"', recipe) if name[:3] != "uv>" and name not in of_dev
+    ] == []
+    files = [file for name in (ROOT / "tests" / "lowest.txt").read_text().split() for file in _tests_below(ROOT / name)]
+    imported = set(re.findall(r"^(?:import|from) (\w+)", "".join(file.read_text("utf-8") for file in files), re.M))
+    own = {re.split(r"[<>=]", each)[0].replace("-", "_") for each in PROJECT["dependencies"]}
+    ours = {
+        "waxstudy",
+        "waxstudy_paper",
+        "waxstudy_effects",
+        "waxstudy_enthalpy",
+        "waxstudy_ramp",
+        "tests",
+        "docs_site",
+    }
+    assert imported - sys.stdlib_module_names - own - installed - ours == set()
+
+
+def _tests_below(place: Path) -> list[Path]:
+    found = sorted(place.rglob("*.py")) if place.is_dir() else [place]
+    assert found, f"{place} holds no test"
+    return found
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

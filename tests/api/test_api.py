@@ -207,6 +207,10 @@ def test_components_are_told_by_kind() -> None:
         wx.components("motor")
 
 
+def test_a_finished_run_is_read_from_a_folder_named_by_text(finished: Path) -> None:
+    assert wx.Results(str(finished)).kpis.equals(wx.Results(finished).kpis)
+
+
 # --- its page ----------------------------------------------------------------------------------------
 
 

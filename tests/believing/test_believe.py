@@ -20,7 +20,7 @@ from waxstudy.believing.questions import KEYS
 from waxstudy.believing.tolerance import SPREADS, tolerance, widened
 from waxstudy.dataset.read import read_dataset
 
-USAGE, INVALID = 2, 3
+USAGE, INVALID, INTERRUPTED = 2, 3, 130
 OWN = {"heat-loss": 0.07, "floor-capacity": 0.1, "boards-capacity": 0.2, "water-exchange": 1.0, "above-pipes": 0.8}
 HEAD = """\
 # measured in winter
@@ -92,6 +92,7 @@ def test_guesses_are_told_with_their_source_and_widen_the_room(entry: Entry, liv
     assert set(found.nominal) == {"controller", "actuator", "valve"}
     assert about(living)["building"]["nominal_flow_L_h"] == 60.0  # as the record shows
     assert f"room_tolerance = {found.room_tolerance:g}" in done.stdout
+    assert done.stdout.splitlines()[-2] == "next: waxstudy diagnose living"
     again = entry(*str(about(living)["believe"]["command"]).split()[1:])
     assert (again.code, (living / "dataset.toml").read_text()) == (0, text)
 
@@ -99,6 +100,8 @@ def test_guesses_are_told_with_their_source_and_widen_the_room(entry: Entry, liv
 def test_what_is_known_widens_nothing_and_is_written_in_the_room_s_words(entry: Entry, living: Path) -> None:
     done = entry("believe", "living", *said(KNOWN))
     assert done.code == 0, done.stderr
+    # an owner knows that it is a PI controller, hardly its numbers
+    assert "what is found of the PI controller's gain, times and pulses" in done.stdout
     assert "guessed" not in done.stdout
     found = about(living)
     assert "room_tolerance" not in found["dataset"]
@@ -202,21 +205,32 @@ def test_the_typical_values_get_better_with_the_years() -> None:
         assert all(now <= then for then, now in zip(before[1:-1], after[1:-1], strict=True))
 
 
-@pytest.mark.slow
-def test_it_asks_on_a_terminal(living: Path, tmp_path: Path) -> None:
+def on_a_terminal(folder: Path, typed: bytes) -> tuple[int, str, str]:
+    """Answer what is asked of year and valve; all else is known."""
     ours, theirs = pty.openpty()
-    command = [
-        str(WAXSTUDY),
-        "believe",
-        "living",
-        *said({k: v for k, v in KNOWN.items() if k not in ("year", "valve")}),
-    ]
-    child = subprocess.Popen(command, cwd=tmp_path, stdin=theirs, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    known = said({k: v for k, v in KNOWN.items() if k not in ("year", "valve")})
+    command = [str(WAXSTUDY), "believe", "living", *known]
+    child = subprocess.Popen(command, cwd=folder, stdin=theirs, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     os.close(theirs)
-    os.write(ours, b"last year\n2005\n\n")  # the year's default typed, the valve's taken
+    os.write(ours, typed)
     out, asked = (text.decode() for text in child.communicate(timeout=120))
     os.close(ours)
-    assert child.returncode == 0, asked
+    return child.returncode, out, asked
+
+
+@pytest.mark.slow
+def test_what_was_typed_before_an_interruption_is_not_typed_again(living: Path, tmp_path: Path) -> None:
+    before = (living / "dataset.toml").read_text()
+    code, _, asked = on_a_terminal(tmp_path, b"1998\n\x04")
+    assert code == INTERRUPTED
+    assert asked.endswith("interrupted, and nothing is written; to go on, add to the same command: --set year=1998\n")
+    assert (living / "dataset.toml").read_text() == before
+
+
+@pytest.mark.slow
+def test_it_asks_on_a_terminal(living: Path, tmp_path: Path) -> None:
+    code, out, asked = on_a_terminal(tmp_path, b"last year\n2005\n\n")  # the year's default typed, the valve's taken
+    assert code == 0, asked
     assert out.splitlines()[-1] == "living"
     assert asked.index("In which year") < asked.index("give a year from 1700") < asked.index("What curve has the valve")
     found = about(living)

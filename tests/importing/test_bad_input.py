@@ -211,6 +211,12 @@ def test_a_zone_that_stamps_do_not_tell_is_asked_for(entry: Entry) -> None:
     refused(imported(entry, frame, "--yes"), "In which time zone is the room", "--timezone ...")
 
 
+@pytest.mark.parametrize("written", ["tallinn", "Tallin", "Europ/Tallinn"])
+def test_a_zone_is_found_by_its_city(entry: Entry, written: str) -> None:
+    done = imported(entry, house(days=2.0), "--timezone", written)
+    assert (done.code, "did you mean 'Europe/Tallinn'?" in done.stderr) == (USAGE, True)
+
+
 def test_days_that_may_be_months_are_refused(entry: Entry) -> None:
     frame = house(days=2.0)
     frame.index = frame.index.strftime("%m/%d/%Y %H:%M").str.replace("/10/", "/01/").str.replace("/11/", "/02/")

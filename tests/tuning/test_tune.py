@@ -157,3 +157,9 @@ def test_the_loop_of_the_adapted_pi_is_beyond_its_limit(waxstudy: Waxstudy, tmp_
     assert found["limit_period_h"] == pytest.approx(1.46, abs=0.03)
     assert found["minimum_duty"] < 0.01
     assert "figure-bode" in (tmp_path / "loops.html").read_text()
+
+
+def test_what_got_worse_is_told_as_more() -> None:
+    from waxstudy.report.tuning.tables import _less
+
+    assert [_less(score) for score in (0.7, 1.0, 2.03)] == ["30 % less", "0 % less", "103 % more"]

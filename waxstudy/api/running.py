@@ -35,6 +35,9 @@ class Results(Run):
     `Results(folder)` reads one from its folder; raises `RunError`.
     """
 
+    def __init__(self, folder: str | Path) -> None:
+        super().__init__(Path(folder))
+
     @cached_property
     def content(self) -> Content:
         """What a report says of the run."""

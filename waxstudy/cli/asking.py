@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from waxstudy.cli.errors import say
+from waxstudy.cli.errors import INTERRUPTED, CommandError, say
 
 if TYPE_CHECKING:
     from waxstudy.importing.asking import Question
@@ -22,6 +24,7 @@ class Asking:
     def __init__(self, is_terminal: bool, takes_proposals: bool) -> None:
         self.is_terminal, self.takes_proposals = is_terminal, takes_proposals
         self.unsettled: list[Question] = []
+        self.typed: list[str] = []  # answers of the user, as options that state them
 
     def __call__(self, question: Question) -> str:
         if self.is_terminal:
@@ -35,6 +38,8 @@ class Asking:
         return str(question.otherwise)
 
     def _asked(self, question: Question) -> str:
+        from waxstudy.importing.asking import Proposed
+
         shown = [f"  {place}  {choice}" for place, choice in enumerate(question.choices[:MOST_SHOWN], 1)]
         more = len(question.choices) - len(shown)
         shown += [f"  and {more} more, by name"] * (more > 0)
@@ -55,7 +60,20 @@ class Asking:
         usual = "Enter for the first" if question.choices else question.proposal
         ending = f" [{usual}]> " if question.proposal else "> "
         answer: str = click.prompt("", default="", show_default=False, value_proc=read, prompt_suffix=ending, err=True)
+        if not isinstance(answer, Proposed):
+            self.typed.append(_option(question, answer))
         return answer
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Say of an interrupted command what was typed, so that nobody types it again."""
+        try:
+            yield
+        except (KeyboardInterrupt, click.Abort):
+            if not self.typed:
+                raise
+            told = "interrupted, and nothing is written; to go on, add to the same command:"
+            raise CommandError(f"{told} {' '.join(self.typed)}", INTERRUPTED, label="") from None
 
     def refuse_unsettled(self) -> None:
         """Raise `StudyError` with every question that nobody has answered."""
@@ -72,9 +90,17 @@ def _proposed(answer: str) -> str:
     return Proposed(answer)
 
 
-def _next(question: Question) -> str:
+def _option(question: Question, answer: str) -> str:
+    """Return the option that states an answer."""
+    from waxstudy.importing.asking import NONE
+
     option, _, key = question.option.partition(" ")
-    given = f"{option} {shlex.quote(key + (question.proposal or '...'))}"
+    is_none = option == "--map" and answer == NONE
+    return f"{option} {shlex.quote(key + ('' if is_none else answer))}"
+
+
+def _next(question: Question) -> str:
+    given = _option(question, question.proposal or "...")
     also = ", or --yes" if question.proposal else ""
     return f"say {given}{also}, or answer on a terminal"
 

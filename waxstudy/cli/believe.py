@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 SET = "Answer to a question, such as year=1998; repeatable. --set help lists them."
 FROM = "Take what is believed from another dataset.toml, or the room of a study."
 OF_CHAIN = ("thermostat", "dead_band_K", "motor", "valve")
+# that a thermostat is one is asked, its numbers are not: hardly an owner knows them
+PI_TIMES = "the PI controller's gain, times and pulses (of Parts et al.; [nominal] takes those of its manual)"
 YES = "Take every default, and ask nothing."
 
 
@@ -58,7 +61,8 @@ def command(dataset: Path, stated: dict[str, str], other: Path | None, yes: bool
     asking = Asking(is_terminal=sys.stdin.isatty() and not yes, takes_proposals=yes)
     try:
         try:
-            believed = believe(Request(dataset, stated, other), asking)
+            with asking.kept():
+                believed = believe(Request(dataset, stated, other), asking)
         finally:
             asking.refuse_unsettled()
         own = stays(read_file(dataset / "dataset.toml").decode(), believed)
@@ -71,7 +75,8 @@ def command(dataset: Path, stated: dict[str, str], other: Path | None, yes: bool
         raise CommandError(f"{dataset}: it cannot be written: {error.strerror or error}", FAILED) from error
     for sentence in (*believed.told, *doubts(dataset)):
         warn(sentence)
-    print_out("\n".join([*_told(believed, own), str(dataset)]) + "\n")
+    then = shlex.join(["waxstudy", "diagnose", str(dataset)])
+    print_out("\n".join([*_told(believed, own), "", f"next: {then}", str(dataset)]) + "\n")
 
 
 def _refuse_unknown(stated: dict[str, str]) -> None:
@@ -88,6 +93,7 @@ def _told(believed: Believed, own: float | None) -> Iterator[str]:
     rows: list[tuple[str, ...]] = [("question", "answer", "from")]
     rows += [(a.key, a.text, f"guessed: {a.source}" if a.is_guess else a.source) for a in believed.answers]
     yield from _lines(rows) if believed.answers else ["Nothing is asked: all is believed already."]
+    yield from _of_chain(believed)
     if not believed.widened:
         return
     yield ""
@@ -100,10 +106,16 @@ def _told(believed: Believed, own: float | None) -> Iterator[str]:
         yield f"room_tolerance = {own:g} stays as it was written; the guesses ask for {believed.room_tolerance:g}."
     else:
         yield f"room_tolerance = {believed.room_tolerance:g}, the largest: so far a diagnosis may move the room."
-    if of_chain := [a.key for a in believed.answers if a.is_guess and a.key in OF_CHAIN]:
-        yield f"It does not widen the chain: what is found of {', '.join(of_chain)} may be the guess."
     reasons = {guess.key: guess.why for each in believed.widened for guess in each.guesses}
     yield from (f"  {key}: {why}" for key, why in reasons.items())
+
+
+def _of_chain(believed: Believed) -> Iterator[str]:
+    """Yield what of the chain nobody has told: no tolerance widens it."""
+    guessed = [a.key for a in believed.answers if a.is_guess and a.key in OF_CHAIN]
+    guessed += [PI_TIMES for a in believed.answers if (a.key, a.value) == ("thermostat", "pi")]
+    if guessed:
+        yield f"No tolerance widens the chain: what is found of {', '.join(guessed)} may be the guess."
 
 
 def _lines(rows: Sequence[Sequence[str]]) -> Iterator[str]:

@@ -88,7 +88,8 @@ def command(out: Path, yes: bool, replaces: bool, **stated: Any) -> None:
     try:
         refuse_other(out, request, replaces=replaces or request.room is None)  # which may be asked for
         try:
-            imported = bring(request, asking)
+            with asking.kept():
+                imported = bring(request, asking)
         finally:
             asking.refuse_unsettled()  # before what may only follow from them
         write(out, imported, replaces=replaces)
@@ -107,6 +108,7 @@ def _refuse_unknown(stated: dict[str, Any]) -> None:
     from zoneinfo import available_timezones
 
     from waxstudy.dataset.channels import CHANNELS
+    from waxstudy.dataset.zones import zone_hint
     from waxstudy.plugin.registry import hint
 
     for channel in stated["entities"]:
@@ -116,7 +118,7 @@ def _refuse_unknown(stated: dict[str, Any]) -> None:
             )
     zone = stated["timezone"]
     if zone is not None and zone not in available_timezones():
-        raise CommandError(f"--timezone {zone}: no such time zone{hint(zone, available_timezones())}", USAGE)
+        raise CommandError(f"--timezone {zone}: no such time zone{zone_hint(zone)}", USAGE)
 
 
 def _told(imported: Imported) -> str:

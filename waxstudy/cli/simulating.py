@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from waxstudy.cli.errors import BACKEND, FAILED, INTERRUPTED, INVALID, PLUGIN, USAGE, CommandError, say
+from waxstudy.study.visible import visible_lines
 
 if TYPE_CHECKING:
     from waxstudy.simulation.run import Progress
@@ -73,4 +74,8 @@ def progress(quiet: bool, of: str = "cases") -> Iterator[Progress]:
     with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("preparing", total=None)
         total: Callable[[int], None] = lambda n: bar.update(task, total=n, description=of)  # noqa: E731
-        yield Progress(warn=warn, total=total, done=lambda case, computed: bar.advance(task))
+        # above the bar, which it would else be glued to
+        above: Callable[[str], None] = lambda text: bar.console.print(  # noqa: E731
+            visible_lines(f"warning: {text}"), markup=False, highlight=False, soft_wrap=True
+        )
+        yield Progress(warn=above, total=total, done=lambda case, computed: bar.advance(task))

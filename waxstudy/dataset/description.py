@@ -140,7 +140,10 @@ def _nominal(check: Check, notes: Notes) -> tuple[dict[str, Choice], float | Non
         if kind in table:
             merge_block(check, blocks, kind, table[kind], spot.at(kind))
     if not blocks:
-        notes.warn("nothing is believed of the control chain ([nominal] has no block): the room alone can be looked at")
+        notes.warn(
+            "nothing is believed of the control chain ([nominal] has no block): the room alone can be looked at; "
+            "`waxstudy believe` asks for it"
+        )
     rest = {key: value for key, value in table.items() if key == "setpoint_C"}
     believed = check.parameters(Nominal, RawTable.of(rest, spot))
     chain = {kind: check.choice(kind, block) for kind, block in blocks.items()}

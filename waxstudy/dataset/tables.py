@@ -8,6 +8,7 @@ from zoneinfo import available_timezones
 from pydantic import Field, field_validator, model_validator
 
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.zones import zone_hint
 from waxstudy.plugin import Parameters, parameter
 from waxstudy.plugin.registry import hint
 
@@ -89,7 +90,7 @@ class Site(Parameters):
     @classmethod
     def _is_known(cls, timezone: str | None) -> str | None:
         if timezone is not None and timezone not in available_timezones():
-            raise ValueError(f"'{timezone}' is no time zone{hint(timezone, available_timezones())}")
+            raise ValueError(f"'{timezone}' is no time zone{zone_hint(timezone)}")
         return timezone
 
 

@@ -8,6 +8,7 @@ from zoneinfo import available_timezones
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.notes import Notes
+from waxstudy.dataset.zones import zone_hint
 from waxstudy.importing.asking import NONE, Ask, Question
 from waxstudy.importing.channels import channels_of
 from waxstudy.importing.layouts import joined, readings_of
@@ -78,7 +79,7 @@ def _zone(request: Request, readings: Sequence[Readings], ask: Ask) -> str:
 
     def allowed(answer: str) -> str:
         is_known = answer in available_timezones()
-        return "" if is_known else f"'{answer}' is no time zone{hint(answer, available_timezones())}"
+        return "" if is_known else f"'{answer}' is no time zone{zone_hint(answer)}"
 
     text = "Stamps are in UTC. In which time zone is the room (as Europe/Tallinn)"
     return ask(Question(text, (), None, "--timezone ", readings[0].where, "UTC", allowed))

@@ -75,11 +75,16 @@ def verdict(found: Tuned) -> str:
     values = ", ".join(
         f"{axis.name} {found.chosen.values[axis.key]:g} {unit_beside(axis)}".rstrip() for axis in found.axes
     )
-    gained = f"{100.0 * (1.0 - found.chosen.score):.0f} % less of {found.goal.words} than the case {STANDS}"
+    gained = f"{_less(found.chosen.score)} of {found.goal.words} than the case {STANDS}"
     if found.chosen.tested is None:
         return f"{values}: {gained} on {found.split.tuned_words}; not tested, as no other weather is left."
-    tested = f"{100.0 * (1.0 - found.chosen.tested_score):.0f} % less on {found.split.tested_words}"
+    tested = f"{_less(found.chosen.tested_score)} on {found.split.tested_words}"
     return f"{values}: {gained} on {found.split.tuned_words}, {tested}, which took no part."
+
+
+def _less(score: float) -> str:
+    """Return what a score is against that of the case as it stands, which is 1."""
+    return f"{abs(100.0 * (1.0 - score)):.0f} % {'more' if score > 1.0 else 'less'}"
 
 
 def _told_of_test(found: Tuned) -> Iterator[str]:
