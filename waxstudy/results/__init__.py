@@ -1,2 +1,1 @@
 """Key figures of a member's week, and the run folder."""
-
