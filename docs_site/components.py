@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 
-from docs_site.keys import HEAD, row
+from docs_site.keys import HEAD, Node, row
 from docs_site.tables import plain, table
 from waxstudy.plugin import KINDS, Effect
 from waxstudy.plugin.effect import STAGES
@@ -52,10 +52,19 @@ def _section(entry: Registered) -> str:
     keys = {name: node for name, node in described(component)["properties"].items() if name != "use"}
     needed = needed_keys(component)
     if keys:
-        parts.append(table(HEAD, [row(name, node, name in needed) for name, node in keys.items()]))
+        parts.append(table(HEAD, list(_rows(keys, needed))))
     if issubclass(component, Effect) and component.priors:
         parts.append(table(("looked for", "from", "to", "scale", "noticeable"), _priors(component)))
     return "\n\n".join(parts) + "\n"
+
+
+def _rows(keys: Mapping[str, Node], needed: Collection[str], within: str = "") -> Iterator[tuple[str, ...]]:
+    """Yield a row for each key; those of a table inside are written as a study file does, `circuit.spacing_m`."""
+    for name, node in keys.items():
+        if inner := node.get("properties"):
+            yield from _rows(inner, node.get("required", ()), f"{within}{name}.")
+        else:
+            yield row(f"{within}{name}", node, name in needed)
 
 
 def _priors(effect: type[Effect]) -> Iterator[tuple[str, ...]]:

@@ -14,6 +14,7 @@ import pytest
 
 import waxstudy as wx
 from docs_site import links, order, tables
+from docs_site.components import components
 from docs_site.folders import about, folders
 from tests.conftest import ROOT
 from waxstudy.cli import COMMANDS
@@ -37,6 +38,18 @@ def test_every_folder_of_the_code_says_what_it_holds_and_has_its_row() -> None:
         for package in (path.parent for path in (ROOT / place).glob("*/__init__.py")):
             assert f"| `{package.name}` | " in page, f"{package}: no layer of [tool.importlinter] names it"
             assert about(package), f"{package}: no docstring"
+
+
+def test_the_reference_has_every_key_of_a_component_with_its_unit_also_of_tables_inside() -> None:
+    rows = {line.split(" | ")[0].strip("| `"): line for line in components().splitlines() if line.startswith("| `")}
+    assert "\\[W/m2]" in rows["shading.above_W_m2"]
+    assert "`300.0`" in rows["shading.above_W_m2"]
+    for entry in installed().components.values():
+        if entry.component.kind != "effect":
+            for name in entry.component.Parameters.model_fields:
+                assert name in rows or any(key.startswith(f"{name}.") for key in rows), (
+                    f"{entry.component.name}: {name}"
+                )
 
 
 def build(source: Path, site: Path) -> subprocess.CompletedProcess[str]:
