@@ -3,8 +3,9 @@
 SET is a blind test's folder that was made for this, never one that is judged. Each record is diagnosed as if it had no
 baseline (with one, hypotheses are weighed), and the truth is opened. A limit decides where evidence fails by it alone,
 or passes by it alone. Such a limit is then taken away, and the record diagnosed again. Told are the records in which
-a limit decides, those whose answer is another without it, and how many of these turn right and wrong. What is done is
-kept in SET/limits: the same command goes on.
+a limit decides, those whose answer is another without it, and how many of these turn right and wrong. Limits that are
+only read as numbers are not measured. What is done is kept in SET/limits until the sources change: the same command
+goes on.
 """
 
 from __future__ import annotations
@@ -19,19 +20,20 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+from benchmarks.self_consistency import sources
 from waxstudy.blind_test.answer import Answer
 from waxstudy.blind_test.box import open_box
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.marks import Mark, Truth
 from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis import criteria
-from waxstudy.diagnosis.criteria import Criterion, Question
+from waxstudy.diagnosis.criteria import ONE_IS_ENOUGH, Criterion, Question
 from waxstudy.diagnosis.diagnose import diagnose
 from waxstudy.plugin.trial import engine_of
 from waxstudy.results.atomic import whole_file
 
-ONE_IS_ENOUGH = (Question.UNDERSTOOD, Question.EXCUSED)
 ASKED = criteria._of
+READ = {Question.NUISANCE, Question.JUDGE, Question.CONVENTION}  # questions whose limits are read as numbers
 WORKERS = 2
 
 
@@ -43,25 +45,18 @@ class Watched:
 
     def __call__(self, question: Question, evidence: Any) -> Iterator[Criterion]:
         found = list(ASKED(question, evidence))
-        if evidence is not None:
-            self._note(question, evidence, found)
-        return (self._as_asked(question, each) for each in found)
-
-    def _note(self, question: Question, evidence: Any, found: list[Criterion]) -> None:
         is_one = question in ONE_IS_ENOUGH
-        try:
-            deciding = {each.limit.name for each in found if each.holds(evidence) is is_one}
-        except AttributeError:
-            return  # only asked for a limit
+        deciding = {each.limit.name for each in found if each.holds(evidence) is is_one}
         if len(deciding) == 1:
             self.alone |= deciding
+        return (self._as_asked(each, not is_one) for each in found)
 
-    def _as_asked(self, question: Question, each: Criterion) -> Criterion:
+    def _as_asked(self, each: Criterion, is_met: bool) -> Criterion:
+        """Return a criterion, of the limit that is taken away one that is always met, or never where one is enough."""
         if each.limit.name != self.without:
             return each
-        is_least, is_met = each.operator in (">", ">="), question not in ONE_IS_ENOUGH
-        open_ = (0.0 if is_met else inf) if is_least else (inf if is_met else -inf)
-        return replace(each, limit=replace(each.limit, value=open_))
+        is_least = each.operator in (">", ">=")
+        return replace(each, limit=replace(each.limit, value=-inf if is_least is is_met else inf))
 
 
 def answered(record: Path, watched: Watched) -> dict[str, Any]:
@@ -75,7 +70,7 @@ def answered(record: Path, watched: Watched) -> dict[str, Any]:
 
 def done(folder: Path, name: str) -> Mapping[str, Any]:
     """Diagnose one record with all limits, then without each that decides; return what is said of it."""
-    path = folder / "limits" / f"{name}.json"
+    path = folder / "limits" / f"{name}-{sources()}.json"
     if not path.exists():
         whole = Watched()
         said: dict[str, Any] = {"": answered(folder / "records" / name, whole)}
@@ -90,12 +85,18 @@ def table(told: Mapping[str, tuple[Truth, Mapping[str, Any]]]) -> Iterator[str]:
     """Yield a line for each limit."""
     yield "| limit | decides in | answer is another | turns right | turns wrong |"
     yield "|---|---|---|---|---|"
-    for limit in criteria.limits():
+    for limit in _measured():
         marks = [(_mark(t, said[""]), _mark(t, said[limit])) for t, said in told.values() if limit in said]
         other = [(old, new) for old, new in marks if _named(old) != _named(new)]
         better = sum(new.is_right and not old.is_right for old, new in other)
         worse = sum(old.is_right and not new.is_right for old, new in other)
         yield f"| {limit} | {len(marks)} of {len(told)} | {len(other)} | {better} | {worse} |"
+
+
+def _measured() -> list[str]:
+    """Return the limits that some evidence is held against, in their order."""
+    asked = {each.limit.name for each in criteria.criteria() if set(each.questions) - READ}
+    return [name for name in criteria.limits() if name in asked]
 
 
 def _mark(truth: Truth, said: Mapping[str, Any]) -> Mark:

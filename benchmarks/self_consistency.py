@@ -33,7 +33,10 @@ def sources() -> str:
     """Digest of all that an outcome depends on, so that nothing stale is taken for new."""
     folders = [*(ROOT / "waxstudy" / name for name in PACKAGES), *(ROOT / "plugins").glob("waxstudy_*")]
     files = [
-        file for folder in folders for kind in ("*.py", "criteria.csv", "weights.csv") for file in folder.rglob(kind)
+        file
+        for folder in folders
+        for kind in ("*.py", "limits.csv", "criteria.csv", "weights.csv")
+        for file in folder.rglob(kind)
     ]
     return digest(sorted([*files, *(ROOT / "benchmarks").glob("self_consistency_*.py")]))
 

@@ -23,6 +23,7 @@ from tests.diagnosis.realities import EFFECTS
 from tests.diagnosis.regenerate_criteria import PAGE, page
 from waxstudy.diagnosis.criteria import (
     COMPARE,
+    ONE_IS_ENOUGH,
     WHERE,
     Criterion,
     Limit,
@@ -75,7 +76,6 @@ MEETING: Mapping[Question, Any] = {
     Question.UNKNOWN: evidences.UNKNOWN,
     Question.EXCUSED: Left(is_room=True),
 }
-ONE_IS_ENOUGH = (Question.UNDERSTOOD, Question.EXCUSED)  # their evidence above meets none
 
 
 # --- the table -------------------------------------------------------------------------------------------
@@ -259,6 +259,7 @@ CASES = (
     Case((Q.UNDERSTOOD,), "over_form", "<=", 1.0),
     Case((Q.UNDERSTOOD,), "share_left", "<=", 0.25),
     Case((Q.LATE,), "growth", ">", 1.5),
+    Case((Q.LATE,), "over", ">", 1.5),
     Case((Q.LATE,), "over_form", ">", 1.0, beside={"is_room": False}),
     Case((Q.EXACT,), "over_loose", "<=", 3.0),
     Case((Q.EXACT,), "over", ">=", 1.5),

@@ -22,7 +22,7 @@ ROOM_STAGES = ("emitter", "room")
 
 
 class Question(StrEnum):
-    """What the table decides; of UNDERSTOOD and EXCUSED one criterion is enough."""
+    """What the table decides; of most every criterion that applies must hold, of `ONE_IS_ENOUGH` one."""
 
     NUISANCE = "how far may what nobody knows of a room depart"
     JUDGE = "may a segment be judged"
@@ -40,6 +40,9 @@ class Question(StrEnum):
     EXACT = "is a room exactly as believed, but for its effects"
     UNKNOWN = "is what stays a gap of its own"
     EXCUSED = "is what stays no finding"
+
+
+ONE_IS_ENOUGH = (Question.UNDERSTOOD, Question.EXCUSED)
 
 
 class Where(NamedTuple):
@@ -135,10 +138,16 @@ def meets(question: Question, evidence: Any) -> bool:
 
 
 def meets_one(question: Question, evidence: Any) -> bool:
-    return any(each.holds(evidence) for each in _of(question, evidence))
+    return any(held(question, evidence).values())
+
+
+def held(question: Question, evidence: Any) -> Mapping[str, bool]:
+    """Return whether each criterion of a question holds, by its statistic."""
+    return {each.statistic: each.holds(evidence) for each in _of(question, evidence)}
 
 
 def limit(question: Question, statistic: str, evidence: Any = None) -> float:
     """Return the strictest limit of a statistic among the criteria that apply, which all compare it the same way."""
-    found = [each for each in _of(question, evidence) if each.statistic == statistic]
+    asked = (each for each in criteria() if question in each.questions and each.statistic == statistic)
+    found = [each for each in asked if each.where.applies(evidence)]
     return (max if found[0].operator in (">", ">=") else min)(each.limit.value for each in found)

@@ -92,12 +92,13 @@ class Late:
 
     is_room: bool
     growth: float  # over that of the days before
+    over: float  # over the floor
     over_form: float  # over the most that a room's form may leave
 
     @classmethod
-    def of(cls, residual: Residual, is_room: bool) -> Late:
+    def of(cls, residual: Residual, floor: float, is_room: bool) -> Late:
         last, before = residual.gap(SHRINK), max(residual.gap(FIT), residual.gap(SELECT))
-        return cls(is_room, in_floors(last, before), in_floors(last, residual.form))
+        return cls(is_room, in_floors(last, before), in_floors(last, floor), in_floors(last, residual.form))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from waxstudy.diagnosis.calibration.calibrate import together
-from waxstudy.diagnosis.criteria import Criterion, Question, criteria, limit, meets
+from waxstudy.diagnosis.criteria import Question, held, limit, meets
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.result import Unexplained, When, in_floors
@@ -71,15 +71,11 @@ def _described(selection: Selection, residual: Residual, floor: float, left: Lef
         travel=travel_left(selection, residual),
         of_drives=in_floors(gap, done_by_drives(selection, residual)),
     )
-    excused = {each.statistic: each.holds(left) for each in _excuses(left)}
+    excused = held(Question.EXCUSED, left)
     form, covered, drives = (excused.get(name, False) for name in ("over_form", "travel", "of_drives"))
     # what a model's form does not leave may as well lie in the emitter
     stage = selection.segment.name if is_room and not form else stage_of(selection, residual.channel)
     return Unexplained(stage, gap, floor, left.p, form, covered, drives, residual.channel)
-
-
-def _excuses(left: Left) -> Iterator[Criterion]:
-    return (each for each in criteria() if Question.EXCUSED in each.questions and each.where.applies(left))
 
 
 def slight(selection: Selection, found: Found) -> str:

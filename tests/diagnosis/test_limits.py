@@ -1,0 +1,64 @@
+"""Claims about how the limits are taken away one by one: what decides alone is noted, and one limit asks no more."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from benchmarks.limits import Watched
+from tests.diagnosis.evidences import SOUND
+from waxstudy.diagnosis import criteria
+from waxstudy.diagnosis.criteria import Question, failed, limit, limits, meets, meets_one
+from waxstudy.diagnosis.select.evidence import AirLeft, Evidence
+
+pytestmark = pytest.mark.quick
+
+
+def watching(monkeypatch: pytest.MonkeyPatch, without: str = "") -> Watched:
+    found = Watched(without)
+    monkeypatch.setattr(criteria, "_of", found)
+    return found
+
+
+FAILING = (("chance", {"p": 0.5}), ("clear", {"gain": 1.0}), ("gap", {"over": 1.0}), ("half", {"share": 0.1}))
+
+
+@pytest.mark.parametrize(("name", "poor"), FAILING)
+def test_a_limit_by_which_alone_evidence_fails_is_noted(
+    monkeypatch: pytest.MonkeyPatch, name: str, poor: dict[str, float]
+) -> None:
+    found = watching(monkeypatch)
+    assert not meets(Question.CLAIM, replace(SOUND, **poor))  # type: ignore[arg-type]
+    assert found.alone == {name}
+
+
+def test_of_two_that_fail_none_decides_alone_and_a_number_that_is_read_decides_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = watching(monkeypatch)
+    assert not meets(Question.CLAIM, replace(SOUND, p=0.5, over=1.0))
+    assert meets(Question.CLAIM, SOUND)
+    assert limit(Question.CLAIM, "over", SOUND) == limits()["gap"].value
+    assert found.alone == set()
+
+
+@pytest.mark.parametrize(("name", "poor"), FAILING)
+def test_evidence_does_not_fail_by_a_limit_that_is_taken_away(
+    monkeypatch: pytest.MonkeyPatch, name: str, poor: dict[str, float]
+) -> None:
+    watching(monkeypatch, name)
+    worst: Evidence = replace(SOUND, **{key: -1e9 if key != "p" else 1.0 for key in poor})  # type: ignore[arg-type]
+    assert failed(Question.CLAIM, worst) is None
+    assert limit(Question.CLAIM, "over", SOUND) == limits()["gap"].value
+
+
+def test_where_one_criterion_is_enough_nothing_passes_by_a_limit_that_is_taken_away(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    close = AirLeft(over_form=0.5, share_left=0.9)
+    found = watching(monkeypatch)
+    assert meets_one(Question.UNDERSTOOD, close)
+    assert found.alone == {"tolerated"}
+    watching(monkeypatch, "tolerated")
+    assert not meets_one(Question.UNDERSTOOD, close)
