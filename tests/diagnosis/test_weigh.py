@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from waxstudy.diagnosis.select.posterior import (
     score,
 )
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
+from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Inputs, open_share
 
@@ -339,3 +341,22 @@ def test_heat_at_hours_is_the_same_heat_in_those_hours_and_none_beside_them() ->
     assert found.gains_W - 50.0 == pytest.approx(share * (always.gains_W - 50.0))
     assert at_night.hours(at_night.Parameters(**values)) == (22.0, 6.0)
     assert "every day from 22:00 to 06:00" in at_night.sentence(at_night.Parameters(**values))
+
+
+# --- a second effect ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("is_room", "form"), [(True, 0.2), (False, 0.1)])
+@pytest.mark.parametrize(("gain", "ease"), [(100.0, 0.0), (60.0, 40.0), (100.0, -30.0)])
+def test_beside_an_effect_what_its_form_may_leave_is_no_second_one(
+    is_room: bool, form: float, gain: float, ease: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A share of all that speaks for the first: what it explains, and what the room need not depart."""
+    first = replace(LEAK, gain=gain, ease=ease)
+    both = replace(first, gain=gain + 10.0)
+    weighing = object.__new__(Weighing)
+    weighing.problem = SimpleNamespace(segment=SimpleNamespace(with_room=is_room))  # type: ignore[assignment]
+    monkeypatch.setattr(Weighing, "of", lambda self, fitted, given=None: both)
+    monkeypatch.setattr(Weighing, "_spread", lambda self, fitted, given=None: (1.0, np.inf))
+    more = weighing._beside(first, both.fitted).gain - gain
+    assert more == pytest.approx(10.0 - form**2 * (gain + max(0.0, ease)))
