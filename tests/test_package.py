@@ -13,7 +13,6 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from rattler_build import Stage0Recipe
 
 import waxstudy
 from tests.conftest import ROOT, Waxstudy
@@ -37,7 +36,8 @@ CONDA_NAMES = {"matplotlib-base": "matplotlib"}  # where conda calls a package o
 
 
 def test_the_conda_recipe_renders_to_this_version_with_the_requirements_of_pyproject() -> None:
-    (rendered,) = Stage0Recipe.from_yaml(CONDA.read_text(encoding="utf-8")).render()
+    conda = pytest.importorskip("rattler_build")
+    (rendered,) = conda.Stage0Recipe.from_yaml(CONDA.read_text(encoding="utf-8")).render()
     recipe = rendered.recipe.to_dict()
     assert recipe["package"] == {"name": "waxstudy", "version": waxstudy.__version__}
     assert recipe["source"] == [{"path": f"../../dist/waxstudy-{waxstudy.__version__}.tar.gz"}]

@@ -28,11 +28,20 @@ SWEEP = """\
 [vary]
 "controller.dead_band_K" = [0.4, 0.6]
 """
+
+
+def swapped(text: str, lines: str, others: str) -> str:
+    """Return a text with whole lines in the place of others, which must be there once."""
+    assert text.count(f"\n{lines}\n") == 1, f"'{lines}' is not what it was"
+    return text.replace(f"\n{lines}\n", f"\n{others}\n")
+
+
 # two batches of loops in one state
-CALLS = FLEET.partition("[activation.state.natural]")[0].replace("loops = 10", "loops = 40").replace("= 10", "= 20", 1)
+CALLS = FLEET[: FLEET.index("[activation.state.natural]")]
+CALLS = swapped(swapped(CALLS, "loops = 10", "loops = 40"), "step_s = 10", "step_s = 20")
 # two weeks at the turn of a month, of whose days only the first count
-SEASON = STUDY.replace(
-    'use = "tallinn-week"\nmonth = "january"', 'use = "epw"\npath = "year.epw"\nstart = "02-22"\ndays = 14'
+SEASON = swapped(
+    STUDY, 'use = "tallinn-week"\nmonth = "january"', 'use = "epw"\npath = "year.epw"\nstart = "02-22"\ndays = 14'
 )
 FILES = {
     "s.toml": STUDY,

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from docs_site.keys import dataset_keys
-from tests.cli.conftest import Entry
+from tests.cli.conftest import Entry, Typed
 from tests.cli.conftest import entry as entry
 from tests.conftest import ROOT, WAXSTUDY
 from tests.importing.test_bad_input import house
@@ -223,8 +223,19 @@ def test_what_was_typed_before_an_interruption_is_not_typed_again(living: Path, 
     before = (living / "dataset.toml").read_text()
     code, _, asked = on_a_terminal(tmp_path, b"1998\n\x04")
     assert code == INTERRUPTED
-    assert asked.endswith("interrupted, and nothing is written; to go on, add to the same command: --set year=1998\n")
+    assert asked.endswith("interrupted before all was written; to go on, add to the same command: --set year=1998\n")
     assert (living / "dataset.toml").read_text() == before
+
+
+def test_what_was_typed_is_told_where_its_writing_is_interrupted(
+    entry: Entry, living: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", Typed("1998\n"))
+    monkeypatch.setattr("waxstudy.believing.write.whole_file", Typed.interrupted)
+    done = entry("believe", "living", *said({key: text for key, text in KNOWN.items() if key != "year"}))
+    assert done.code == INTERRUPTED
+    assert done.stderr.endswith("to go on, add to the same command: --set year=1998\n")
+    assert (living / "dataset.toml").read_text() == HEAD
 
 
 @pytest.mark.slow

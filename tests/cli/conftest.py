@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import pytest
 
@@ -18,6 +19,18 @@ class Ended(NamedTuple):
 
 
 Entry = Callable[..., Ended]
+
+
+class Typed(io.StringIO):
+    """What is typed on a terminal, for the entry point called within the test process."""
+
+    def isatty(self) -> bool:
+        return True
+
+    @staticmethod
+    def interrupted(*_: object) -> NoReturn:
+        """Stand for what is at work when Ctrl-C is pressed."""
+        raise KeyboardInterrupt
 
 
 @pytest.fixture

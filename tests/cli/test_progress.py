@@ -11,7 +11,7 @@ WORK = """
 from waxstudy.cli.simulating import progress
 with progress(False) as told:
     told.total(2)
-    told.warn("the room [of a study] stays cold")
+    told.warn("the room [of a:sun:b study] stays cold")
 """
 
 
@@ -23,6 +23,6 @@ def test_a_warning_stands_on_a_line_of_its_own_above_the_bar() -> None:
     os.close(theirs)
     shown = os.read(ours, 65536)
     os.close(ours)
-    before, _, after = shown.partition(b"warning: the room [of a study] stays cold")
+    before, _, after = shown.partition(b"warning: the room [of a:sun:b study] stays cold")
     assert before.endswith((b"\x1b[2K", b"\n"))  # the bar's line was erased
     assert after.startswith(b"\r\n")

@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from tests.cli.conftest import Entry
+from tests.cli.conftest import Entry, Typed
 from tests.conftest import WAXSTUDY, Waxstudy
 from tests.importing.conftest import read
 from tests.importing.exports import CHANNELS, MAKERS, Export
@@ -136,6 +136,17 @@ def test_it_asks_on_a_terminal_and_takes_the_answers(made: dict[str, Export], tm
     assert said.index("In which time zone") < said.index("did you mean 'Europe/Tallinn'") < said.index("several rooms")
     about = tomllib.loads((tmp_path / "living/dataset.toml").read_text(encoding="utf-8"))
     assert (about["import"]["room"], about["import"]["timezone"]) == ("living", "Europe/Tallinn")
+
+
+def test_what_was_typed_is_told_where_its_writing_is_interrupted(
+    made: dict[str, Export], entry: Entry, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", Typed("Europe/Tallinn\n2\n"))
+    monkeypatch.setattr("waxstudy.importing.write.whole_folder", Typed.interrupted)
+    done = entry("import", made["home_assistant_csv"].source, "--out", "living")
+    assert done.code == 130
+    assert done.stderr.endswith("to go on, add to the same command: --timezone Europe/Tallinn --room living\n")
+    assert not Path("living").exists()
 
 
 def test_names_that_say_nothing_are_told_by_their_values(record: pd.DataFrame, entry: Entry) -> None:

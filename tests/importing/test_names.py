@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from waxstudy.dataset.zones import zone_hint
 from waxstudy.importing.layouts import readings_of
 from waxstudy.importing.matching import matched
 from waxstudy.importing.names import rooms_of
@@ -129,3 +130,22 @@ def test_names_that_begin_as_a_number_goes_on_are_names() -> None:
     frame = pd.DataFrame({"time": pd.date_range("2026-01-01", periods=6, freq="min"), "name": ["T1", "E2"] * 3})
     found = readings_of(Table("a.csv", frame.assign(value=[21.0, 1.0] * 3).astype({"time": str})), Path("a.csv"), None)
     assert {each.entity for each in found} == {"T1", "E2"}
+
+
+@pytest.mark.parametrize(
+    ("word", "near"),
+    [
+        ("istambul", "Europe/Istanbul"),
+        ("Asia/Istambul", "Asia/Istanbul"),
+        ("Europa/Istanbul", "Europe/Istanbul"),
+        ("Asia/Berlin", "Europe/Berlin"),  # the city tells more than the region: not Asia/Bahrain
+        ("singapur", "Asia/Singapore"),
+    ],
+)
+def test_of_zones_with_one_city_the_one_of_the_region_is_meant(
+    word: str, near: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    zones = ["Asia/Singapore", "Singapore", "Europe/Istanbul", "Asia/Istanbul", "Asia/Bahrain", "Europe/Berlin"]
+    for order in (zones, zones[::-1]):  # they come as a set
+        monkeypatch.setattr("waxstudy.dataset.zones.available_timezones", lambda names=order: names)
+        assert zone_hint(word) == f"; did you mean '{near}'?"

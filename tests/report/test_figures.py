@@ -15,6 +15,7 @@ from tests.diagnosis.realities import study as gap_study
 from waxstudy.plugin import OutsideRoom, PublishedRow, changed
 from waxstudy.report.activation import activations
 from waxstudy.report.against import Published
+from waxstudy.report.comparison import estimate
 from waxstudy.report.content import Content
 from waxstudy.report.figures import (
     PAPER_FIGURES,
@@ -51,6 +52,13 @@ def line(axes: Any, label: str) -> Any:
 def legend_texts(figure: Any) -> list[str]:
     legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
     return [text.get_text() for legend in legends for text in legend.get_texts()]
+
+
+def test_an_overview_is_drawn_without_one_known_error(small: Content) -> None:
+    unknown = estimate(np.array([np.nan]))
+    figure = figure_overview(replace(small, rows=[replace(row, mae_K=unknown) for row in small.rows]))
+    figure.draw_without_rendering()
+    assert not np.isfinite(figure.axes[2].dataLim.x1)
 
 
 def test_every_axis_has_a_label_that_ends_in_its_unit_or_shares_one_that_has(

@@ -20,8 +20,9 @@ from hypothesis import strategies as st
 from tests.report.test_page import browse, needs_browser, scroll_width
 from waxstudy.cli import main
 from waxstudy.report.content import Content
-from waxstudy.report.traces.lines import Line, Panel, Traces, extremes
-from waxstudy.report.traces.page import as_html
+from waxstudy.report.diagnosis.traced import TRACED, traced
+from waxstudy.report.traces.lines import MOST_POINTS, Line, Panel, Traces, extremes
+from waxstudy.report.traces.page import _trace, as_html
 from waxstudy.report.traces.run import of_run
 
 EVIL = "<img src=x onerror=alert(1)></script><script>document.title='evil'</script>"
@@ -48,6 +49,12 @@ def evil_page() -> str:
     return as_html(Traces(EVIL, EVIL, [Panel(EVIL, "K", [Line(EVIL, 0, known)])]))
 
 
+def rules_of(page: str) -> dict[str, str]:
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page)
+    assert policy
+    return dict(rule.split(" ", 1) for rule in unescape(policy[1]).split("; "))
+
+
 def run_command(*arguments: str) -> int:
     with pytest.raises(SystemExit) as ended:
         main(["traces", *arguments])
@@ -55,10 +62,9 @@ def run_command(*arguments: str) -> int:
 
 
 def test_the_browser_may_run_the_scripts_of_the_page_alone_and_load_nothing(page: str) -> None:
-    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page)
-    assert policy
-    rules = dict(rule.split(" ", 1) for rule in unescape(policy[1]).split("; "))
-    assert rules["default-src"] == "'none'"
+    rules = rules_of(page)
+    # what is loaded, where it is looked for, where forms go: the last two are no part of the first
+    assert {rules[name] for name in ("default-src", "base-uri", "form-action")} == {"'none'"}
     digests = [
         f"'sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}'"
         for script in re.findall(r"<script[^>]*>(.*?)</script>", page, re.S)
@@ -66,10 +72,12 @@ def test_the_browser_may_run_the_scripts_of_the_page_alone_and_load_nothing(page
     assert rules["script-src"].split() == digests
 
 
-def test_names_never_become_markup() -> None:
-    pytest.importorskip("plotly")
-    assert "<img" not in evil_page()
-    assert "document.title='evil'</script>" not in evil_page()
+def test_names_never_become_markup(page: str) -> None:
+    evil = evil_page()
+    assert "<img" not in evil
+    assert "document.title='evil'</script>" not in evil
+    # none of the scripts that may run came with a name: there are as many as on a page of plain names
+    assert len(rules_of(evil)["script-src"].split()) == len(rules_of(page)["script-src"].split())
 
 
 @needs_browser
@@ -100,7 +108,9 @@ def test_a_script_in_a_name_is_not_run(tmp_path: Path) -> None:
     file.write_text(evil_page().replace("</body>", "<script>document.title = 'evil'</script></body>"), encoding="utf-8")
     dom = browse(tmp_path, file, 1200, "--virtual-time-budget=10000", "--dump-dom")
     assert "<title>evil" not in dom
-    assert 'class="legendtext"' not in dom or "<img" not in dom.split('class="legendtext"')[1]
+    drawn = dom.split('class="legendtext"')
+    assert len(drawn) == 2, "plotly drew no legend"
+    assert "<img" not in drawn[1]
 
 
 @given(st.lists(st.floats(-100.0, 100.0) | st.just(np.nan), min_size=1, max_size=400), st.integers(2, 60))
@@ -121,6 +131,23 @@ def test_a_page_says_when_not_every_sample_is_drawn() -> None:
     known = pd.Series(np.sin(np.arange(20_000.0)), index=pd.date_range("2026-01-01", periods=20_000, freq="min"))
     text = as_html(Traces("long", "", [Panel("air", "°C", [Line("measured", 0, known)])]))
     assert "The longest line has 20000 samples. Each line of more than 12000 is cut into 6000 pieces" in text
+
+
+def test_a_page_on_which_every_sample_is_drawn_says_so_however_many_gaps_it_has() -> None:
+    pytest.importorskip("plotly")
+    times = pd.date_range("2026-01-01", periods=3 * MOST_POINTS, freq="min")
+    known = pd.Series(np.arange(3.0 * MOST_POINTS), index=times)[np.arange(3 * MOST_POINTS) % 30 < 10]
+    assert len(known) == MOST_POINTS
+    line = Line("measured", 0, known)
+    assert "Every sample is drawn." in as_html(Traces("gaps", "", [Panel("air", "°C", [line])]))
+    assert np.isfinite(_trace(Panel("air", "°C", [line]), line, set())["y"]).sum() == len(known)
+
+
+def test_a_channel_that_no_effect_changes_has_no_line_with_them() -> None:
+    frame = pd.DataFrame({f"flow_L_h_{what}": [1.0, np.nan, 2.0] for what in TRACED})
+    assert list(traced(frame, "flow_L_h")) == ["measured", "before"]
+    frame.loc[2, "flow_L_h_after"] = 3.0
+    assert list(traced(frame, "flow_L_h")) == ["measured", "before", "after"]
 
 
 def test_the_command_names_the_nearest_case_and_week(small: Content, capsys: pytest.CaptureFixture[str]) -> None:

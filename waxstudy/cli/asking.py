@@ -72,7 +72,7 @@ class Asking:
         except (KeyboardInterrupt, click.Abort):
             if not self.typed:
                 raise
-            told = "interrupted, and nothing is written; to go on, add to the same command:"
+            told = "interrupted before all was written; to go on, add to the same command:"
             raise CommandError(f"{told} {' '.join(self.typed)}", INTERRUPTED, label="") from None
 
     def refuse_unsettled(self) -> None:

@@ -60,13 +60,13 @@ def command(dataset: Path, stated: dict[str, str], other: Path | None, yes: bool
     _refuse_unknown(stated)
     asking = Asking(is_terminal=sys.stdin.isatty() and not yes, takes_proposals=yes)
     try:
-        try:
-            with asking.kept():
+        with asking.kept():
+            try:
                 believed = believe(Request(dataset, stated, other), asking)
-        finally:
-            asking.refuse_unsettled()
-        own = stays(read_file(dataset / "dataset.toml").decode(), believed)
-        write(dataset, believed)
+            finally:
+                asking.refuse_unsettled()
+            own = stays(read_file(dataset / "dataset.toml").decode(), believed)
+            write(dataset, believed)
     except StudyError as error:
         raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
     except PluginError as error:

@@ -87,12 +87,12 @@ def command(out: Path, yes: bool, replaces: bool, **stated: Any) -> None:
     asking = Asking(is_terminal=sys.stdin.isatty() and not yes, takes_proposals=yes)
     try:
         refuse_other(out, request, replaces=replaces or request.room is None)  # which may be asked for
-        try:
-            with asking.kept():
+        with asking.kept():
+            try:
                 imported = bring(request, asking)
-        finally:
-            asking.refuse_unsettled()  # before what may only follow from them
-        write(out, imported, replaces=replaces)
+            finally:
+                asking.refuse_unsettled()  # before what may only follow from them
+            write(out, imported, replaces=replaces)
     except StudyError as error:
         raise CommandError(str(error), INVALID, label="") from error
     except OtherImport as error:

@@ -76,6 +76,6 @@ def progress(quiet: bool, of: str = "cases") -> Iterator[Progress]:
         total: Callable[[int], None] = lambda n: bar.update(task, total=n, description=of)  # noqa: E731
         # above the bar, which it would else be glued to
         above: Callable[[str], None] = lambda text: bar.console.print(  # noqa: E731
-            visible_lines(f"warning: {text}"), markup=False, highlight=False, soft_wrap=True
+            visible_lines(f"warning: {text}"), markup=False, emoji=False, highlight=False, soft_wrap=True
         )
         yield Progress(warn=above, total=total, done=lambda case, computed: bar.advance(task))

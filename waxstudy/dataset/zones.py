@@ -13,7 +13,12 @@ def zone_hint(word: str) -> str:
     >>> zone_hint("berlin"), zone_hint("Europe/Talinn")
     ("; did you mean 'Europe/Berlin'?", "; did you mean 'Europe/Tallinn'?")
     """
-    zones = sorted(available_timezones(), key=lambda zone: "/" in zone)
-    by_city = {zone.rpartition("/")[2].lower(): zone for zone in zones}
+    zones = sorted(available_timezones(), key=lambda zone: ("/" in zone, zone))
+    by_city: dict[str, list[str]] = {}
+    for zone in zones:
+        by_city.setdefault(zone.rpartition("/")[2].lower(), []).append(zone)
     city = nearest(word.strip().rpartition("/")[2].replace(" ", "_").lower(), by_city)
-    return did_you_mean(by_city[city]) if city else hint(word, zones)
+    if not city:
+        return hint(word, zones)
+    same = by_city[city]  # a city may stand in several regions, or in none as well
+    return did_you_mean(("/" in word and nearest(word, same)) or same[-1])

@@ -7,6 +7,7 @@ import numpy as np
 from waxstudy.plugin import FloatArray
 
 BREAK = 3.5  # times what usually lies between two samples: a line through more would be made up
+LEVELS = 2  # values of a channel that only switches
 
 
 def broken(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -44,7 +44,8 @@ def figure_overview(content: Content) -> Figure:
         middle.set_xlabel("corrected heat is not known")
     middle.sharex(left)
     right.set_xlabel("mean absolute error of the air temperature, K")
-    right.set_xlim(0.0, 1.04 * right.dataLim.x1)  # no marker is cut at the edge
+    if math.isfinite(right.dataLim.x1):
+        right.set_xlim(0.0, 1.04 * right.dataLim.x1)  # no marker is cut at the edge
     left.set_yticks(range(len(cases)), cases)
     left.invert_yaxis()
     for panel in (middle, right):

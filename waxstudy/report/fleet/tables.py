@@ -15,6 +15,16 @@ from waxstudy.report.table import Column, Table, text
 from waxstudy.results.json_text import json_text
 
 
+def _band(key: str, heading: str, times: float = 1.0) -> Column[Row]:
+    return Column(key, lambda row: banded(getattr(row, key), times), heading=heading)
+
+
+LOOPS_PER_MW = (
+    _band("loops_per_MW_heat", "loops for 1 MW of heat"),
+    _band("loops_per_MW_electric", "loops for 1 MW of electricity"),
+)
+
+
 def tables(found: Activated) -> list[Table[Row]]:
     """Five tables with the same rows."""
     place = _place(found)
@@ -77,10 +87,6 @@ def _rooms(found: Activated) -> list[Column[Row]]:
     ]
 
 
-def _band(key: str, heading: str, times: float = 1.0) -> Column[Row]:
-    return Column(key, lambda row: banded(getattr(row, key), times), heading=heading)
-
-
 def banded(band: Band, times: float = 1.0) -> str:
     """
     >>> banded(Band(2084.2, 1999.7, 2187.6)), banded(Band(0.55, 0.55, 0.55), 100.0), banded(Band(math.nan, 1.0, 2.0))
@@ -95,12 +101,6 @@ def banded(band: Band, times: float = 1.0) -> str:
 def _figure(value: float) -> str:
     """No more than three digits that tell something."""
     return "any number" if math.isnan(value) else f"{float(f'{value:.3g}') if abs(value) >= 1000.0 else value:z,.0f}"
-
-
-LOOPS_PER_MW = (
-    _band("loops_per_MW_heat", "loops for 1 MW of heat"),
-    _band("loops_per_MW_electric", "loops for 1 MW of electricity"),
-)
 
 
 def notes(found: Activated) -> list[str]:

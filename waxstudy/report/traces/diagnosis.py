@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pandas as pd
 
+from waxstudy.report.diagnosis.traced import TRACED, traced
 from waxstudy.report.diagnosis.words import named, unit_words
 from waxstudy.report.traces.lines import Line, Panel, Traces
 from waxstudy.results.folder import RunError
 
-FILE = "traces.parquet"
-WHAT = {"measured": "measured", "before": "as believed", "after": "with the effects found"}
+TRACES = "traces.parquet"
 
 
 def of_diagnosis(folder: Path, dataset: str) -> Traces:
     """Return every judged channel of a diagnosis; raise `RunError` for traces that cannot be read or hold nothing."""
-    path = folder / FILE
+    path = folder / TRACES
     try:
         frame = pd.read_parquet(path)
     except (OSError, ValueError) as error:
@@ -31,8 +31,6 @@ def of_diagnosis(folder: Path, dataset: str) -> Traces:
 
 def _panel(frame: pd.DataFrame, channel: str) -> Panel:
     words, unit = named(channel)
-    known = {what: frame[f"{channel}_{what}"].dropna() for what in WHAT if f"{channel}_{what}" in frame}
-    if "after" in known and known["after"].equals(known["before"]):  # the effects do not change every channel
-        del known["after"]
-    lines = [Line(WHAT[what], list(WHAT).index(what), values) for what, values in known.items() if len(values)]
+    known = {what: trace.dropna() for what, trace in traced(frame, channel).items()}
+    lines = [Line(TRACED[what], list(TRACED).index(what), values) for what, values in known.items() if len(values)]
     return Panel(words, unit_words(unit) or "0 to 1", lines)

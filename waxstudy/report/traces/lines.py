@@ -52,10 +52,10 @@ class Traces:
 def extremes(values: FloatArray, most: int = MOST_POINTS) -> NDArray[np.intp]:
     """Return the places of what a line keeps: all or, of more than `most`, the lowest and highest of each piece.
 
-    Breaks (NaN) and both ends are kept as well.
+    Breaks (NaN) do not count; they and both ends are kept as well.
     """
     n = len(values)
-    if n <= most:
+    if n - np.isnan(values).sum() <= most:
         return np.arange(n)
     size = -(-2 * n // most)
     pieces = np.full((-(-n // size), size), np.nan)

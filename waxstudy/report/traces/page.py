@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.plugin import BackendMissing
-from waxstudy.report.figures.breaks import broken
+from waxstudy.report.figures.breaks import LEVELS, broken
 from waxstudy.report.figures.style import BLACK, COLOURS
 from waxstudy.report.html import filled
 from waxstudy.report.traces.lines import MOST_POINTS, Line, Panel, Traces, extremes
@@ -28,7 +28,6 @@ LOOKS = (  # colour, dash, width: told apart in grey print as well
     (COLOURS[3], "longdash", 2.0),
 )
 PANEL_PX, BETWEEN_PX, BUTTONS_PX, LEGEND_PX = 125, 62, 28, 70
-LEVELS = 2  # values of a channel that only switches
 PLACE = "<!-- traces -->"  # no name can hold it: the template escapes them
 CONFIG = {
     "displaylogo": False,

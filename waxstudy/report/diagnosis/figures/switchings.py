@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.report.diagnosis.figures.traces import LOOKS
 from waxstudy.report.diagnosis.focus import main_stages
+from waxstudy.report.diagnosis.traced import TRACED, traced
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
 from waxstudy.report.figures.plot import Lacking, drawing, panels
 from waxstudy.report.figures.style import BLACK, GREY, legend_of
@@ -72,13 +73,15 @@ def _draw(panel: Axes, traces: pd.DataFrame, channel: str, places: NDArray[np.in
     offsets = np.arange(-round(BEFORE_MIN / step_min), round(AFTER_MIN / step_min) + 1)
     inside = places[(places + offsets[0] >= 0) & (places + offsets[-1] < len(traces))]
     minutes = offsets * step_min
-    for what, (label, look) in LOOKS.items():
-        column = f"{channel}_{what}"
-        if column not in traces or (what == "after" and traces[column].equals(traces[f"{channel}_before"])):
-            continue
-        courses = traces[column].to_numpy(dtype=float)[inside[:, None] + offsets]  # (switchings, minutes)
+    for what, trace in traced(traces, channel).items():
+        courses = trace.to_numpy(dtype=float)[inside[:, None] + offsets]  # (switchings, minutes)
         if what == "measured":
             panel.plot(minutes, courses.T, color=GREY, linewidth=0.5, alpha=0.5, label="_each")
         known = ~np.isnan(courses).all(axis=0)
-        panel.plot(minutes[known], np.nanmedian(courses[:, known], axis=0), label=label, **look | {"linewidth": 2.0})
+        panel.plot(
+            minutes[known],
+            np.nanmedian(courses[:, known], axis=0),
+            label=TRACED[what],
+            **LOOKS[what] | {"linewidth": 2.0},
+        )
     panel.axvline(0.0, color=BLACK, linewidth=0.8)

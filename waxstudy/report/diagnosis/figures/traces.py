@@ -14,17 +14,17 @@ from matplotlib.figure import Figure
 from waxstudy.diagnosis.result import Diagnosis, StageGap
 from waxstudy.plugin import FloatArray
 from waxstudy.report.diagnosis.focus import Day, main_stages, shown_days
+from waxstudy.report.diagnosis.traced import TRACED, traced
 from waxstudy.report.diagnosis.words import axis_unit, channel_words, named
-from waxstudy.report.figures.breaks import broken
+from waxstudy.report.figures.breaks import LEVELS, broken
 from waxstudy.report.figures.plot import Lacking, drawing, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_of
 
-LOOKS: Mapping[str, tuple[str, Any]] = {
-    "measured": ("measured", {"color": BLACK, "linewidth": 0.9}),
-    "before": ("as believed", {"color": COLOURS[5], "linewidth": 1.7, "linestyle": DASHED}),
-    "after": ("with the effects found", {"color": COLOURS[1], "linewidth": 1.5}),
+LOOKS: Mapping[str, dict[str, Any]] = {
+    "measured": {"color": BLACK, "linewidth": 0.9},
+    "before": {"color": COLOURS[5], "linewidth": 1.7, "linestyle": DASHED},
+    "after": {"color": COLOURS[1], "linewidth": 1.5},
 }
-LEVELS = 2  # values of a channel that only switches
 
 
 @drawing(
@@ -64,13 +64,10 @@ def _label(stage: StageGap) -> str:
 
 
 def _draw(panel: Axes, day: Day, channel: str) -> None:
-    is_changed = not day.traces[f"{channel}_before"].equals(day.traces[f"{channel}_after"])
-    for what, (label, look) in LOOKS.items():
-        if what == "after" and not is_changed:
-            continue
-        known = day.traces[f"{channel}_{what}"].dropna()
+    for what, trace in traced(day.traces, channel).items():
+        known = trace.dropna()
         steps = "steps-pre" if known.nunique() <= LEVELS else "default"
-        panel.plot(*course(known), label=label, drawstyle=steps, **look)
+        panel.plot(*course(known), label=TRACED[what], drawstyle=steps, **LOOKS[what])
 
 
 def course(known: pd.Series[float]) -> tuple[FloatArray, FloatArray]:
