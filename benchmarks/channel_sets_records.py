@@ -110,14 +110,18 @@ class House:
         return about if LIGHT not in table else about | {"site": _site(self.telling.study)}
 
 
+class NoHeating(ValueError):
+    """No days were drawn on which a house has to heat, as where a valve lets by all that it needs."""
+
+
 def house(made: Made) -> House:
-    """Return what happens in a house on days when it has to heat; raises as `with_effects` does."""
+    """Return what happens in a house on days when it has to heat; raise `NoHeating`, and as `with_effects` does."""
     random = made.random
     for _ in range(DRAWS):
         found = _drawn(made, random)
         if float(np.mean(found.reality.week.channels["opening"])) > HEATS:
             return found
-    raise ValueError(f"{made.name}: no days on which it heats")
+    raise NoHeating(f"{made.name}: no days on which it heats")
 
 
 def _drawn(made: Made, random: np.random.Generator) -> House:
