@@ -402,8 +402,16 @@ def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
     slow = "slow-actuator", "actuator", "displacement", "31 %", "402", "0.013", "not found: explains too little"
     assert slow in rows
     assert ("return_temperature_C was not recorded", "supply-offset, floor-cover") in rows
-    assert ("solar gain", "-1.1") in rows
+    assert ("solar gain", "-1.13") in rows
     assert ("shrinkage", "2024-01-25", "2024-01-28") in rows
+
+
+def test_hypotheses_below_one_per_cent_are_counted_and_not_listed() -> None:
+    page = Page(as_html(CHANGED))
+    first = {row[0][0]: row[-1][0] for row in page.rows}
+    assert first["let-by and something unknown"] == "3 %"
+    assert "something unknown" not in first
+    assert "How likely each hypothesis is (not shown: 1 below 1 %)" in page.headings
 
 
 def test_the_ranking_says_why_an_effect_is_not_named_and_of_one_that_stands_twice_the_channel() -> None:
@@ -504,6 +512,13 @@ def test_missing_heat_has_a_line_where_it_is_resolved_and_none_else() -> None:
 def test_every_figure_of_missing_heat_is_in_the_json() -> None:
     assert untraced(page_text(as_html(HEATED)), described(HEATED)) == []
     assert described(HEATED)["missing_heat"]["before"][0]["heat_W"] == PIECES_W[0]
+
+
+def test_a_phone_shows_the_course_of_missing_heat_before_what_it_may_depend_on() -> None:
+    boxes = [[float(side) for side in part.split()] for part in figure_missing_heat.plot(HEATED).parts]
+    course, *drivers, _legend = boxes
+    assert all(each[1] > course[1] for each in drivers)
+    assert [each[0] for each in drivers] == sorted(each[0] for each in drivers)
 
 
 def test_missing_heat_is_drawn_by_its_drivers_with_and_without_effects() -> None:

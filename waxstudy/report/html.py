@@ -13,7 +13,7 @@ from waxstudy.report.table import Column
 from waxstudy.results.run import Run
 from waxstudy.study.visible import visible_lines
 
-STYLES = {"figure": "", "theirs": "published"}  # of other kinds of columns: text
+STYLES = {"figure": "", "theirs": "published", "list": "text long"}  # of other kinds of columns: text
 MARKS = {
     **dict.fromkeys(("yes", "held", "agrees"), "good"),
     **dict.fromkeys(("not held", "differs"), "bad"),

@@ -225,20 +225,22 @@ def departures(diagnosis: Diagnosis) -> Table[tuple[str, float]]:
     """Departures of the room in standard deviations of their priors."""
     return Table(
         "departures of the room",
-        [text("of", lambda row: row[0]), Column("standard deviations", lambda row: words.signed(row[1]))],
+        [text("of", lambda row: row[0]), Column("standard deviations", lambda row: words.departure(row[1]))],
         list(diagnosis.departures.items()),
     )
 
 
 def posterior(diagnosis: Diagnosis) -> Table[tuple[str, float]]:
-    """Hypotheses of the whole loop, the likeliest first."""
+    """Hypotheses of the whole loop that are not below 1 %, the likeliest first."""
+    told = [each for each in diagnosis.posterior.items() if each[1] >= words.LEAST_CHANCE]
+    rest = len(diagnosis.posterior) - len(told)
     return Table(
-        "how likely each hypothesis is",
+        "how likely each hypothesis is" + (f" (not shown: {rest} below 1 %)" if rest else ""),
         [
             text("hypothesis", lambda row: words.hypothesis(row[0])),
             Column("probability", lambda row: words.chance(row[1])),
         ],
-        sorted(diagnosis.posterior.items(), key=lambda each: -each[1]),
+        sorted(told, key=lambda each: -each[1]),
     )
 
 

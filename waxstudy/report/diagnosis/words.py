@@ -21,6 +21,7 @@ UNITS = {
     "_s": "s",
     "_h": "h",
 }
+LEAST_CHANCE = 0.005  # what is less rounds to nothing
 DIGITS = 3  # that a figure shows, zeros before it not counted
 # figures of the closed loop: words, unit; those that an engineer asks for first come first
 OF_LOOP = {
@@ -70,6 +71,14 @@ def signed(value: float) -> str:
     return f"+{text}" if text and value > 0.0 else text
 
 
+def departure(deviations: float) -> str:
+    """
+    >>> departure(1.204), departure(-6e-23), departure(math.nan)
+    ('+1.20', '+0.00', '')
+    """
+    return f"{deviations:+z.2f}" if math.isfinite(deviations) else ""
+
+
 def times(value: float) -> str:
     """
     >>> times(4.84), times(48.4), times(math.inf)
@@ -93,9 +102,9 @@ def chance(probability: float) -> str:
     >>> chance(0.701), chance(0.0012), chance(0.9991), chance(math.nan)
     ('70 %', 'below 1 %', 'over 99 %', '')
     """
-    if probability < 0.005:
+    if probability < LEAST_CHANCE:
         return "below 1 %"
-    return "over 99 %" if probability > 0.995 else percent(probability)
+    return "over 99 %" if probability > 1.0 - LEAST_CHANCE else percent(probability)
 
 
 def hypothesis(names: str) -> str:

@@ -132,9 +132,13 @@ def _svg(figure: Figure, prefix: str) -> str:
 
 
 def _parts(figure: Figure) -> list[str]:
-    """Where the panels and the legend lie in a figure that was drawn, as `viewBox`es: x, y, width, height."""
+    """Where the panels, from the top left on, and the legend lie in a figure that was drawn.
+
+    Each as a `viewBox`: x, y, width, height.
+    """
     with _any_script():
-        boxes = [panel.get_tightbbox() for panel in figure.axes] + [each.get_window_extent() for each in figure.legends]
+        drawn = sorted(figure.axes, key=lambda panel: (-panel.get_position().y1, panel.get_position().x0))
+        boxes = [panel.get_tightbbox() for panel in drawn] + [each.get_window_extent() for each in figure.legends]
     scale, height = POINTS / figure.dpi, figure.get_figheight() * POINTS
     found = []
     for box in filter(None, boxes):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from waxstudy.diagnosis.result import Diagnosis
-from waxstudy.report.diagnosis.words import signed
+from waxstudy.report.diagnosis.words import departure
 from waxstudy.report.figures.plot import Lacking, drawing, one_panel
 from waxstudy.report.figures.style import BLACK, COLOURS
 
@@ -31,7 +31,7 @@ def figure_departures(diagnosis: Diagnosis) -> Figure:
         panel.plot([0.0, value], [place, place], color=COLOURS[1], linewidth=2.2)
         panel.plot(value, place, "o", color=COLOURS[1], markersize=6)
         offset, side = ((7, 0), "left") if value >= 0.0 else ((-7, 0), "right")
-        panel.annotate(signed(value), (value, place), offset, textcoords="offset points", va="center", ha=side)
+        panel.annotate(departure(value), (value, place), offset, textcoords="offset points", va="center", ha=side)
     most = 1.25 * max(2.5, *(abs(value) for value in values))
     panel.set_xlim(-most, most)
     panel.set_yticks(range(len(names)), names)
