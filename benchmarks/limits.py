@@ -11,14 +11,18 @@ goes on.
 from __future__ import annotations
 
 import json
-import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial, partialmethod
 from math import inf
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from benchmarks.self_consistency import sources
 from waxstudy.blind_test.answer import Answer
@@ -29,11 +33,15 @@ from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis import criteria
 from waxstudy.diagnosis.criteria import ONE_IS_ENOUGH, Criterion, Question
 from waxstudy.diagnosis.diagnose import diagnose
+from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.plugin.trial import engine_of
 from waxstudy.results.atomic import whole_file
+from waxstudy.simulation.threads import use_one_thread
 
 ASKED = criteria._of
 READ = {Question.NUISANCE, Question.JUDGE, Question.CONVENTION}  # questions whose limits are read as numbers
+FITS = ("fit", "refined", "nuisance_fit")  # of an estimator; no limit that is taken away changes what they find
 WORKERS = 2
 
 
@@ -59,6 +67,42 @@ class Watched:
         return replace(each, limit=replace(each.limit, value=-inf if is_least is is_met else inf))
 
 
+@contextmanager
+def fits_kept() -> Iterator[None]:
+    """Keep every fit while one record is diagnosed again and again: only which fits are asked for changes."""
+    found: dict[Any, Hypothesis | None] = {}
+
+    def kept(name: str, estimator: Estimator[Any], *given: Any, **named: Any) -> Hypothesis | None:
+        problem = estimator.problem
+        of = name, problem.name, problem.holds_out, problem.is_exact_room, estimator.thorough
+        asked = *of, _plain(given), _plain(sorted(named.items()))
+        if asked not in found:
+            found[asked] = own[name](estimator, *given, **named)
+        return found[asked]
+
+    own = {name: getattr(Estimator, name) for name in FITS}
+    for name in FITS:
+        setattr(Estimator, name, partialmethod(partial(kept, name)))
+    try:
+        yield
+    finally:
+        for name in FITS:
+            setattr(Estimator, name, own[name])
+
+
+def _plain(value: Any) -> Any:
+    """Return what can be a key in place of hypotheses, arrays, lists and mappings."""
+    if isinstance(value, Hypothesis):
+        return _plain((value.effects, value.departures, value.convention))
+    if isinstance(value, np.ndarray):
+        return value.tobytes()
+    if isinstance(value, Mapping):
+        return tuple((key, _plain(each)) for key, each in value.items())
+    if isinstance(value, Sequence) and not isinstance(value, str | bytes):
+        return tuple(map(_plain, value))
+    return value
+
+
 def answered(record: Path, watched: Watched) -> dict[str, Any]:
     """Return what a diagnosis says of a record, as its JSON has it."""
     criteria._of = watched
@@ -73,9 +117,10 @@ def done(folder: Path, name: str) -> Mapping[str, Any]:
     path = folder / "limits" / f"{name}-{sources()}.json"
     if not path.exists():
         whole = Watched()
-        said: dict[str, Any] = {"": answered(folder / "records" / name, whole)}
-        for limit in sorted(whole.alone):
-            said[limit] = answered(folder / "records" / name, Watched(limit))
+        with fits_kept():
+            said: dict[str, Any] = {"": answered(folder / "records" / name, whole)}
+            for limit in sorted(whole.alone):
+                said[limit] = answered(folder / "records" / name, Watched(limit))
         with whole_file(path) as place:
             place.write_text(json.dumps(said) + "\n", encoding="utf-8")
     return json.loads(path.read_text(encoding="utf-8"))
@@ -115,7 +160,8 @@ def main(folder: Path, key: Key) -> None:
         if not engine_of(truth.engine).is_kept:
             truths[box.stem] = truth
     told = {}
-    with ProcessPoolExecutor(WORKERS) as pool:
+    use_one_thread()
+    with ProcessPoolExecutor(WORKERS, get_context("spawn")) as pool:  # libraries are loaded after that
         tasks = {pool.submit(done, folder, name): name for name in truths}
         for task in as_completed(tasks):
             name = tasks[task]
@@ -125,5 +171,4 @@ def main(folder: Path, key: Key) -> None:
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     main(Path(sys.argv[1]), Key.read(Path(sys.argv[2]).read_text(encoding="utf-8").strip()))

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
-from benchmarks.limits import Watched
+from benchmarks.limits import Watched, fits_kept
 from tests.diagnosis.evidences import SOUND
 from waxstudy.diagnosis import criteria
 from waxstudy.diagnosis.criteria import Question, failed, limit, limits, meets, meets_one
+from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.select.evidence import AirLeft, Evidence
+from waxstudy.plugin import Effect
 
 pytestmark = pytest.mark.quick
 
@@ -62,3 +69,23 @@ def test_where_one_criterion_is_enough_nothing_passes_by_a_limit_that_is_taken_a
     assert found.alone == {"tolerated"}
     watching(monkeypatch, "tolerated")
     assert not meets_one(Question.UNDERSTOOD, close)
+
+
+def test_a_fit_is_made_once_and_any_other_problem_start_or_part_is_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[Any] = []
+    monkeypatch.setattr(Estimator, "fit", lambda self, *given: made.append((self.problem.name, *given)))
+    one, other = (
+        Estimator[Any](SimpleNamespace(name=name, holds_out=True, is_exact_room=False, sd=())) for name in ("a", "b")
+    )
+    start, moved = (Hypothesis((), PLAIN, np.array([departure]), ()) for departure in (0.0, 0.1))
+    with fits_kept():
+        for estimator, given, parts in 2 * [
+            (one, start, (0,)),
+            (one, moved, (0,)),
+            (one, start, (0, 1)),
+            (other, start, (0,)),
+        ]:
+            estimator.fit(Effect, given, parts)
+        assert len(made) == 4
+    one.fit(Effect, start, (0,))
+    assert len(made) == 5
