@@ -12,10 +12,11 @@ from typing import Any
 from tests.conftest import ROOT
 
 RUNS = ROOT / "results" / "blind_test"
-WHERE = ("fast room", "other physics")
-BASELINES = ("refit", "rules", "forward", "random")
+BUILT = "as built, with a baseline"
+WHERE = ("fast room", "other physics", BUILT)
+BASELINES = ("refit", "rules", "forward", "random", "ours-without-baselines")
 FEW = 10
-# name in the summary; name of the goal of the fast room; of other physics
+# name in the summary; name of the goal of the fast room; of other physics, as drawn and as built
 SUMMARY = (
     ("right group", "right group", "right group"),
     ("… of those beyond what is unknown of the room", "right group, beyond what is unknown of the room", ""),
@@ -53,14 +54,21 @@ def scores() -> dict[str, Score]:
     return {name: json.loads(gzip.decompress(packed[name])) for name in sorted(packed, key=int)}
 
 
+def judged(score: Score) -> list[str]:
+    """Where a run has records: the first ones had no baselines."""
+    return [where for where in WHERE if any(goal["of"] for goal in _goals(score, "ours", where).values())]
+
+
 def pages() -> dict[Path, str]:
     """Every page that shows figures of judged runs, as it should be."""
     every = scores()
     newest = list(every.values())[-1]
-    wanted = {RUNS / name / "README.md": [_run(score, where) for where in WHERE] for name, score in every.items()}
-    wanted[RUNS / "README.md"] = [_over_runs(every, where) for where in WHERE]
+    wanted = {
+        RUNS / name / "README.md": [_run(score, where) for where in judged(score)] for name, score in every.items()
+    }
+    wanted[RUNS / "README.md"] = [_over_runs(every, where) for where in judged(newest)]
     every_page = {page: _with(page.read_text(encoding="utf-8"), tables) for page, tables in wanted.items()}
-    return every_page | {SUMMARY_PAGE: SUMMARY_INTRO + _answered(newest) + _summary(newest)}
+    return every_page | {SUMMARY_PAGE: SUMMARY_INTRO + _answered(newest) + _summaries(newest)}
 
 
 def _answered(score: Score) -> str:
@@ -90,7 +98,7 @@ def _run(score: Score, where: str) -> str:
 
 
 def _over_runs(every: Mapping[str, Score], where: str) -> str:
-    goals = {run: _goals(score, "ours", where) for run, score in every.items()}
+    goals = {run: _goals(score, "ours", where) for run, score in every.items() if where in judged(score)}
     newest = list(goals.values())[-1]
     rows = [[where, "goal", *(f"run {run}" for run in goals)]]
     for name, goal in newest.items():
@@ -99,15 +107,29 @@ def _over_runs(every: Mapping[str, Score], where: str) -> str:
     return _table(rows)
 
 
-def _summary(score: Score) -> str:
-    """The newest run: ours with intervals and two baselines, the fast room beside other physics."""
-    beside = ("rules", "random")
-    rows = [["", "goal", "fast room", *beside, "goal", "other physics", *beside]]
-    for label, *names in SUMMARY:
-        row = [label]
-        for where, name in zip(WHERE, names, strict=True):
-            row += _summary_cells(score, where, name, beside)
-        rows.append(row)
+def _summaries(score: Score) -> str:
+    """The newest run: ours with intervals beside baselines, the fast room and other physics, then houses as built."""
+    together = [(where, names) for where, names in zip(WHERE, _names(), strict=True) if where != BUILT]
+    tables = [_summary(score, together, ("rules", "random"))]
+    if BUILT in judged(score):
+        beside = tuple(name for name in BASELINES if name in score["diagnosers"])
+        tables.append(_summary(score, [(BUILT, list(_names())[-1])], beside))
+    return "\n".join(tables)
+
+
+def _names() -> Iterable[Sequence[str]]:
+    """Names of the goals in the order of the summary, for each place."""
+    fast, other = ([row[column] for row in SUMMARY] for column in (1, 2))
+    return fast, other, [name if not name.startswith("semi-real") else "" for name in other]
+
+
+def _summary(score: Score, places: Sequence[tuple[str, Sequence[str]]], beside: Sequence[str]) -> str:
+    heads = [head for where, _ in places for head in ("goal", where, *beside)]
+    rows = [["", *heads]]
+    for label, *names in zip((row[0] for row in SUMMARY), *(names for _, names in places), strict=True):
+        if any(names):
+            cells = (_summary_cells(score, where, name, beside) for (where, _), name in zip(places, names, strict=True))
+            rows.append([label, *(cell for each in cells for cell in each)])
     return _table(rows)
 
 
@@ -169,8 +191,9 @@ def draw(score: Score) -> None:
     mpl.rcParams["svg.hashsalt"] = "waxstudy"
     with mpl.rc_context({"svg.fonttype": "none", "font.size": 9, "font.family": "sans-serif"}):
         figure = Figure(figsize=(7.2, 2.6), layout="constrained")
-        panels = figure.subplots(1, 2, sharey=True)
-        for place, (panel, where) in enumerate(zip(panels, WHERE, strict=True)):
+        places = judged(score)
+        panels = figure.subplots(1, len(places), sharey=True)
+        for place, (panel, where) in enumerate(zip(panels, places, strict=True)):
             goals = _goals(score, "ours", where)
             guess = _goals(score, "random", where)
             for row, name in enumerate(SHOWN):
@@ -181,10 +204,10 @@ def draw(score: Score) -> None:
                 panel.plot(guess[name]["value"], row, marker="x", color=BLACK, linestyle="")
             panel.set_xlim(-0.03, 1.03)
             panel.set_title(where, fontsize=9)
-            panel.set_xlabel("share; | goal, x a guess, bar 95 % interval")
             name_rows(panel, SHOWN)
             for side in ("top", "right"):
                 panel.spines[side].set_visible(False)
+        figure.supxlabel("share of records; | goal, x a guess, bar 95 % interval", fontsize=9)
         figure.savefig(PICTURE, metadata={"Date": None})
 
 

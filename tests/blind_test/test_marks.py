@@ -10,6 +10,7 @@ import pytest
 
 from waxstudy.blind_test.answer import Answer, NoAnswer
 from waxstudy.blind_test.figures import median, share
+from waxstudy.blind_test.goals import described_goals
 from waxstudy.blind_test.marks import Mark, TrueCause, Truth
 from waxstudy.blind_test.score import figures, posteriors, scored
 
@@ -79,6 +80,30 @@ def test_a_group_is_right_if_it_holds_the_truth_and_nothing_outside_its_class() 
     assert not mark(truth(LET_BY), effect("stuck-open")).right_group
     assert not mark(truth(LET_BY), effect("let-by"), effect("sensor-bias")).right_group
     assert not mark(truth(LET_BY)).right_group
+
+
+def test_of_houses_as_built_the_room_and_the_chain_before_it_have_goals_of_their_own() -> None:
+    floor = cause("floor-cover", stages="emitter")
+    named, missed = (
+        mark(truth(floor, has_baseline=True), effect("floor-cover", stage="emitter")),
+        mark(truth(floor, has_baseline=True)),
+    )
+    chain = mark(truth(ALONE, has_baseline=True), effect("let-by"))
+    told = {
+        goal["name"]: goal
+        for goal in described_goals([named, missed, chain], [], {})
+        if goal["where"].startswith("as built")
+    }
+    counts = {
+        name: (told[name]["count"], told[name]["of"], told[name]["met"])
+        for name in told
+        if name.startswith("right group")
+    }
+    assert counts == {
+        "right group": (2, 3, None),
+        "right group, room and emitter": (1, 2, False),
+        "right group, sensor to valve": (1, 1, True),
+    }
 
 
 def test_top_1_is_the_truth_named_alone() -> None:

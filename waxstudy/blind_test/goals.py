@@ -14,6 +14,7 @@ FAST, OTHER, BUILT = "fast room", "other physics", "as built, with a baseline"
 WHERE = (FAST, OTHER, BUILT)
 HALF = 0.5  # of the hours in which an effect acts or is said to
 NOMINAL_COVERAGE = 0.95
+ROOM_STAGES = frozenset({"emitter", "room"})
 BRIER, LOG_SCORE = "Brier score of the probabilities", "logarithmic score of the probabilities"
 
 
@@ -70,6 +71,18 @@ def right_group(chosen: Chosen) -> Figure:
 
 def beyond_room(chosen: Chosen) -> Figure:
     return share([m.right_group for m in chosen.of("single") if m.truth.beyond > LEAST_OVER])
+
+
+def room_group(chosen: Chosen) -> Figure:
+    return share([m.right_group for m in chosen.of("single") if _is_of_room(m)])
+
+
+def chain_group(chosen: Chosen) -> Figure:
+    return share([m.right_group for m in chosen.of("single") if not _is_of_room(m)])
+
+
+def _is_of_room(mark: Mark) -> bool:
+    return all(cause.stages <= ROOM_STAGES for cause in mark.truth.causes)
 
 
 def group_size(chosen: Chosen) -> Figure:
@@ -153,26 +166,28 @@ def right_hours_of_some(chosen: Chosen) -> Figure:
 
 
 def _everywhere(
-    name: str, of: Callable[[Chosen], Figure], fast: float | None, other: float | None, **how: Any
+    name: str, of: Callable[[Chosen], Figure], fast: float | None, other: float | None, built: float | None, **how: Any
 ) -> list[Goal]:
-    """Return a goal of the fast room, and that of other physics, as drawn or as built."""
-    return [Goal(name, where, wanted, of, **how) for where, wanted in zip(WHERE, (fast, other, other), strict=True)]
+    """Return a goal of the fast room, and those of other physics, as drawn and as built."""
+    return [Goal(name, where, wanted, of, **how) for where, wanted in zip(WHERE, (fast, other, built), strict=True)]
 
 
 GOALS: Sequence[Goal] = (
-    *_everywhere("right group", right_group, 0.95, 0.85),
+    *_everywhere("right group", right_group, 0.95, 0.85, None),
     Goal("right group, beyond what is unknown of the room", FAST, None, beyond_room),
-    *_everywhere("mean size of right groups", group_size, 2.0, 2.0, at_most=True),
-    *_everywhere("top-1 effect, where it could be named", top_1, 0.90, 0.75),
-    *_everywhere("right stage", right_stage, 0.95, 0.85),
-    *_everywhere("false alarms on nulls", false_alarms, 0.02, 0.05, at_most=True),
-    *_everywhere("misdiagnosis", misdiagnosis, 0.05, 0.10, at_most=True),
-    *_everywhere("unknown found", unknown_found, 0.90, 0.80),
-    *_everywhere("unknown falsely claimed", unknown_claimed, 0.05, 0.10, at_most=True),
+    Goal("right group, room and emitter", BUILT, 0.80, room_group),
+    Goal("right group, sensor to valve", BUILT, 0.90, chain_group),
+    *_everywhere("mean size of right groups", group_size, 2.0, 2.0, 2.0, at_most=True),
+    *_everywhere("top-1 effect, where it could be named", top_1, 0.90, 0.75, 0.75),
+    *_everywhere("right stage", right_stage, 0.95, 0.85, 0.85),
+    *_everywhere("false alarms on nulls", false_alarms, 0.02, 0.05, 0.03, at_most=True),
+    *_everywhere("misdiagnosis", misdiagnosis, 0.05, 0.10, 0.05, at_most=True),
+    *_everywhere("unknown found", unknown_found, 0.90, 0.80, 0.75),
+    *_everywhere("unknown falsely claimed", unknown_claimed, 0.05, 0.10, 0.10, at_most=True),
     Goal("leave-one-out answered honestly", FAST, 0.85, leave_one_out),
-    *_everywhere("both of two effects found", both, 0.80, 0.60),
-    *_everywhere("median shrinkage claimed", shrinkage, 0.90, 0.75),
-    *_everywhere("median true shrinkage, held-out days", true_shrinkage, 0.90, 0.75),
+    *_everywhere("both of two effects found", both, 0.80, 0.60, 0.60),
+    *_everywhere("median shrinkage claimed", shrinkage, 0.90, 0.75, 0.75),
+    *_everywhere("median true shrinkage, held-out days", true_shrinkage, 0.90, 0.75, 0.75),
     Goal("coverage of 95 % intervals", FAST, NOMINAL_COVERAGE, coverage, covers=True),
     Goal("coverage of 95 % intervals", OTHER, 0.85, coverage),
     Goal("coverage of 95 % intervals", BUILT, 0.85, coverage),
@@ -183,7 +198,7 @@ GOALS: Sequence[Goal] = (
     Goal("semi-real: right group or untestable", OTHER, 0.80, semi_real),
     Goal(BRIER, BUILT, None, brier),
     Goal(LOG_SCORE, BUILT, None, log_score),
-    Goal("hours told: half of either in both", BUILT, None, right_hours),
+    Goal("hours told: half of either in both", BUILT, 0.60, right_hours),
     Goal("… of what comes and goes", BUILT, None, right_hours_of_some),
 )
 
