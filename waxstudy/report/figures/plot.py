@@ -97,9 +97,19 @@ def plots(drawings: Sequence[Drawing[Shown]], shown: Shown) -> dict[str, Plot]:
     return {each.name: each.plot(shown) for each in drawings}
 
 
+class Shows(Figure):
+    """A figure that a notebook shows as the value of a cell, without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        out = io.BytesIO()
+        with rc_context(RC), _any_script():
+            self.savefig(out, format="png", dpi=POINTS)
+        return out.getvalue()
+
+
 def panels(rows: int, columns: int, height_in: float, **options: Any) -> tuple[Figure, Any]:
     """Return a figure over the full width of the page and its axes (rows, columns)."""
-    figure = Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
+    figure = Shows(figsize=(WIDTH_IN, height_in), layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
