@@ -23,6 +23,7 @@ FILES = [
     ".gitignore",
     "waxstudy_my_wax.py",
     "tests/test_conformance.py",
+    "tests/test_model.py",
     "study.toml",
 ]
 

@@ -92,9 +92,15 @@ def drawing(name: str, title: str, caption: str) -> Callable[[Callable[[Shown], 
     return lambda draw: Drawing(name, title, caption, draw)
 
 
-def plots(drawings: Sequence[Drawing[Shown]], shown: Shown) -> dict[str, Plot]:
-    """Return figures by their names."""
-    return {each.name: each.plot(shown) for each in drawings}
+def plots(
+    drawings: Sequence[Drawing[Shown]], shown: Shown, told: Callable[[float], None] = lambda share: None
+) -> dict[str, Plot]:
+    """Return figures by their names; `told` hears after each which share of them is drawn."""
+    found = {}
+    for number, each in enumerate(drawings, 1):
+        found[each.name] = each.plot(shown)
+        told(number / len(drawings))
+    return found
 
 
 class Shows(Figure):
