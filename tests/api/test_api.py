@@ -158,6 +158,21 @@ def test_a_frame_is_a_record_in_whatever_unit_and_zone(frame: pd.DataFrame) -> N
     assert plain.interval_s == 60.0
 
 
+def test_a_record_says_in_four_lines_what_it_is(frame: pd.DataFrame, tmp_path: Path) -> None:
+    few = frame[["sensor_temperature_C", "outdoor_temperature_C"]].iloc[: 36 * 60]
+    record = wx.Dataset.from_frame(few, believed=NOMINAL, room={"use": "nzeb"})
+    assert repr(record).splitlines() == [
+        f"<waxstudy.Dataset 'frame': 1.5 days to {few.index[-1]}, every 60 s",
+        "  channels: sensor_temperature_C, outdoor_temperature_C",
+        "  believed: delay, on-off, variable-times, quick-opening, nzeb",
+        "  folder:   none, it was made of a frame>",
+    ]
+    few.rename_axis("time").to_csv(tmp_path / "data.csv")
+    (tmp_path / "dataset.toml").write_text('[nominal]\nsetpoint_C = 21.0\n[room]\nuse = "nzeb"\n')
+    read = repr(wx.Dataset.read(tmp_path)).splitlines()
+    assert read[2:] == ["  believed: nzeb", f"  folder:   {tmp_path}>"]
+
+
 @pytest.mark.parametrize(
     ("changes", "wrong"),
     [
@@ -194,6 +209,7 @@ def test_a_diagnosis_shows_where_what_and_how_far(frame: pd.DataFrame) -> None:
     assert told[-1] > 0.5
     figure = found.plot.traces()
     assert figure.axes
+    assert figure._repr_png_().startswith(b"\x89PNG")  # in a notebook
     with pytest.raises(AttributeError, match="no figure 'trace'"):
         found.plot.trace()
 

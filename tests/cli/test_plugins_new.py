@@ -23,6 +23,7 @@ FILES = [
     ".gitignore",
     "waxstudy_my_wax.py",
     "tests/test_conformance.py",
+    "tests/test_model.py",
     "study.toml",
 ]
 
@@ -42,6 +43,15 @@ def test_it_prints_the_files_and_the_next_three_commands(entry: Entry, tmp_path:
         "  waxstudy run waxstudy-my-wax/study.toml",
     ]
     assert written(tmp_path) == {f"waxstudy-my-wax/{file}" for file in FILES}
+
+
+def test_an_effect_is_tried_on_a_record_that_has_it(entry: Entry) -> None:
+    done = entry("plugins", "new", "cold-nights", "--kind", "effect")
+    assert done.stdout.splitlines()[-2:] == [
+        "  waxstudy reality waxstudy-cold-nights/study.toml --case O_CP --effect cold-nights --set drop_K=5 "
+        "--out data/cold-nights",
+        "  waxstudy diagnose data/cold-nights",
+    ]
 
 
 def test_as_json_it_prints_the_folder_and_the_files_alone(entry: Entry, tmp_path: Path) -> None:

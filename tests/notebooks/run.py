@@ -52,12 +52,10 @@ def draw(name: str, folder: Path) -> None:
 
 if __name__ == "__main__":
     import os
-    import shutil
     import sys
     from tempfile import TemporaryDirectory
 
     for each in sys.argv[1:] or NAMES:
         with TemporaryDirectory() as place:
-            shutil.copytree(ROOT / "studies", Path(place) / "studies")
             os.chdir(place)
             draw(each, Path(place))

@@ -10,6 +10,7 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import example, given, settings
@@ -96,6 +97,30 @@ def test_the_files_are_formatted_and_have_no_lint(every_package: list[Path]) -> 
         command = [sys.executable, "-m", "ruff", *arguments, "--no-cache", *map(str, every_package)]
         done = subprocess.run(command, cwd=every_package[0].parent, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout
+
+
+def test_the_test_of_the_contract_holds_for_another_model_and_that_of_the_model_says_what_to_edit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = begun("actuator", tmp_path)
+    module = folder / "waxstudy_my_actuator.py"
+    text = module.read_text(encoding="utf-8")
+    for old, new in (
+        ("dead_time_s", "delay_s"),
+        ("Parameters = MyActuatorParameters", "Parameters = Times"),
+        ("class MyActuatorParameters", "class Times"),
+        ("x.opening = min(1.0,", "x.opening = min(0.9,"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    module.write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(folder))
+    namespace: dict[str, Any] = {}
+    exec((folder / "tests" / "test_conformance.py").read_text(encoding="utf-8"), namespace)
+    namespace["test_it_keeps_the_contract"]()
+    for kind in set(KINDS) - {"reference"}:
+        assert "EDIT THIS WITH THE MODEL" in NewPlugin("mine", kind).files()["tests/test_model.py"]
+    sys.modules.pop("waxstudy_my_actuator")
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import time
 import tomllib
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from tests.conftest import WAXSTUDY, Waxstudy, call
@@ -163,3 +164,12 @@ def test_what_got_worse_is_told_as_more() -> None:
     from waxstudy.report.tuning.tables import _less
 
     assert [_less(score) for score in (0.7, 1.0, 2.03)] == ["30 % less", "0 % less", "103 % more"]
+
+
+def test_a_warning_is_told_when_it_comes_and_not_again_below_the_tables() -> None:
+    from waxstudy.report.tuning.tables import notes
+    from waxstudy.tuning.tune import Setting, Tuned
+
+    stands = Setting("as it stands", {}, 1.0, pd.DataFrame())
+    found = Tuned(None, None, None, [], None, 1, 40, [], [stands, stands], ["no weather is left"])  # type: ignore[arg-type]
+    assert notes(found) == []

@@ -19,7 +19,7 @@ from waxstudy.plugin.files import read_file
 from waxstudy.study.problems import Problem, StudyError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Dataset(read.Dataset):
     """A checked record on a regular grid, and what is believed of its loop (docs/datasets.md)."""
 
@@ -52,6 +52,7 @@ class Dataset(read.Dataset):
         values = _in_channel_units(frame.rename(columns=named), {named.get(k, k): u for k, u in (units or {}).items()})
         values.index = standard_time(_times(frame), timezone).rename("time")
         described = _described(believed, room, tables)
+        described["dataset"] = {"name": "frame", **described.get("dataset", {})}
         with tempfile.TemporaryDirectory(prefix="waxstudy-record-") as place:
             folder = Path(place)
             values.to_csv(folder / "data.csv", date_format="%Y-%m-%dT%H:%M:%S")

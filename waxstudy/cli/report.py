@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.errors import BACKEND, INVALID, PLUGIN, CommandError
 from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.output import Command, print_out, terminal, write_file
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from waxstudy.study.model import Study
 
 FORMATS = ("table", "csv", "md", "html", "json")
+READ = 0.4  # of the time that a page takes
 WHAT = "What to print  [default: what the suffix of --out says, else table]"
 
 
@@ -62,7 +64,8 @@ def command(
     elif not text and attribution:
         text = render_attribution(run_folder, form, quiet)
     elif not text:
-        text = render(run_folder, form, None if against is None else _folder_or_name(against))
+        with bar(quiet) as tick:
+            text = render(run_folder, form, None if against is None else _folder_or_name(against), tick)
     if out is None:
         print_out(text)
     else:
@@ -120,11 +123,12 @@ def _plugin_error(message: str, against: Path | str | None) -> CommandError:
     return CommandError(message, PLUGIN if blamed else INVALID)
 
 
-def render(of: Path | Run, form: str, against: Path | str | None) -> str:
+def render(of: Path | Run, form: str, against: Path | str | None, tick: Tick = lambda what, share: None) -> str:
     """Return a run's report in one of the formats, against another run's folder or a registered reference's name.
 
     What is wrong with a run becomes exit code 3 or 4.
     """
+    tick("reading the run", 0.0)
     from waxstudy.plugin.registry import PluginError
     from waxstudy.report.content import gather
     from waxstudy.results.folder import RunError
@@ -135,9 +139,10 @@ def render(of: Path | Run, form: str, against: Path | str | None) -> str:
         other = Run(against) if isinstance(against, Path) else against
         content = gather(run, load_study(run.study_file, needs_files=False), other)
         if form == "html":
+            tick("drawing figures", READ)
             from waxstudy.report.page import as_html
 
-            return as_html(content)
+            return as_html(content, lambda share: tick("drawing figures", READ + (1.0 - READ) * share))
     except PluginError as error:
         raise _plugin_error(str(error), against) from error
     except (RunError, ValueError) as error:

@@ -32,7 +32,7 @@ from waxstudy.study.source import read_source
 from waxstudy.study.spots import Spot
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Dataset:
     """A record on a regular grid, and what the modeller believes."""
 
@@ -56,6 +56,16 @@ class Dataset:
     neighbours: Neighbours | None = None  # rooms that were measured beside each other
     origin: str = ""  # where the record comes from, in words
     sha256: Mapping[str, str] = field(default_factory=dict)  # of its files, by name
+
+    def __repr__(self) -> str:
+        days = len(self.time) * self.interval_s / 86_400.0
+        believed = [choice.component.name for choice in (*self.nominal.values(), self.room) if choice]
+        return (
+            f"<waxstudy.Dataset '{self.name}': {days:.3g} days to {self.time[-1]}, every {self.interval_s:g} s\n"
+            f"  channels: {', '.join(map(str, self.values))}\n"
+            f"  believed: {', '.join(believed) or 'nothing'}\n"
+            f"  folder:   {self.folder if self.folder.is_dir() else 'none, it was made of a frame'}>"
+        )
 
     def believed(self, inputs: Inputs | None) -> Belief:
         """Return what the modeller believes, with what drove the room."""

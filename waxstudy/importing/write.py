@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +20,7 @@ from waxstudy.plugin.files import read_file
 from waxstudy.results.atomic import sole_use, whole_file, whole_folder
 
 OWN = ("dataset", "noise", "import")
+NEW = "data.new.csv"  # of an import into a folder in use, until it is data.csv
 HEAD = """\
 # Written by `waxstudy import`. [noise], [import] and the keys of [dataset] below are written anew when the import is
 # repeated; whatever else is stated here stays.
@@ -49,10 +51,20 @@ def write(folder: Path, imported: Imported, *, replaces: bool = False) -> None:
     with sole_use(folder) as is_ours:
         if not is_ours:
             raise OtherImport(f"{folder}: another import is at work in this folder; wait for it")
-        with whole_file(folder / "data.csv") as data:
-            _data(data, imported)
-        with whole_file(folder / "dataset.toml") as about:
-            about.write_text(text, encoding="utf-8")
+        _write_over(folder, imported, text, described(folder, imported, earlier, file=NEW))
+
+
+def _write_over(folder: Path, imported: Imported, text: str, meanwhile: str) -> None:
+    """Write both files over others, so that wherever this is cut off dataset.toml names the data that it is of."""
+    with whole_file(folder / NEW) as data:
+        _data(data, imported)
+    with whole_file(folder / "dataset.toml") as about:  # from here on it is the new pair
+        about.write_text(meanwhile, encoding="utf-8")
+    with whole_file(folder / "data.csv") as data:
+        shutil.copyfile(folder / NEW, data)
+    with whole_file(folder / "dataset.toml") as about:
+        about.write_text(text, encoding="utf-8")
+    (folder / NEW).unlink()
 
 
 def refuse_other(folder: Path, request: Request, *, replaces: bool) -> str:
@@ -87,10 +99,13 @@ def refuse_other(folder: Path, request: Request, *, replaces: bool) -> str:
     )
 
 
-def described(folder: Path, imported: Imported, earlier: str = "") -> str:
-    """Return dataset.toml; what an earlier one says besides stays."""
+def described(folder: Path, imported: Imported, earlier: str = "", file: str = "") -> str:
+    """Return dataset.toml, with the name of its data where it is another; what an earlier one says besides stays."""
     kept = tomllib.loads(earlier).get("dataset", {}) if earlier else {}
+    if kept.get("file") == NEW:  # of an import that was cut off
+        del kept["file"]
     own = {"dataset": {"name": folder.resolve().name, **kept, **_dataset(imported)}}
+    own["dataset"] |= {"file": file} if file else {}
     own |= {"noise": dict(imported.noise)} if imported.noise else {}
     own |= {"import": _import(folder, imported)}
     rest = "".join(_others(earlier)) if earlier else ""

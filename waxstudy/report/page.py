@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from waxstudy.report.cases import legend, told_same
 from waxstudy.report.content import Content
 from waxstudy.report.figures import PAPER_FIGURES
@@ -13,8 +15,11 @@ from waxstudy.report.render import activation_tables, all_notes, comparison_tabl
 from waxstudy.report.words import counted
 
 
-def as_html(content: Content) -> str:
-    """Return the report as one page; raise `RunError` where the run's curves or traces cannot be read."""
+def as_html(content: Content, told: Callable[[float], None] = lambda share: None) -> str:
+    """Return the report as one page, and tell which share of its figures is drawn.
+
+    Raises `RunError` where the run's curves or traces cannot be read.
+    """
     return filled(
         "page.html.j2",
         content=content,
@@ -29,7 +34,7 @@ def as_html(content: Content) -> str:
         against=[table for table in content.against.tables() if table.rows] if content.against else [],
         activation=activation_tables(content),
         starts={ladder.cases[0] for ladder in content.run.ladders},
-        figures=plots(PAPER_FIGURES, content),
+        figures=plots(PAPER_FIGURES, content, told),
         provenance=provenance(content.run),
         notes=all_notes(content),
     )

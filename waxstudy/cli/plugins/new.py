@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,6 +14,9 @@ from waxstudy.cli.errors import FAILED, USAGE, CommandError, taken
 from waxstudy.cli.existing import Written
 from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.plugins.lookup import as_json, print_json
+
+if TYPE_CHECKING:
+    from waxstudy.plugin.scaffold import NewPlugin
 
 KINDS_HELP = "sensor, controller, modulator, actuator, valve, room, weather, effect or reference."
 
@@ -46,7 +50,7 @@ def command(name: str, kind: str, out: Path, as_json: bool) -> None:
     if as_json:
         print_json({"folder": str(folder), "files": list(files)})
     else:
-        print_out(_said(folder, name, files))
+        print_out(_said(folder, plugin, files))
 
 
 def _write(files: dict[str, str], folder: Path) -> None:
@@ -60,11 +64,23 @@ def _write(files: dict[str, str], folder: Path) -> None:
         raise CommandError(f"{folder}: cannot be written: {error.strerror or error}", FAILED) from error
 
 
-def _said(folder: Path, name: str, files: Iterable[str]) -> str:
+def _said(folder: Path, plugin: NewPlugin, files: Iterable[str]) -> str:
     commands = (
         ("python", "-m", "pip", "install", "--editable", str(folder)),
-        ("waxstudy", "plugins", "check", name),
-        ("waxstudy", "run", str(folder / "study.toml")),
+        ("waxstudy", "plugins", "check", plugin.name),
+        *_tried(plugin, folder),
     )
     written = [str(folder / file) for file in files]
     return "\n".join([*written, "", "next:", *(f"  {shlex.join(command)}" for command in commands)]) + "\n"
+
+
+def _tried(plugin: NewPlugin, folder: Path) -> Iterator[tuple[str, ...]]:
+    """Yield what shows a component at work: an effect in a record of its own, which a study would not name."""
+    study = str(folder / "study.toml")
+    if plugin.kind != "effect":
+        yield "waxstudy", "run", study
+        return
+    record = str(Path("data") / plugin.name)
+    put = ("--effect", plugin.name, "--set", "drop_K=5")
+    yield "waxstudy", "reality", study, "--case", "O_CP", *put, "--out", record
+    yield "waxstudy", "diagnose", record

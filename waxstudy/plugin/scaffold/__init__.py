@@ -1,6 +1,6 @@
 """Begin a plugin: the files of a package of its own, with a working component to edit.
 
-The templates are the files themselves with a few names left open; there is one module and one test per kind.
+The templates are the files themselves with a few names left open; there is one module and one test of it per kind.
 """
 
 from __future__ import annotations
@@ -78,7 +78,8 @@ class NewPlugin:
             "README.md": "README.md",
             ".gitignore": "gitignore",
             f"{self.module}.py": f"{self.kind}.py",
-            "tests/test_conformance.py": f"test_{self.kind}.py",
+            "tests/test_conformance.py": "test_conformance.py",
+            "tests/test_model.py": f"test_{self.kind}.py",
             "study.toml": "study.toml",
         }
         words = {

@@ -92,14 +92,30 @@ def drawing(name: str, title: str, caption: str) -> Callable[[Callable[[Shown], 
     return lambda draw: Drawing(name, title, caption, draw)
 
 
-def plots(drawings: Sequence[Drawing[Shown]], shown: Shown) -> dict[str, Plot]:
-    """Return figures by their names."""
-    return {each.name: each.plot(shown) for each in drawings}
+def plots(
+    drawings: Sequence[Drawing[Shown]], shown: Shown, told: Callable[[float], None] = lambda share: None
+) -> dict[str, Plot]:
+    """Return figures by their names; `told` hears after each which share of them is drawn."""
+    found = {}
+    for number, each in enumerate(drawings, 1):
+        found[each.name] = each.plot(shown)
+        told(number / len(drawings))
+    return found
+
+
+class Shows(Figure):
+    """A figure that a notebook shows as the value of a cell, without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        out = io.BytesIO()
+        with rc_context(RC), _any_script():
+            self.savefig(out, format="png", dpi=POINTS)
+        return out.getvalue()
 
 
 def panels(rows: int, columns: int, height_in: float, **options: Any) -> tuple[Figure, Any]:
     """Return a figure over the full width of the page and its axes (rows, columns)."""
-    figure = Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
+    figure = Shows(figsize=(WIDTH_IN, height_in), layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 

@@ -20,6 +20,6 @@ def as_html(found: Tuned) -> str:
         tables=tables.tables(found),
         figures=plots((figure_landscape, figure_tested), found),
         fragment=fragment(found),
-        notes=tables.notes(found),
+        notes=[*tables.notes(found), *found.warnings],
         version=__version__,
     )

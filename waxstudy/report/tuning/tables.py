@@ -66,8 +66,8 @@ def _heat(figures: pd.DataFrame | None) -> float:
 
 
 def notes(found: Tuned) -> list[str]:
-    """What a reader must know."""
-    return [*_told_of_test(found), *_at_bounds(found), *_left_out(found), *found.warnings]
+    """What a reader must know besides the warnings, which were told when they came."""
+    return [*_told_of_test(found), *_at_bounds(found), *_left_out(found)]
 
 
 def verdict(found: Tuned) -> str:
