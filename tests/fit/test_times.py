@@ -72,19 +72,20 @@ def test_ideal_trapezoids_give_their_own_times(interval_s: float, noise: float, 
 LENGTHS_S = dict(zip(TIMES, (90.0, 120.0, 600.0, 60.0, 130.0, 900.0), strict=True))
 
 
+@pytest.mark.parametrize("start_s", [50.0, 49.1, 42.0])
 @pytest.mark.parametrize("interval_s", [1.0, 2.0, 5.0, 10.0])
-def test_times_are_exact_where_nothing_is_noisy_and_corners_lie_on_samples(interval_s: float) -> None:
+def test_times_are_exact_where_nothing_is_noisy(interval_s: float, start_s: float) -> None:
     """A switch is taken to come halfway between two samples; the last pause is cut off, the first one not seen."""
-    cycles = cycles_of(trapezoids(LENGTHS_S, 4, interval_s, 0.0, 1, start_s=50.0))
-    half = 0.5 * interval_s
-    late = dict(zip(TIMES, (-half, 0.0, half, -half, 0.0, half), strict=True))
+    cycles = cycles_of(trapezoids(LENGTHS_S, 4, interval_s, 0.0, 1, start_s=start_s))
+    late_s = (start_s // interval_s + 0.5) * interval_s - start_s
+    late = dict(zip(TIMES, (-late_s, 0.0, late_s, -late_s, 0.0, late_s), strict=True))
     exact = {name: LENGTHS_S[name] + late[name] for name in TIMES}
     for name in TIMES:
         assert cycles[name].tolist() == pytest.approx(
             [exact[name]] * 3 + [np.nan if name == "undercool_s" else exact[name]], nan_ok=True
         )
     assert cycles["before_s"].tolist() == pytest.approx([np.nan, *[exact["undercool_s"]] * 3], nan_ok=True)
-    ons_s = 50.0 + 1900.0 * np.arange(4) - half
+    ons_s = start_s + late_s - interval_s + 1900.0 * np.arange(4)
     assert cycles["on_at_s"].tolist() == pytest.approx(ons_s)
     assert cycles["off_at_s"].tolist() == pytest.approx(ons_s + 810.0)
     assert cycles["cycle"].tolist() == [1, 2, 3, 4]
