@@ -228,17 +228,16 @@ def test_a_zero_that_wanders_for_days_moves_no_time_and_is_told(drift: float) ->
 
 @pytest.mark.parametrize("interval_s", [0.5, 10.0])
 def test_only_a_gap_in_a_fall_or_beside_it_hides_when_the_next_cycle_s_pause_began(interval_s: float) -> None:
-    whole = trapezoids(LENGTHS_S, 4, interval_s, 0.0, 1)
-    fall_s = cycles_of(whole)[["off_at_s", "hold_s"]].sum(axis=1).to_numpy()
-    assert np.isfinite(cycles_of(whole)["before_s"]).tolist() == [False, True, True, True]
-    away, fallen_s = 5.0 + 3.0 * interval_s, fall_s[1] + 130.0
-    hides = {fall_s[1] - 5.0: True, fall_s[1] + 60.0: True, fallen_s + 5.0: True}
-    shows = {fall_s[1] - 300.0: False, fall_s[1] - away: False, fallen_s + away: False, fallen_s + 400.0: False}
-    for at_s, is_hidden in (hides | shows).items():
-        missing = np.zeros_like(whole.missing)
-        missing[round(at_s / interval_s) + np.arange(-1, 2)] = 1
+    whole, to_fall = trapezoids(LENGTHS_S, 4, interval_s, 0.0, 1), ["off_at_s", "hold_s"]
+    cycles = cycles_of(whole)
+    assert np.isfinite(cycles["before_s"]).tolist() == [False, True, True, True]
+    begin_s, end_s = (float(cycles[names].sum(axis=1)[1]) for names in (to_fall, [*to_fall, "fall_s"]))
+    first, last = int((begin_s - 5.0) // interval_s), int(-((-end_s - 5.0) // interval_s))  # a slope is of five seconds
+    hides, shows = (first, first + 9, last), (first - 1, last + 1, first - 30, last + 40)
+    for place in (*hides, *shows):
+        missing = np.arange(len(whole.missing)) == place
         known = np.isfinite(cycles_of(replace(whole, missing=missing))["before_s"])
-        assert known.tolist() == [False, True, not is_hidden, True], at_s
+        assert known.tolist() == [False, True, place in shows, True], place
 
 
 def test_what_is_left_of_a_spike_is_no_movement_and_a_ramp_is() -> None:
