@@ -246,3 +246,12 @@ def test_what_is_left_of_a_spike_is_no_movement_and_a_ramp_is() -> None:
     opening[[600, 605]] += -0.2, 0.2  # and of two, five seconds apart
     found = movements(opening, 1.0, RISES_PER_5S)
     assert (found.begins_s, found.ends_s) == (pytest.approx([700.0]), pytest.approx([820.0]))
+
+
+def test_samples_faster_than_one_a_second_are_averaged_over_one() -> None:
+    """Noise of 0.003 of the stroke then moves an edge by a third of a second; by more than half of one without that."""
+    at_s = np.arange(0.0, 300.0, 0.2)
+    true, random = np.interp(at_s, [100.0, 220.0], [0.0, 1.0]), np.random.default_rng(1)
+    found = [movements(true + 0.003 * random.normal(size=len(at_s)), 0.2, RISES_PER_5S) for _ in range(30)]
+    off_s = np.array([(*each.begins_s, *each.ends_s) for each in found]) - [100.0, 220.0]
+    assert np.sqrt(np.mean(off_s**2)) < 0.35
