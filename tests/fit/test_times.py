@@ -111,10 +111,11 @@ def of_second(record: Record, at_s: slice, opening: float | None = None, is_on: 
         ({"at_s": slice(160, 940), "opening": 0.91}, "", ""),
         ({"at_s": slice(1000, 1950), "opening": 0.06}, "does not close fully", "not closed before"),
         ({"at_s": slice(1000, 1950), "opening": 0.04}, "", ""),
+        ({"at_s": slice(220, 1950), "opening": 1.0}, "does not close fully", "not closed before"),
         ({"at_s": slice(0, 93), "is_on": False}, "a time is zero", ""),  # it rises before it is heated
         ({"at_s": slice(997, 1900), "is_on": True}, "a time is zero", ""),  # and is heated before it is closed
+        ({"at_s": slice(1000, 1900), "is_on": True}, "", ""),  # or half a second later
     ],
-    ids=["rests", "opens by 0.89", "by 0.91", "closes to 0.06", "to 0.04", "rises early", "is heated early"],
 )
 def test_a_cycle_is_left_out_for_what_it_lacks_and_the_next_one_only_if_it_began_open(
     change: dict[str, Any], second: str, third: str
@@ -128,6 +129,12 @@ def test_a_gap_is_of_the_cycle_that_it_lies_in_and_at_a_switch_of_both(at_s: int
     whole = trapezoids(LENGTHS_S, 4, 1.0, 0.0, 1, start_s=50.0)
     missing = np.arange(len(whole.missing)) == 1950 + at_s
     assert np.flatnonzero(cycles_of(replace(whole, missing=missing))["lost"] == "gap").tolist() == lost
+
+
+def test_a_motor_that_moves_more_slowly_than_any_that_is_driven_does_not_open_or_close() -> None:
+    for name, reason in (("rise_s", "does not open fully"), ("fall_s", "does not close fully")):
+        slow = trapezoids({**LENGTHS_S, name: 700.0}, 4, 1.0, 0.0, 1)
+        assert cycles_of(slow)["lost"].tolist()[:3] == [reason] * 3
 
 
 def test_a_cycle_is_from_switching_on_to_switching_on_if_its_heating_ends() -> None:
