@@ -113,7 +113,7 @@ def of_second(record: Record, at_s: slice, opening: float | None = None, is_on: 
         ({"at_s": slice(1000, 1950), "opening": 0.04}, "", ""),
         ({"at_s": slice(220, 1950), "opening": 1.0}, "does not close fully", "not closed before"),
         ({"at_s": slice(0, 93), "is_on": False}, "a time is zero", ""),  # it rises before it is heated
-        ({"at_s": slice(997, 1900), "is_on": True}, "a time is zero", ""),  # and is heated before it is closed
+        ({"at_s": slice(999, 1900), "is_on": True}, "a time is zero", ""),  # and is heated before it is closed
         ({"at_s": slice(1000, 1900), "is_on": True}, "", ""),  # or half a second later
     ],
 )
@@ -253,6 +253,8 @@ def test_what_is_left_of_a_spike_is_no_movement_and_a_ramp_is() -> None:
     opening[[600, 605]] += -0.2, 0.2  # and of two, five seconds apart
     found = movements(opening, 1.0, RISES_PER_5S)
     assert (found.begins_s, found.ends_s) == (pytest.approx([700.0]), pytest.approx([820.0]))
+    at_once = movements(np.where(np.arange(1000) < 700, 0.0, 1.0), 1.0, RISES_PER_5S)
+    assert (at_once.begins_s, at_once.ends_s) == (pytest.approx([699.5], abs=5.0), pytest.approx([699.5], abs=5.0))
 
 
 def test_samples_faster_than_one_a_second_are_averaged_over_one() -> None:
