@@ -6,7 +6,7 @@ import ast
 import csv
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import FrozenInstanceError, dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -99,6 +99,13 @@ def test_every_row_is_read_in_its_order() -> None:
 def test_fifteen_limits_at_most_decide_and_each_of_them_does() -> None:
     assert len(limits()) <= 15
     assert {row.limit.name for row in criteria()} == set(limits())
+
+
+def test_criteria_that_share_a_limit_share_one_that_nobody_changes() -> None:
+    assert {id(row.limit) for row in criteria()} == {id(each) for each in limits().values()}
+    for each in (criteria()[0], criteria()[0].limit):
+        with pytest.raises(FrozenInstanceError):
+            each.name = "another"  # type: ignore[misc]
 
 
 def test_a_limit_says_what_it_is_why_and_where_it_comes_from() -> None:
@@ -330,8 +337,14 @@ def test_of_several_limits_that_apply_the_largest_is_the_least_that_must_be_reac
     assert limit(Q.CLAIM, "over", SOUND) == 1.5
     assert limit(Q.CLAIM, "over", coarse) == 3.5
     assert limit(Q.CLAIM, "over", replace(coarse, channel="flow_L_h")) == 1.5
+    assert limit(Q.CLAIM, "departure", coarse) == 1.0
     for over in (1.5, 3.5):
         assert meets(Q.CLAIM, replace(coarse, over=over)) is (over == 3.5)
+
+
+def read(name: str) -> str:
+    """A name as it is read from a file: not the object that the code holds."""
+    return "".join(name)
 
 
 @pytest.mark.parametrize(
@@ -339,13 +352,13 @@ def test_of_several_limits_that_apply_the_largest_is_the_least_that_must_be_reac
 )
 @pytest.mark.parametrize(("interval_s", "is_far"), [(60.0, False), (299.0, False), (300.0, True), (3600.0, True)])
 def test_an_opening_is_far_apart_from_5_min_on(channel: str, interval_s: float, is_far: bool) -> None:
-    seen = replace(SOUND, channel=channel, interval_s=interval_s)
+    seen = replace(SOUND, channel=read(channel), interval_s=interval_s)
     assert WHERE["far-opening"].applies(seen) is (is_far and channel == "displacement")
 
 
 @pytest.mark.parametrize("told", ["actuator", "controller", "modulator", "room", "sensor", "supply", "valve"])
 def test_a_place_is_no_other_one_of_a_name_before_or_after_it(told: str) -> None:
-    assert WHERE["actuator"].applies(replace(SOUND, stage=told)) is (told == "actuator")
+    assert WHERE["actuator"].applies(replace(SOUND, stage=read(told))) is (told == "actuator")
 
 
 # --- evidence --------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -264,7 +265,18 @@ def test_a_meter_that_shows_noise_around_zero_does_not_stand_still() -> None:
     noise = np.random.default_rng(3).normal(0.0, 1.0, 1000)
     assert not stands(noise, 120.0).any()
     assert not stands(np.clip(noise, 0.0, None), 120.0)[noise > 1.0].any()
-    assert stands(np.zeros(1000), 120.0).all()
+    for full in (0.0, 120.0):
+        assert stands(np.zeros(1000), full).all()
+
+
+def test_a_zero_is_a_meter_that_stands_among_nine_others_of_the_thirty_around_it() -> None:
+    """Up to a ten-thousandth of full flow."""
+    flow = np.full(101, 60.0)
+    flow[[35, *range(46, 54), 65]] = 0.01
+    assert np.flatnonzero(stands(flow, 120.0)).tolist() == [50]
+    assert not stands(1.5 * flow, 120.0).any()
+    flow[[65, 66]] = 60.0, 0.01
+    assert not stands(flow, 120.0).any()
 
 
 def metered() -> tuple[Record, np.ndarray]:
@@ -280,8 +292,10 @@ def metered() -> tuple[Record, np.ndarray]:
     return plain(values, stated_noise=stated), is_open
 
 
-def judged_of(channel: str, record: Record) -> Continuous:
-    return Continuous(channel, Segment(("valve",), "heating_signal", (channel,)), record, np.zeros(len(record)), [])
+def judged_of(
+    channel: str, record: Record, driven_by: str = "heating_signal", perturbed: Sequence[Predicted] = ()
+) -> Continuous:
+    return Continuous(channel, Segment(("valve",), driven_by, (channel,)), record, np.zeros(len(record)), perturbed)
 
 
 def test_noise_is_what_a_channel_shows_less_where_it_is_cut_off_and_none_where_a_meter_stands() -> None:
@@ -300,14 +314,30 @@ def test_a_meter_that_stands_is_trusted_ten_times_as_far_and_no_other_channel() 
 
 
 def test_each_switch_is_put_where_it_fits_best() -> None:
-    """Of two predictions the first is right from one switch to the next, the second after that, and so on."""
+    """Of two predictions the first is right from one switch to the next, the second after that, and so on.
+
+    What lies between two switches is of one of them, and a sample that the other one fits better changes nothing.
+    """
     seen, is_open = metered()
     stretch = np.cumsum(np.diff(is_open, prepend=is_open[0]) != 0)
+    odd = np.arange(DAY) % 50 == 7
     right, flow = judged_of("flow_L_h", seen), seen.values["flow_L_h"]
-    two = np.array([flow + np.where(stretch % 2 == place, 9.0, 1.0) for place in (1, 0)])
+    two = np.array([flow + np.where((stretch % 2 == place) ^ odd, -9.0, 1.0) for place in (1, 0)])
     error = right.residual(Predicted({"flow_L_h": flow}, {"flow_L_h": two})).error
-    assert error[right.known] == pytest.approx(1.0)
+    assert error[right.known] == pytest.approx(np.where(odd, -9.0, 1.0)[right.known])
     assert (error[~right.known] == 0.0).all()
+
+
+def test_where_a_switch_fits_best_is_told_in_standard_deviations() -> None:
+    """A tenth of the noise counts as one where the meter stands: ten minutes of that outdo ten of a larger error."""
+    is_on = np.arange(DAY) % 180 < 60
+    flow = np.where(is_on & (np.arange(DAY) % 180 >= 30), 60.0, 0.0)
+    seen = plain({"heating_signal": is_on, "flow_L_h": flow}, stated_noise={"flow_L_h": 2.0})
+    sign, late = np.where(np.arange(DAY) % 2, 1.0, -1.0), np.where(flow, 3.0, 0.0)
+    early = np.where(is_on & (flow == 0.0), 1.0, 0.0)
+    right = judged_of("flow_L_h", seen)
+    error = right.residual(Predicted({"flow_L_h": flow}, {"flow_L_h": flow + sign * [early, late]})).error
+    assert error == pytest.approx(np.where(right.known, sign * late, 0.0))
 
 
 def test_a_flow_is_weighed_by_how_far_noise_of_the_opening_moves_it_and_by_more_while_that_moves() -> None:
@@ -315,10 +345,112 @@ def test_a_flow_is_weighed_by_how_far_noise_of_the_opening_moves_it_and_by_more_
     opening = np.interp(at, [600.0, 620.0, 900.0, 920.0], [0.0, 1.0, 1.0, 0.0])
     flow = 60.0 * opening
     seen = plain({"displacement": opening, "flow_L_h": flow}, stated_noise={"displacement": 1e-3, "flow_L_h": 2.0})
-    by_opening = Segment(("valve",), "displacement", ("flow_L_h",))
-    moved = [Predicted({"flow_L_h": flow + off}) for off in (0.0, 1.5, -1.5)]
-    weighed = Continuous("flow_L_h", by_opening, seen, np.zeros(DAY), moved)
-    assert weighed.driven == pytest.approx(1.5)
-    assert weighed.scale[700:800] == pytest.approx(np.hypot(2.0, 1.5))
+    moved = [Predicted({"flow_L_h": flow + off}) for off in (0.0, 0.9, -2.1)]
+    weighed = judged_of("flow_L_h", seen, "displacement", moved)
+    off = np.sqrt((0.9**2 + 2.1**2) / 2.0)
+    assert weighed.driven == pytest.approx(off)
+    assert weighed.scale[700:800] == pytest.approx(np.hypot(2.0, off))
     within = 60.0 * np.hypot(0.05, 0.18 * 0.05)  # of full flow, at a step of a twentieth of the stroke
-    assert weighed.scale[605:615] == pytest.approx(np.hypot(np.hypot(2.0, within), 1.5))
+    assert weighed.scale[605:615] == pytest.approx(np.hypot(np.hypot(2.0, within), off))
+
+
+@pytest.mark.parametrize(("step", "moves"), [(0.027, False), (0.033, True)])
+def test_an_opening_moves_that_steps_by_more_than_thrice_its_noise(step: float, moves: bool) -> None:
+    opening = np.interp(np.arange(DAY), [700, 700 + 0.6 / step], [0.2, 0.8])
+    stated = {"displacement": 0.01, "flow_L_h": 0.2}
+    seen = plain({"displacement": opening, "flow_L_h": 75.0 * opening}, stated_noise=stated)
+    scale = judged_of("flow_L_h", seen, "displacement").scale
+    assert (scale.max() > 3.0) == moves  # a twentieth of full flow
+
+
+def test_full_flow_is_the_largest_that_was_seen_or_where_nothing_flowed_the_believed_one() -> None:
+    dead, believed = np.zeros(DAY), [Predicted({"flow_L_h": np.full(DAY, 120.0)})] * 2
+    seen = plain({"displacement": dead + 0.5, "flow_L_h": dead}, stated_noise={"flow_L_h": 0.2})
+    assert judged_of("flow_L_h", seen, "displacement", believed).scale == pytest.approx(0.12)
+    assert judged_of("flow_L_h", seen, "displacement").scale == pytest.approx(0.02)
+    flowing = replace(seen, values={**seen.values, "flow_L_h": np.where(np.arange(DAY) < 720, 60.0, 0.0)})
+    assert judged_of("flow_L_h", flowing, "displacement", believed).scale[800:] == pytest.approx(0.06)
+
+
+def test_what_a_perfect_channel_misses_is_weighed_by_a_thousandth_at_least() -> None:
+    output = np.tile([0.0, 0.25, 0.5], DAY // 3)
+    scale = judged_of("control_output", plain({"control_output": output}), "air_temperature_C").scale
+    assert scale == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize(("interval_s", "around"), [(1.0, 3600), (60.0, 60), (7200.0, 1)])
+def test_an_output_is_weighed_by_how_far_noise_moves_it_in_the_hour_around(interval_s: float, around: int) -> None:
+    """And everywhere by what it does in the mean."""
+    count, middle = 12 * max(around, 20), 6 * max(around, 20)
+    output = np.where(np.arange(count) < middle, 0.2, 0.6)
+    seen = plain({"control_output": output, "air_temperature_C": np.full(count, 21.0)}, interval_s)
+    more = np.zeros(count)
+    more[middle] = 3.0
+    moved = [Predicted({"control_output": output + each * more}) for each in (0.0, 1.0, -3.0)]
+    driven = judged_of("control_output", seen, "air_temperature_C", moved).driven
+    at = middle + np.array([-around, 0, around])
+    mean = np.sqrt(45.0 / count)
+    assert driven[at] == pytest.approx([mean, np.sqrt(45.0 / around), mean])
+    assert np.sum(driven > 1.01 * mean) == around
+
+
+def test_noise_of_a_drive_moves_no_temperature_and_a_switch_has_none() -> None:
+    seen, _ = metered()
+    moved = [Predicted({name: seen.values[name] + off for name in seen.values}) for off in (0.0, 2.0)]
+    for channel, driven_by in (("flow_L_h", "heating_signal"), ("return_temperature_C", "displacement")):
+        assert (judged_of(channel, seen, driven_by, moved).driven == 0.0).all()
+
+
+def test_an_error_counts_in_standard_deviations_of_its_noise() -> None:
+    seen, is_open = metered()
+    for channel, noise in (("return_temperature_C", 0.1), ("flow_L_h", np.where(is_open, 2.0, 0.2))):
+        way = judged_of(channel, seen)
+        found = way.residual(Predicted({channel: way.measured + 0.3}))
+        assert found.whitened == pytest.approx(np.where(way.known, 0.3 / noise, 0.0))
+
+
+@pytest.mark.parametrize("channel", ["sensor_temperature_C", "control_output"])
+def test_a_slow_channel_is_smoothed_and_its_noise_is_what_that_leaves(channel: str) -> None:
+    noise = np.random.default_rng(5).normal(0.0, 0.1, 10 * DAY)
+    way = judged_of(channel, plain({channel: 0.5 + noise}, stated_noise={channel: 0.1}))
+    assert np.std(way.measured) == pytest.approx(way.noise[0], rel=0.1)
+    assert len(way.noise) == 10 * DAY
+    assert np.ptp(way.noise) == 0.0
+
+
+# --- what nobody knows between samples ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("jump", "is_known"), [(0.39, True), (0.41, False), (-0.41, False)])
+def test_what_flowed_while_an_opening_jumped_within_a_sample_is_not_judged(jump: float, is_known: bool) -> None:
+    jumps = np.arange(DAY) == 700
+    opening = 0.5 + np.where(np.arange(DAY) >= 700, jump, 0.0)
+    seen = plain({"displacement": opening, "flow_L_h": 60.0 * opening, "sensor_temperature_C": opening + 20.0})
+    assert np.array_equal(judged_of("flow_L_h", seen, "displacement").known, seen.settled & ~(jumps & (not is_known)))
+    for other in ("heating_signal", "air_temperature_C"):
+        assert np.array_equal(judged_of("sensor_temperature_C", seen, other).known, seen.settled)
+
+
+@pytest.mark.parametrize("driven_by", ["heating_signal", "displacement", "air_temperature_C"])
+@pytest.mark.parametrize(("interval_s", "is_coarse"), [(299.0, False), (300.0, True), (900.0, True)])
+def test_of_coarse_samples_a_lone_one_is_not_judged_where_its_drive_switches_or_moves(
+    interval_s: float, is_coarse: bool, driven_by: str
+) -> None:
+    signal = empty(6, interval_s).values["heating_signal"]
+    rests = np.zeros(len(signal))
+    values = {"heating_signal": signal, "displacement": 0.5 + rests, "air_temperature_C": 21.0 + rests}
+    alone = np.flatnonzero(np.convolve(signal, np.ones(5), mode="same") == 0.0)[-20:-19]
+    flow = 60.0 + rests
+    flow[alone] = 20.0
+    seen = plain({**values, "flow_L_h": flow}, interval_s)
+    known = judged_of("flow_L_h", seen, driven_by).known
+    hidden = [] if driven_by.startswith("air") or not is_coarse else alone.tolist()
+    assert np.flatnonzero(seen.settled & ~known).tolist() == hidden
+
+
+def test_what_came_in_a_gap_of_its_drive_is_not_judged() -> None:
+    seen, _ = metered()
+    lost = np.where(np.arange(DAY) // 40 == 20, np.nan, seen.values["displacement"])
+    known = judged_of("flow_L_h", replace(seen, values={**seen.values, "displacement": lost}), "displacement").known
+    assert not known[800:840].any()
+    assert known[700:720].all()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,7 +26,6 @@ from waxstudy.diagnosis.select.posterior import (
     score,
 )
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
-from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Inputs, open_share
 
@@ -81,6 +79,12 @@ def test_what_cycles_tell_is_the_logarithm_of_student_s_t(cycles: int) -> None:
     assert most == pytest.approx(0.5 * cycles * np.log1p(9.0))
 
 
+def test_a_gain_that_all_days_say_alike_varies_by_no_more_than_noise_however_much_each_of_them_tells() -> None:
+    """Of an effect that would have to be two and a half times as large."""
+    change = np.array([3.0, 6.0, 9.0, 12.0])
+    assert gain_spread(2.5 * change, 1.5 * change, np.arange(4))[0] == 1.0
+
+
 def test_an_effect_that_changes_nothing_gains_nothing() -> None:
     errors = np.array([1.0, -2.0, 3.0])
     assert gain_spread(errors, errors, np.arange(3)) == (1.0, 0.0)
@@ -98,7 +102,7 @@ def test_a_gain_of_one_day_among_many_is_no_effect_s() -> None:
     day = np.arange(100) // 10
     once, always = np.where(day == 3, 10.0, 0.0), np.full(100, 1.0)
     (spread, most), (_, always_most) = (gain_spread(each, each - 1.0, day) for each in (once, always))
-    assert spread > 5.0
+    assert spread == pytest.approx(90.0)  # that day is off by 90, nine others by 10 each, over 100
     assert most < 0.2 * always_most
 
 
@@ -341,22 +345,3 @@ def test_heat_at_hours_is_the_same_heat_in_those_hours_and_none_beside_them() ->
     assert found.gains_W - 50.0 == pytest.approx(share * (always.gains_W - 50.0))
     assert at_night.hours(at_night.Parameters(**values)) == (22.0, 6.0)
     assert "every day from 22:00 to 06:00" in at_night.sentence(at_night.Parameters(**values))
-
-
-# --- a second effect ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("is_room", "form"), [(True, 0.2), (False, 0.1)])
-@pytest.mark.parametrize(("gain", "ease"), [(100.0, 0.0), (60.0, 40.0), (100.0, -30.0)])
-def test_beside_an_effect_what_its_form_may_leave_is_no_second_one(
-    is_room: bool, form: float, gain: float, ease: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A share of all that speaks for the first: what it explains, and what the room need not depart."""
-    first = replace(LEAK, gain=gain, ease=ease)
-    both = replace(first, gain=gain + 10.0)
-    weighing = object.__new__(Weighing)
-    weighing.problem = SimpleNamespace(segment=SimpleNamespace(with_room=is_room))  # type: ignore[assignment]
-    monkeypatch.setattr(Weighing, "of", lambda self, fitted, given=None: both)
-    monkeypatch.setattr(Weighing, "_spread", lambda self, fitted, given=None: (1.0, np.inf))
-    more = weighing._beside(first, both.fitted).gain - gain
-    assert more == pytest.approx(10.0 - form**2 * (gain + max(0.0, ease)))

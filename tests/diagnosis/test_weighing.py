@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from operator import attrgetter
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from tests.diagnosis.realities import EFFECTS, Effects, belief, dataset, effects, rows
-from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
+from waxstudy.diagnosis.calibration.calibrate import Calibration, HealthyLeft, calibrate
 from waxstudy.diagnosis.diagnose import record_of
-from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
+from waxstudy.diagnosis.model.as_built import Knob
+from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
@@ -22,6 +27,7 @@ from waxstudy.diagnosis.select.patterns import patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.diagnosis.weights import WEIGHTS
+from waxstudy.plugin import FloatArray
 
 DAYS, QUICK = 4, 0.25
 NOTHING: Effects = ()
@@ -192,3 +198,177 @@ def test_what_the_healthy_record_says_for_an_effect_varies_over_cycles_as_its_ga
     assert had_it > 0.5
     assert slow.spread > 1.1
     assert slow.always == pytest.approx(had_it / slow.spread)
+
+
+# --- one thing that is weighed, without fits ---------------------------------------------------------
+
+
+def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weighing:
+    """What weighs a link whose healthy record left so much of each channel."""
+    made: Any = object.__new__(Weighing)
+    segment = SimpleNamespace(with_room=is_room)
+    made.problem = SimpleNamespace(**{"segment": segment, "sd": np.zeros(0), "as_built": None, **problem})
+    made.healthy = SimpleNamespace(left=lambda channel: left)
+    made.share = {}
+    weighing: Weighing = made
+    return weighing
+
+
+def residual(
+    whitened: FloatArray | list[float], channel: str = "air_temperature_C", unit: str = "K", cycles: int = 10
+) -> Residual:
+    values = np.asarray(whitened, dtype=float)
+    sample = np.arange(len(values))
+    block = sample * cycles // len(values)
+    return Residual(channel, unit, values, values, np.ones(len(values), dtype=bool), block, 0 * block, sample)
+
+
+def leaving(*residuals: Residual, departures: FloatArray | None = None) -> Hypothesis:
+    return Hypothesis((), PLAIN, np.zeros(0) if departures is None else departures, residuals)
+
+
+@pytest.mark.parametrize(("is_room", "form"), [(True, 0.2), (False, 0.1)])
+@pytest.mark.parametrize(("gain", "ease"), [(100.0, 0.0), (60.0, 40.0), (100.0, -30.0), (-20.0, 30.0)])
+def test_beside_an_effect_what_its_form_may_leave_is_no_second_one(
+    is_room: bool, form: float, gain: float, ease: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A share of all that speaks for the first: what it explains, and what the room need not depart."""
+    _, (first, *_) = of(NOTHING, NOTHING)
+    first = replace(first, gain=gain, ease=ease)
+    both = replace(first, gain=gain + 10.0)
+    monkeypatch.setattr(Weighing, "of", lambda self, fitted, given=None: both)
+    monkeypatch.setattr(Weighing, "_spread", lambda self, fitted, given=None: (1.0, np.inf))
+    more = bare(is_room)._beside(first, both.fitted).gain - gain
+    assert more == pytest.approx(10.0 - form**2 * (max(0.0, gain) + max(0.0, ease)))
+
+
+@pytest.mark.parametrize("moved", [0.0, 0.5, -2.0, -0.2])
+def test_a_record_is_less_likely_by_how_far_what_it_tells_lies_from_what_calibration_would_have_found(
+    moved: float,
+) -> None:
+    """Of one parameter that both tell, with its variance from each; what else the record alone tells does not move."""
+    slopes = np.array([[3.0, 0.0], [4.0, 0.0], [0.0, 2.0]])
+    sd = np.array([0.5, 2.0])
+    weighing: Any = bare(True, sd=sd, prior=np.eye(2), as_built=SimpleNamespace(knobs=[None]))
+    weighing.share = {"air_temperature_C": 4.0}  # of its samples count as one
+    weighing.estimator = SimpleNamespace(slopes_at=lambda fitted: slopes)
+    fitted = leaving(residual([1.0, 2.0, 0.5]), departures=np.array([0.3, -1.0]))
+    told, variance = 0.3 - (3.0 + 8.0) / 25.0, 4.0 / 25.0 + 0.5**2
+    expected = 0.5 * ((told - moved) ** 2 - told**2) / variance
+    assert weighing._unlike(fitted, np.array([moved, 9.0])) == pytest.approx(max(0.0, expected))
+    assert bare(True, sd=sd)._unlike(fitted, np.array([moved, 9.0])) == 0.0  # nothing was calibrated
+    assert bare(False, as_built=weighing.problem.as_built)._unlike(fitted, np.array([moved])) == 0.0
+
+
+@pytest.mark.parametrize("left", [2.0, None])
+def test_what_stands_out_of_a_switch_is_told_where_it_is_changed_and_of_what_runs_on_by_its_whole_size(
+    left: float | None,
+) -> None:
+    weighing = bare(False, HealthyLeft(left, 100, 10) if left else None)
+    missed, rest = [6.0, 0.0, 6.0, 0.0], [0.0, 0.0, 6.0, 0.0]
+    signal = {"channel": "heating_signal", "unit": "s"}
+    for way, size, least in ((signal, 6.0, WEIGHTS.least_off), ({}, np.sqrt(18.0), WEIGHTS.least_left)):
+        found = weighing._stands(leaving(residual(rest, **way)), leaving(residual(missed, **way)))
+        assert found == pytest.approx(np.log(size / (left or least)) / WEIGHTS.scatter)
+        assert weighing._stands(leaving(residual(missed, **way)), leaving(residual(missed, **way))) == 0.0
+        slight = [leaving(residual([each, 0.0, 0.0, 0.0], **way)) for each in (0.0, 0.01)]
+        assert weighing._stands(slight[0], slight[1]) == 0.0
+    assert bare(True)._stands(leaving(residual(rest)), leaving(residual(missed))) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("channel", "unit", "own", "least"),
+    [
+        ("air_temperature_C", "K", WEIGHTS.scatter, WEIGHTS.least_left),
+        ("return_temperature_C", "K", WEIGHTS.coarse_scatter, WEIGHTS.least_left),
+        ("heating_signal", "s", WEIGHTS.coarse_scatter, WEIGHTS.least_off),
+    ],
+)
+@pytest.mark.parametrize(("is_room", "cycles", "more"), [(True, 4, 1.0), (False, 4, 1.25), (False, 10, 1.0)])
+def test_a_misfit_is_over_what_the_healthy_record_left_and_not_below_what_any_may(
+    channel: str, unit: str, own: float, least: float, is_room: bool, cycles: int, more: float
+) -> None:
+    """Over more, where a chain moves more often than it did in the healthy record."""
+    missed = leaving(residual(np.full(100, 8.0), channel, unit))
+    scatter = np.sqrt(own**2 + 0.5 * 6.0 / 100 + 0.5 * 6.0 / 50)
+    for left in (0.1, 2.0):
+        weighing = bare(is_room, HealthyLeft(left, 50, cycles))
+        weighing.none, weighing.share = missed, {channel: 6.0}
+        usual = max(left, least) * more**0.5
+        assert weighing.misfit(missed) == pytest.approx(np.log(8.0 / usual) / scatter)
+        weighing.share = {channel: 30.0}  # more hang together than are of one cycle
+        scatter_10 = np.sqrt(own**2 + 0.5 * 10.0 / 100 + 0.5 * 10.0 / 50)
+        assert weighing.misfit(missed) == pytest.approx(np.log(8.0 / usual) / scatter_10)
+    weighing.none = leaving(residual(np.full(100, 0.5 * least), channel, unit))
+    assert weighing.misfit(weighing.none) == 0.0
+
+
+def test_where_nothing_is_judged_or_known_there_is_no_misfit_and_of_several_channels_the_largest_counts() -> None:
+    weighing, large, small = bare(True, HealthyLeft(1.0, 100, 10)), np.full(100, 9.0), np.full(100, 3.0)
+    nowhere = replace(residual(0.0 * large), judged=np.zeros(100, dtype=bool))
+    weighing.none = leaving(residual(small), residual(large), nowhere)
+    one = leaving(residual(large))
+    found = weighing.misfit(weighing.none)
+    weighing.none = one
+    assert found == weighing.misfit(one) > 0.0
+    weighing.none = leaving(nowhere)
+    assert weighing.misfit(leaving(nowhere)) == 0.0
+    unknown = bare(True)
+    unknown.none = one
+    assert unknown.misfit(one) == 0.0
+
+
+def test_what_a_room_misses_is_weighed_by_its_healthy_record_and_told_by_quarters_of_days() -> None:
+    weighing: Any = bare(True, record=SimpleNamespace(interval_s=600.0))
+    weighing.estimator = SimpleNamespace(strain=lambda fitted: 2.5)
+    weighing.healthy = SimpleNamespace(room_loss=lambda fitted: 40.0)
+    fitted = leaving(residual(np.ones(144)))
+    assert weighing._loss(fitted) == 42.5
+    assert weighing._left(fitted) == WEIGHTS.least_share
+    assert weighing._block(fitted.residuals[0]).tolist() == np.repeat([0, 1, 2, 3], 36).tolist()
+    assert bare(False)._block(fitted.residuals[0]) is fitted.residuals[0].block
+
+
+def test_nothing_is_fitted_again_from_where_the_best_three_effects_led_the_room() -> None:
+    losses = {0.0: 9.0, 1.0: 5.0, 2.0: 1.0, 3.0: 3.0, 4.0: 2.0, -2.0: 7.0, -3.0: 6.0}
+    weighing: Any = bare(True, sd=np.ones(1))
+    asked: list[float] = []
+
+    def nuisance_fit(effects: Any, departures: FloatArray, convention: Any, parts: Any) -> Hypothesis | None:
+        asked.append(float(departures[0]))
+        return None if departures[0] == 4.0 else at(-float(departures[0]))
+
+    def at(place: float) -> Hypothesis:
+        return leaving(departures=np.array([place]))
+
+    weighing.estimator = SimpleNamespace(strain=lambda fitted: 0.0, nuisance_fit=nuisance_fit)
+    weighing.healthy = SimpleNamespace(room_loss=lambda fitted: losses[float(fitted.departures[0])])
+    weighing.none = at(0.0)
+    weighing._settle([at(each) for each in (1.0, 2.0, 3.0, 4.0)])
+    assert asked == [2.0, 4.0, 3.0]
+    assert weighing.none.departures.tolist() == [-3.0]
+    losses[-3.0] = 10.0
+    losses[-2.0] = 12.0
+    weighing.none = at(0.0)
+    weighing._settle([at(2.0), at(3.0)])
+    assert weighing.none.departures.tolist() == [0.0]
+
+
+def test_of_what_was_calibrated_is_known_how_much_was_there() -> None:
+    """The healthy record is asked of other effects alone."""
+    slow, stuck = LIBRARY
+    calibrated = Knob("slow", 1.0, lambda believed, _: believed, effect=slow)
+    weighing: Any = bare(False, as_built=SimpleNamespace(knobs=[calibrated]))
+    weighing.healthy = SimpleNamespace(had_it=lambda effects: (float(len(effects)), np.ones(1)))
+    both = replace(leaving(), effects=((slow, {}), (stuck, {})))
+    assert weighing._always(both)[0] == 1.0
+    assert weighing._always(replace(both, effects=both.effects[:1]))[0] == 0.0
+    weighing.problem.as_built = None
+    assert weighing._always(both)[0] == 2.0
+
+
+def test_more_is_looked_for_beside_all_of_a_room_and_of_a_chain_beside_what_leaves_something() -> None:
+    _, (first, *_) = of(NOTHING, NOTHING)
+    some = [replace(first, misfit=misfit) for misfit in (0.0, WEIGHTS.open, WEIGHTS.open + 0.01)]
+    assert bare(True)._open(some) == some
+    assert bare(False)._open(some) == some[2:]

@@ -12,8 +12,10 @@ import pytest
 
 from waxstudy.identification.description import Described
 from waxstudy.identification.flow import FlowRecord, read_flow
+from waxstudy.identification.models import Value
 from waxstudy.identification.performance import block
 from waxstudy.identification.valve import (
+    BOUNDS,
     PACES,
     _at,
     _cycle_of,
@@ -21,7 +23,10 @@ from waxstudy.identification.valve import (
     _full_flow,
     _is_at_bound,
     _near,
+    _notes,
+    _polished,
     _Problem,
+    _value,
     authority_of,
     curve,
     fit_valve,
@@ -96,10 +101,43 @@ def test_an_error_is_the_mean_over_the_openings_that_are_considered() -> None:
         ([0.17, 1.2, 0.5, 1.0, 0.0], 0.2),
         ([0.17, 0.41, 0.5, 0.75, 0.7], 0.3),
         ([0.3, 0.2, 0.5, 1.0, 0.0], 0.11),  # a hundredth apart at least
+        ([0.35, 0.41, 0.5, 1.0, 0.0], 0.05),
+        ([0.17, 0.05, 0.5, 1.0, 0.0], 0.05 + 0.13),
+        ([0.17, 0.41, -0.2, 1.0, 0.0], 0.2),
+        ([0.17, 0.41, 1.3, 1.0, 0.0], 0.3),
+        ([0.17, 0.41, 0.5, 1.25, 0.0], 0.1),
+        ([0.17, 0.41, 0.5, 1.0, -0.6], 0.1),
     ],
 )
 def test_what_is_out_of_bounds_is_worse_the_farther_it_is(x: list[float], over: float) -> None:
     assert of_openings().error(x) == pytest.approx(1.0 + over)
+    assert of_openings(None).error([*x, 1.25]) == pytest.approx(1.25 + over)
+    assert of_openings(None).error([*x, 0.005]) == pytest.approx(1.005 + over)
+
+
+@pytest.mark.parametrize("start", [[0.3, 0.2], [0.1, 0.9]])
+def test_a_search_begins_within_the_bounds_and_ends_where_the_error_is_least(start: list[float]) -> None:
+    names, asked = ("h_min", "h_mid"), list[np.ndarray]()
+
+    def error(x: np.ndarray) -> float:
+        asked.append(np.array(x))
+        return float(np.abs(x - [0.17, 0.41]).sum())
+
+    assert _polished(error, np.array(start), names) == pytest.approx([0.17, 0.41], abs=2e-4)
+    steps = np.abs(np.array(asked[:3]) - start)
+    assert steps == pytest.approx(np.array([[0.0, 0.0], [0.01, 0.0], [0.0, 0.045]]))  # a twentieth of the bounds
+    for place, name in enumerate(names):
+        assert all(BOUNDS[name][0] <= each[place] <= BOUNDS[name][1] for each in asked[:3])
+
+
+def test_a_value_is_the_middle_of_the_resampled_ones_and_its_interval_holds_all_but_a_fortieth_at_each_end() -> None:
+    again = np.linspace(0.2, 0.6, 41)
+    found = _value("h_mid", again)
+    assert (found.low, found.value, found.high, found.told) == (*map(pytest.approx, (0.21, 0.4, 0.59)), True)
+    at_bound = _value("v_mid", np.minimum(again + 0.7, 1.0))
+    assert (at_bound.value, at_bound.told) == (1.0, False)
+    (said,) = _notes({"h_mid": found, "v_mid": at_bound, "authority": Value(1.0, 1.0, 1.0, told=False)})
+    assert said == "v_mid = 1 lies at the bound of its search: it is not told"
 
 
 def test_a_delay_is_a_share_of_the_next_sample_and_a_pace_one_of_the_next_pace() -> None:
