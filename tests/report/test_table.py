@@ -188,10 +188,10 @@ def test_a_page_escapes_what_it_shows_and_names_columns_in_quotation_marks() -> 
 
 def test_on_a_page_a_column_s_kind_says_how_it_looks_whatever_stands_in_it() -> None:
     head, *rows = page_rows(TABLE)
-    assert [style for _, style in head] == ["text", "", "published", "text", "text", "text"]
+    assert [style for _, style in head] == ["text", "", "published", "text", "text long", "text"]
     assert [row[-1][1] for row in rows] == ["text good", "text bad", "text open"]
     unlike = replace(TABLE, rows=[replace(MOTORS[0], name="12", remark="no", verdict="held", figures="held")])
-    assert [style for _, style in page_rows(unlike)[1]] == ["text", "", "published", "text", "text", "text good"]
+    assert [style for _, style in page_rows(unlike)[1]] == ["text", "", "published", "text", "text long", "text good"]
 
 
 def test_a_table_without_rows_is_left_out() -> None:

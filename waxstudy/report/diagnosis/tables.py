@@ -233,9 +233,8 @@ def departures(diagnosis: Diagnosis) -> Table[tuple[str, float]]:
 def posterior(diagnosis: Diagnosis) -> Table[tuple[str, float]]:
     """Hypotheses of the whole loop that are not below 1 %, the likeliest first."""
     told = [each for each in diagnosis.posterior.items() if each[1] >= words.LEAST_CHANCE]
-    rest = len(diagnosis.posterior) - len(told)
     return Table(
-        "how likely each hypothesis is" + (f" (not shown: {rest} below 1 %)" if rest else ""),
+        "how likely each hypothesis is" + (" (others are below 1 %)" if len(told) < len(diagnosis.posterior) else ""),
         [
             text("hypothesis", lambda row: words.hypothesis(row[0])),
             Column("probability", lambda row: words.chance(row[1])),
