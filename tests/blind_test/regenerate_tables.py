@@ -200,7 +200,8 @@ def draw(score: Score) -> None:
                 goal = goals[name]
                 panel.plot([goal["low"], goal["high"]], [row, row], color=GREY, linewidth=5, alpha=0.5)
                 panel.plot(goal["value"], row, linestyle="", **series(place))
-                panel.plot(goal["wanted"], row, marker="|", color=BLACK, markersize=14, markeredgewidth=1.6)
+                if goal["wanted"] is not None:
+                    panel.plot(goal["wanted"], row, marker="|", color=BLACK, markersize=14, markeredgewidth=1.6)
                 panel.plot(guess[name]["value"], row, marker="x", color=BLACK, linestyle="")
             panel.set_xlim(-0.03, 1.03)
             panel.set_title(where, fontsize=9)
