@@ -13,7 +13,8 @@ import pandas as pd
 import pytest
 
 from tests.diagnosis.realities import EFFECTS, Effects, belief, dataset, effects, rows
-from waxstudy.diagnosis.calibration.calibrate import Calibration, HealthyLeft, calibrate
+from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
+from waxstudy.diagnosis.calibration.healthy import HealthyLeft
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.as_built import Knob

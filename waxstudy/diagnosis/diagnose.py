@@ -14,11 +14,13 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
+from waxstudy.diagnosis.calibration.healthy import AsBelieved, Healthy
 from waxstudy.diagnosis.calibration.room import CalibratedRoom
 from waxstudy.diagnosis.calibration.stored import calibrated as stored
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
+from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.room_response import OF_ROOM, built
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.neighbours.judge import judged
@@ -65,14 +67,14 @@ def diagnose(
     return _with_neighbours(assembled(work, cut, short, selections, quick), dataset, tick or (lambda what, share: None))
 
 
-def weighed_links(dataset: Dataset, baseline: Dataset) -> Iterator[tuple[Segment, Sequence[Weighed]]]:
+def weighed_links(dataset: Dataset, baseline: Dataset | None) -> Iterator[tuple[Segment, Sequence[Weighed]]]:
     """Yield every link whose hypotheses are weighed, with them: what a posterior is made of."""
     work = _work(dataset, baseline)
     cut, short = _cut(work)
     for segment in (each for each in cut if each not in short):
-        if work.calibration and (healthy := work.calibration.healthy.get(segment.name)):
+        if _is_weighed(work, segment):
             effects, whole = of_segment(segment, work.effects), _whole(work, segment)
-            yield segment, Weighing(whole, effects, healthy, work.thorough, lambda name: None).weighed()
+            yield segment, Weighing(whole, effects, _healthy(work, whole), work.thorough, lambda name: None).weighed()
 
 
 def _work(
@@ -100,10 +102,25 @@ def _cut(work: Work) -> tuple[list[Segment], dict[Segment, str]]:
 
 
 def _whole(work: Work, segment: Segment) -> SegmentProblem:
-    """Return a link that a healthy record is known of, all its days to fit."""
-    assert work.calibration
-    parts, as_built = np.full(len(work.record), FIT), work.calibration.as_built
-    return SegmentProblem(segment, work.record, work.belief, as_built=as_built, parts=parts)
+    """Return a link with all its days to fit."""
+    parts = np.full(len(work.record), FIT)
+    return SegmentProblem(segment, work.record, work.belief, as_built=_as_built(work), parts=parts)
+
+
+def _as_built(work: Work) -> AsBuilt | None:
+    return work.calibration.as_built if work.calibration else None
+
+
+def _is_weighed(work: Work, segment: Segment) -> bool:
+    """Whether it is known what a link leaves where nothing is amiss: of a chain it is noise."""
+    known = work.calibration.healthy if work.calibration else {}
+    return segment.name in known or not (segment.with_room or segment.is_supply)
+
+
+def _healthy(work: Work, whole: SegmentProblem) -> Healthy:
+    """Return what nothing amiss leaves of a link: what a healthy record shows, else what noise makes."""
+    known = work.calibration.healthy if work.calibration else {}
+    return known.get(whole.segment.name) or AsBelieved.of(whole, Estimator(whole, work.thorough).base)
 
 
 def _with_neighbours(diagnosis: Diagnosis, dataset: Dataset, tick: Tell) -> Diagnosis:
@@ -196,8 +213,8 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
             tick(name, done / total)
 
         tick(segment.name, done / total)
-        if work.calibration and segment.name in work.calibration.healthy:
-            yield _changed(work, work.calibration, segment, effects, work.seed + place, step)
+        if _is_weighed(work, segment):
+            yield _changed(work, segment, effects, work.seed + place, step)
             done = first + len(effects) + 1
             continue
         selection = _selection(work, segment, effects, work.seed + place, step)
@@ -208,16 +225,13 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
         done = first + len(effects) + 1
 
 
-def _changed(
-    work: Work, calibration: Calibration, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick
-) -> Selection:
-    """Return what changed at a link since the healthy record."""
-    record, belief, as_built = work.record, work.belief, calibration.as_built
+def _changed(work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
+    """Return what is otherwise at a link than in the healthy record, or than believed."""
     whole = _whole(work, segment)
-    problem = SegmentProblem(segment, record, belief, as_built=as_built, alike=whole)
+    problem = SegmentProblem(segment, work.record, work.belief, as_built=_as_built(work), alike=whole)
     estimator = Estimator(problem, work.thorough, keeps=True)
     search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
-    return changed(search, calibration.healthy[segment.name], whole, tick)
+    return changed(search, _healthy(work, whole), whole, tick)
 
 
 def _selection(

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
+from waxstudy.diagnosis.calibration.healthy import Healthy, together
 from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
@@ -30,89 +29,6 @@ MOST_ALWAYS = 2  # effects of a link that may have been there from the start
 ALWAYS = 8.0  # log likelihood that each of their parameters must gain
 SCREENED = 0.25  # share of it that they must promise for a closer look
 Effects = Sequence[type[Effect]]
-
-
-class HealthyLeft(NamedTuple):
-    """What is left of a channel of the healthy record, over what it is weighed by; of so many samples and cycles."""
-
-    whitened: float
-    samples: int
-    cycles: int
-
-
-@dataclass(frozen=True)
-class Healthy:
-    """A link of the healthy record, with nothing but what was so from the start."""
-
-    problem: SegmentProblem
-    fitted: Hypothesis
-    scale: Mapping[str, float]  # by channel: what its errors are weighed by, over noise alone
-
-    @cached_property
-    def slopes(self) -> FloatArray:
-        return Estimator(self.problem).slopes_at(self.fitted)
-
-    def together(self, channel: str) -> float:
-        """Return how many samples of a channel count as one: what is whitened over time has none that hang together."""
-        return 1.0 if channel in self.whitened else together(self.fitted.residual_of(channel))
-
-    @property
-    def whitened(self) -> Mapping[str, Discrepancy]:
-        return self.problem.as_built.discrepancies if self.problem.as_built else {}
-
-    def room_loss(self, fitted: Hypothesis) -> float:
-        """Return what a hypothesis of a room misses of a later record, weighed by what the healthy one leaves."""
-        return sum(each.loss() / self.together(each.channel) for each in fitted.residuals)
-
-    def left(self, channel: str) -> HealthyLeft | None:
-        """Return what is left of a channel, None where it shows nothing."""
-        residual = next((each for each in self.fitted.residuals if each.channel == channel), None)
-        count = int(residual.judged.sum()) if residual else 0
-        if residual is None or not count:
-            return None
-        whitened = float(np.sqrt(residual.loss() / count)) / self.scale.get(channel, 1.0)
-        return HealthyLeft(whitened, count, len(np.unique(residual.block[residual.judged])))
-
-    def usual_loss(self, residual: Residual) -> float:
-        """Return what is missed of a later record's channel where nothing changed."""
-        healthy = self.left(residual.channel)
-        return healthy.whitened**2 * int(residual.judged.sum()) if healthy else 0.0
-
-    def had_it(self, effects: Edits) -> tuple[float, FloatArray]:
-        """Return by how much more likely the healthy record were with effects, as logarithm, all else fitted again.
-
-        And how far what was calibrated would lie elsewhere (k,) then, as a better wall where a leak is.
-        """
-        with_it = self.problem.at(effects, self.fitted.departures, self.fitted.convention)
-        if with_it is None:
-            return -np.inf, np.zeros(len(self.problem.sd))
-        (now, here), (then, there) = self._refitted(self.fitted), self._refitted(with_it)
-        return then - now, there - here
-
-    def _weight(self, channel: str) -> float:
-        return float(1.0 / (self.scale.get(channel, 1.0) * self.together(channel) ** 0.5))
-
-    def _refitted(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
-        """Return the log likelihood with all that was calibrated fitted again, by slopes, and the step (k,) there."""
-        weight = np.concatenate([np.full(len(e.whitened), self._weight(e.channel)) for e in fitted.residuals])
-        missed, slopes, sd = fitted.whitened * weight, self.slopes * weight[:, None], self.problem.sd
-        root = self.problem.prior / sd if len(sd) else np.zeros((0, 0))
-        pulled = root @ fitted.departures if len(sd) else np.zeros(0)
-        both, ways = np.concatenate((missed, pulled)), np.vstack((slopes, root))
-        step = np.linalg.lstsq(ways, -both, rcond=None)[0] if len(sd) else np.zeros(0)
-        left = both + ways @ step if len(sd) else both
-        return -0.5 * float(left @ left), step
-
-
-def together(residual: Residual) -> float:
-    """Return how many samples of a channel count as one, as errors hang together (Geyer 1992)."""
-    values = residual.whitened[residual.judged]
-    if len(values) < 3 or residual.unit == "s" or not values.any():
-        return 1.0
-    power = np.abs(np.fft.rfft(values, 2 * len(values))) ** 2
-    correlation = np.fft.irfft(power)[: len(values)]
-    ends = np.flatnonzero(correlation <= 0.0)
-    return float(1.0 + 2.0 * correlation[1 : ends[0] if len(ends) else None].sum() / correlation[0])
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,11 @@ from waxstudy.diagnosis.calibration.calibrate import (
     EARLY,
     Calibration,
     Effects,
-    Healthy,
     calibrate,
     lasting_unknowns,
     left_of,
 )
+from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.model.as_built import AsBuilt, knobs
 from waxstudy.diagnosis.model.conventions import Convention

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.perturbation import Perturbation
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -27,22 +27,28 @@ class NoiseFloor:
     @classmethod
     def of(cls, problem: SegmentProblem, fitted: Hypothesis) -> NoiseFloor:
         """Return the floor of a model: its own predictions, perturbed and seen by the instruments, judged by it."""
-        belief = problem.belief_of(fitted)
-        still = problem.predicted(belief, fitted.convention)
         plain: dict[str, list[float]] = {channel: [] for channel in problem.segment.judged}
         white: dict[str, list[float]] = {channel: [] for channel in problem.segment.judged}
-        for seed in range(PERTURBATIONS):
-            random = np.random.default_rng([7, seed])
-            try:
-                moved = problem.predicted(belief, fitted.convention, Perturbation(random))
-            except (SimulationError, ValueError):
-                continue
-            for each in problem.judge.residuals(_seen(problem, still, moved, random)):
+        for residuals in of_noise(problem, fitted, PERTURBATIONS):
+            for each in residuals:
                 plain[each.channel].append(each.gap())
                 white[each.channel].append(float(np.sqrt(each.loss() / max(1, int(each.judged.sum())))))
         ways = problem.judge.ways.items()
         switched = {channel: way.typical_s for channel, way in ways if isinstance(way, Switching)}
         return _at_least(cls(_typical(plain) | switched, _typical(white) | dict.fromkeys(switched, 1.0)), problem)
+
+
+def of_noise(problem: SegmentProblem, fitted: Hypothesis, times: int) -> Iterator[Sequence[Residual]]:
+    """Yield what noise alone makes of a right model's residuals, up to so many times."""
+    belief = problem.belief_of(fitted)
+    still = problem.predicted(belief, fitted.convention)
+    for seed in range(times):
+        random = np.random.default_rng([7, seed])
+        try:
+            moved = problem.predicted(belief, fitted.convention, Perturbation(random))
+        except (SimulationError, ValueError):
+            continue
+        yield problem.judge.residuals(_seen(problem, still, moved, random))
 
 
 def _seen(problem: SegmentProblem, still: Predicted, moved: Predicted, random: np.random.Generator) -> Predicted:

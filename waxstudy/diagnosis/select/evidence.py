@@ -9,10 +9,14 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval, in_floors
 from waxstudy.plugin import Belief, Prior
+
+SURELY = 4.0  # standard deviations of a channel's noise, beyond which a sample is off
 
 
 @dataclass(frozen=True)
@@ -125,6 +129,17 @@ class Exact:
 
 
 # --- numbers that several of them share ---
+
+
+def travel_left(problem: SegmentProblem, fitted: Hypothesis, residual: Residual) -> float:
+    """Return by how much an actuator is missed per switch, over what real ones stray or sampling tells."""
+    channel = residual.channel
+    if channel not in ("displacement", "flow_L_h") or "actuator" not in problem.segment.stages:
+        return np.inf
+    full = 1.0 if channel == "displacement" else float(np.nanmax(problem.record.values["flow_L_h"]))
+    beyond_noise = np.abs(residual.error) > SURELY * problem.record.noise[channel]
+    missed_s = opening_difference_s(problem.record, residual.error * beyond_noise / full)
+    return missed_s / tolerated_s(problem.record, problem.belief_of(fitted))
 
 
 def explained(before: float, after: float, least: float) -> float:

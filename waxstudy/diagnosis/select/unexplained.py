@@ -7,12 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import together
+from waxstudy.diagnosis.calibration.healthy import together
 from waxstudy.diagnosis.criteria import Question, held, limit, meets
 from waxstudy.diagnosis.estimate.hypothesis import Residual
-from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.result import Unexplained, When, in_floors
-from waxstudy.diagnosis.select.evidence import Left, departure
+from waxstudy.diagnosis.select.evidence import Left, departure, travel_left
 from waxstudy.diagnosis.select.null import by_block, redrawn
 from waxstudy.diagnosis.select.patterns import concentrated
 from waxstudy.diagnosis.select.posterior import UNKNOWN
@@ -22,7 +21,6 @@ from waxstudy.plugin import FloatArray
 
 DRAWS = 1000
 NOTICEABLE = 1.0  # steps that an effect calls noticeable: less is not worth a change
-SURELY = 4.0  # standard deviations of a channel's noise, beyond which a sample is off
 
 
 def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
@@ -68,7 +66,7 @@ def _described(selection: Selection, residual: Residual, floor: float, left: Lef
     left = replace(
         left,
         over_form=in_floors(gap, residual.form),
-        travel=travel_left(selection, residual),
+        travel=travel_left(selection.problem, selection.after, residual),
         of_drives=in_floors(gap, done_by_drives(selection, residual)),
     )
     excused = held(Question.EXCUSED, left)
@@ -113,17 +111,6 @@ def _p(residual: Residual, errors: FloatArray, threshold: float, random: np.rand
     weights = redrawn(len(count), DRAWS, random)
     means = (weights @ squares) / np.maximum(weights @ count, 1)
     return float((1 + np.sum(means <= threshold**2)) / (1 + DRAWS))
-
-
-def travel_left(selection: Selection, residual: Residual) -> float:
-    """Return by how much an actuator is missed per switch, over what real ones stray or sampling tells."""
-    problem, channel = selection.problem, residual.channel
-    if channel not in ("displacement", "flow_L_h") or "actuator" not in problem.segment.stages:
-        return np.inf
-    full = 1.0 if channel == "displacement" else float(np.nanmax(problem.record.values["flow_L_h"]))
-    beyond_noise = np.abs(residual.error) > SURELY * problem.record.noise[channel]
-    missed_s = opening_difference_s(problem.record, residual.error * beyond_noise / full)
-    return missed_s / tolerated_s(problem.record, problem.belief_of(selection.after))
 
 
 def stage_of(selection: Selection, channel: str) -> str:

@@ -7,22 +7,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import Healthy
+from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import Knob
+from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.travel import travel
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.evidence import departure
+from waxstudy.diagnosis.select.evidence import departure, travel_left
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import Pattern, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import Belief, FloatArray
 
 DEEPER = 3  # hypotheses that others are tried beside
 Tick = Callable[[str], None]
@@ -47,6 +49,7 @@ class Weighing:
             make: Callable[..., EffectType] = timed  # a cached function takes hashable arguments, which classes are
             self.effects += [make(effect) for effect in self.effects if can_be_timed(effect, problem.belief)]
         self.none = self.estimator.settled(self.estimator.base)
+        self.read: dict[Convention, Hypothesis] = {}  # nothing, where the record is read in another way
 
     def weighed(self) -> list[Weighed]:
         """Return the hypotheses: none, each effect, and the best few with every other."""
@@ -141,7 +144,7 @@ class Weighing:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
         parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
-        gain = 0.5 * (self._loss(self.none) - self._loss(fitted)) - ease
+        gain = 0.5 * (self._least(fitted.convention) - self._loss(fitted)) - ease
         always, moved = self._always(fitted)
         spread, most = self._spread(fitted)
         price = WEIGHTS.price * parameters - float(np.log(WEIGHTS.prior)) * len(fitted.effects)
@@ -224,6 +227,17 @@ class Weighing:
     def _beyond(self, fitted: Hypothesis) -> float:
         return sum(max(0.0, each.loss() - self.healthy.usual_loss(each)) for each in fitted.residuals)
 
+    def _least(self, convention: Convention) -> float:
+        """Return what nothing misses, read as it suits the record best or as a hypothesis reads it."""
+        return min(self._loss(self.none), self._loss(self._none_read(convention)))
+
+    def _none_read(self, convention: Convention) -> Hypothesis:
+        if convention == self.none.convention:
+            return self.none
+        if convention not in self.read:
+            self.read[convention] = self.estimator.refined((), self.none.departures, convention, ALL) or self.none
+        return self.read[convention]
+
     def _loss(self, fitted: Hypothesis) -> float:
         """Return what a hypothesis misses; of a chain at least what a healthy record does."""
         strain = self.estimator.strain(fitted)
@@ -249,16 +263,26 @@ class Weighing:
         return (residual.sample * self.problem.record.interval_s // WEIGHTS.block_s).astype(int)
 
     def _notable(self, fitted: Hypothesis) -> Iterator[str]:
-        """Yield the names of effects that depart by more than is worth a name."""
+        """Yield the names of effects that depart by more than is worth a name, and than real motors stray."""
         for effect, values in fitted.effects:
             rest = [each for each in fitted.effects if each[0] is not effect]
-            if departure(effect, values, self.problem.edited(rest, fitted.departures)) > WEIGHTS.notable:
+            without = self.problem.edited(rest, fitted.departures)
+            if departure(effect, values, without) > WEIGHTS.notable and not self._strays(effect, without, fitted):
                 yield effect.name
+
+    def _strays(self, effect: EffectType, without: Belief, fitted: Hypothesis) -> bool:
+        if effect.stage != "actuator":
+            return False
+        return self.healthy.strays(travel(self.problem.record, without, self.problem.belief_of(fitted)))
 
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
         pairs = zip(self.none.residuals, fitted.residuals, strict=True)
-        return max((self._misfit(before, after) for before, after in pairs), default=0.0)
+        return max((self._misfit(before, after) for before, after in pairs if self._counts(fitted, after)), default=0.0)
+
+    def _counts(self, fitted: Hypothesis, residual: Residual) -> bool:
+        """Whether what is missed of a channel is more than real motors stray."""
+        return not self.healthy.strays(travel_left(self.problem, fitted, residual))
 
     def _misfit(self, none: Residual, residual: Residual) -> float:
         count = int(residual.judged.sum())
