@@ -296,7 +296,7 @@ class Weighing:
         more = 1.0 if is_room else max(1.0, cycles / count * healthy.samples / healthy.cycles)
         explained = max(0.0, none.loss() - residual.loss()) / count
         usual = float(np.sqrt(more * usual**2 + WEIGHTS.form**2 * explained))
-        left, before = float(np.sqrt(residual.loss() / count)), healthy.samples
+        left, before = _lasting(residual), healthy.samples
         # errors of different cycles do not hang together, however alike something that is always amiss makes them
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
         own = (
@@ -306,3 +306,14 @@ class Weighing:
         )
         scatter = np.sqrt(own**2 + 0.5 * share / count + 0.5 * share / before)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
+
+
+def _lasting(residual: Residual) -> float:
+    """Return what is left of a sample without the day or cycle that leaves most: what happened once may be chance."""
+    squares = residual.whitened[residual.judged] ** 2
+    _, member = np.unique(residual.block[residual.judged], return_inverse=True)
+    losses, counts = np.bincount(member, squares), np.bincount(member)
+    if len(counts) < 2:
+        return float(np.sqrt(squares.mean()))
+    worst = int(np.argmax(losses))
+    return float(np.sqrt((losses.sum() - losses[worst]) / (counts.sum() - counts[worst])))
