@@ -199,10 +199,10 @@ class SetpointOffset(Effect):
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
         sizes_K = [side * size_K for size_K in OFFSETS_K for side in (-1.0, 1.0)]
         always = [{"offset_K": offset_K, "from_h": 0.0, "to_h": DAY_H} for offset_K in sizes_K]
-        hours = [(2.0 * hour, lasts_h) for hour in range(12) for lasts_h in (3.0, 8.0)]
+        hours = [(3.0 * hour, lasts_h) for hour in range(8) for lasts_h in (3.0, 8.0)]
         found = [
             {"offset_K": offset_K, "from_h": from_h, "to_h": (from_h + lasts_h) % DAY_H}
-            for offset_K in (-2.0, -0.5, 1.0)
+            for offset_K in (-1.0, -0.2, 0.2, 1.0)
             for from_h, lasts_h in hours
         ]
         return [*always, *found]

@@ -30,6 +30,8 @@ class Weights:
     form_of_room: float
     scatter: float
     coarse_scatter: float
+    noise_scatter: float
+    part_scatter: float
     least_left: float
     least_off: float
     sure: float

@@ -16,6 +16,7 @@ from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.residuals.noise_floor import of_noise
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 
@@ -34,6 +35,16 @@ class Healthy:
     problem: SegmentProblem
     fitted: Hypothesis
     scale: Mapping[str, float]  # by channel: what its errors are weighed by, over noise alone
+
+    @property
+    def stands_scatter(self) -> float:
+        """Standard deviation of the logarithm of what is left, beside which an effect's own doing stands out."""
+        return WEIGHTS.scatter
+
+    def misfit_scatter(self, residual: Residual) -> float:
+        """Return the same beside which what is left of a channel is amiss."""
+        is_coarse = residual.unit == "s" or residual.channel == "return_temperature_C"
+        return WEIGHTS.coarse_scatter if is_coarse else WEIGHTS.scatter
 
     @cached_property
     def slopes(self) -> FloatArray:
@@ -114,6 +125,13 @@ class AsBelieved(Healthy):
     def of(cls, problem: SegmentProblem, believed: Hypothesis) -> AsBelieved:
         seen = next(of_noise(problem, believed, 1), believed.residuals)
         return cls(problem, replace(believed, residuals=seen), {})
+
+    @property
+    def stands_scatter(self) -> float:
+        return WEIGHTS.noise_scatter
+
+    def misfit_scatter(self, residual: Residual) -> float:
+        return WEIGHTS.part_scatter
 
     def strays(self, travel: float) -> bool:
         return travel <= limits()["tolerated"].value

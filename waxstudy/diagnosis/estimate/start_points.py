@@ -18,6 +18,7 @@ STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
 MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere
+SCANNED = 25  # hours of a day
 STARTS, STEPS, FAR = 8, 5, 0.1  # such points, steps from each, and the share of a range that their slopes look over
 
 
@@ -71,7 +72,8 @@ class StartPoints:
         still = self._at(given.effects, convention) if self.screen or is_scaled else None
         before = still.missed(self.parts) if still and is_scaled else None
         scored, scaled = list[tuple[float, Values]](), list[tuple[float, Values]]()
-        for values in (*self.space.points(self.thorough), *self.effect.starts(self.problem.belief)):
+        points = *self.space.points(self.thorough), *self.space.near(neutral), *self.effect.starts(self.problem.belief)
+        for values in points:
             look = self._with(values, convention)  # one at a time: each is several times as long as the record
             self._screened(values, look, still, neutral, convention)
             if before is not None and neutral is not None:
@@ -80,7 +82,11 @@ class StartPoints:
         more = [values for _, values in sorted(scaled, key=itemgetter(0))[:SCALED]]
         scored += [(self.score(self._with(values, convention), self.parts), values) for values in more]
         found = sorted(scored, key=itemgetter(0))
-        if self.straight or len(self.space.names) < MANY or self.is_hopeless:
+        if self.straight or self.is_hopeless:
+            return found[0]
+        if neutral is not None and (hours := [name for name in self.space.names if name not in neutral]):
+            return self._scanned(*found[0], hours, convention)
+        if len(self.space.names) < MANY:
             return found[0]
         starts = round(STARTS * min(1.0, self.thorough))
         walked = [self._walked(values, convention) for _, values in found[:starts]]
@@ -115,6 +121,23 @@ class StartPoints:
         walked = problem.solved(problem.vector(self.given.departures), STEPS, None)
         found = dict(walked.effects)[self.effect] if walked else values
         return self.score(self._with(found, convention), self.parts), found
+
+    def _scanned(
+        self, score: float, values: Values, names: Sequence[str], convention: Convention
+    ) -> tuple[float, Values]:
+        """Return score and values with the hours of an effect looked at all over the day, one after the other, twice.
+
+        A few switches tell little of hours that are far off: no way leads downhill to the right ones.
+        """
+        best = score, values
+        for name in (*names, *names):
+            prior = self.effect.priors[name]
+            tried = [{**best[1], name: float(at)} for at in np.linspace(prior.low, prior.high, SCANNED)]
+            best = min(
+                [best, *((self.score(self._with(each, convention), self.parts), each) for each in tried)],
+                key=itemgetter(0),
+            )
+        return best
 
     def _scaled(
         self, values: Values, look: Hypothesis | None, before: FloatArray, neutral: Values

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.select.patterns import Pattern
 from waxstudy.diagnosis.weights import WEIGHTS
@@ -111,10 +112,15 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
 
     A finer name must be earned: real motors have no form of the library exactly.
     """
-    singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and each.stands < np.inf]
+    singles = [place for place, each in enumerate(found) if _is_peer(each)]
     most = max((gains[place] for place in singles), default=0.0)
     least = {place: most - WEIGHTS.unknown_price - WEIGHTS.sure * found[place].misfit ** 2 for place in singles}
     return [max(gain, least.get(place, gain)) for place, gain in enumerate(gains)]
+
+
+def _is_peer(each: Weighed) -> bool:
+    """Whether it is a single effect of a chain that takes away most of the squares that are missed."""
+    return len(each.fitted.effects) == 1 and not each.is_of_room and each.left**2 <= limits()["half"].value
 
 
 def _is_within(one: Hypothesis, other: Hypothesis) -> bool:

@@ -26,6 +26,7 @@ from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, FloatArray
 
+TINY = 1e-12
 DEEPER = 3  # hypotheses that others are tried beside
 Tick = Callable[[str], None]
 
@@ -199,17 +200,23 @@ class Weighing:
         return 0.5 * max(0.0, loss(elsewhere) - loss(np.zeros(len(sd))))
 
     def _stands(self, fitted: Hypothesis, given: Hypothesis) -> float:
-        """Return how far what another hypothesis leaves of a chain stands out where this one changes it."""
+        """Return how far what another hypothesis leaves of a chain stands out where this one changes it.
+
+        The cycle that stands out most is left out: what happened once may be chance.
+        """
         if self.problem.segment.with_room:
             return np.inf
-        power = missed = 0.0
+        weights, missed = list[FloatArray](), list[FloatArray]()
         for old, new in zip(given.residuals, fitted.residuals, strict=True):
             change = (old.whitened - new.whitened) ** 2
             # noise of its drive moves what runs on at its edges most, where any other model changes it too
-            weight = change if old.unit == "s" else np.full(len(change), change.mean())
-            power += float(change.sum())
-            missed += float(weight @ old.whitened**2) / self._usual(old) ** 2
-        return max(0.0, 0.5 * float(np.log(missed / power)) / WEIGHTS.scatter) if power and missed else 0.0
+            weights.append(change if old.unit == "s" else np.full(len(change), change.mean()))
+            missed.append(weights[-1] * (old.whitened / self._usual(old)) ** 2)
+        _, member = np.unique(np.concatenate([self._block(each) for each in given.residuals]), return_inverse=True)
+        power, over = np.bincount(member, np.concatenate(weights)), np.bincount(member, np.concatenate(missed))
+        lasting = np.arange(len(over)) != np.argmax(over) if len(over) > 1 else np.full(len(over), True)
+        ratio = float(over[lasting].sum() / max(power[lasting].sum(), TINY))
+        return max(0.0, 0.5 * float(np.log(max(ratio, TINY))) / self.healthy.stands_scatter)
 
     def _usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample, over what it is weighed by."""
@@ -299,12 +306,7 @@ class Weighing:
         left, before = _lasting(residual), healthy.samples
         # errors of different cycles do not hang together, however alike something that is always amiss makes them
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
-        own = (
-            WEIGHTS.coarse_scatter
-            if residual.unit == "s" or residual.channel == "return_temperature_C"
-            else WEIGHTS.scatter
-        )
-        scatter = np.sqrt(own**2 + 0.5 * share / count + 0.5 * share / before)
+        scatter = np.sqrt(self.healthy.misfit_scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / before)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
 
 
