@@ -120,7 +120,7 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
 
 def _is_peer(each: Weighed) -> bool:
     """Whether it is a single effect of a chain that takes away most of the squares that are missed."""
-    return len(each.fitted.effects) == 1 and not each.is_of_room and each.left**2 <= limits()["half"].value
+    return len(each.fitted.effects) == 1 and each.stands < np.inf and each.left**2 <= limits()["half"].value
 
 
 def _is_within(one: Hypothesis, other: Hypothesis) -> bool:
