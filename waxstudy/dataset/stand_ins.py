@@ -28,7 +28,8 @@ DAY_H = 24.0
 SUN_W_M2 = 30.0  # of floor, spread of the sun around noon where nothing is known of it: a clear day in February has 80
 SUN_HATS_H = (10.0, 14.0)  # middle of each half of a day of sun
 HALF_SUN_H = 4.0  # from there to where nothing of it is left
-SUN_PROFILE_H, PROFILE_STEP_H = (8.0, 9.5, 11.0, 12.5, 14.0, 15.5), 1.5  # what the sun has of a course of its own every day
+# how long a day is, and where windows look to, nobody told: the sun has a course of its own every day besides
+SUN_PROFILE_H, PROFILE_STEP_H = (8.0, 9.5, 11.0, 12.5, 14.0, 15.5), 1.5
 MOST_SUNS = 14  # stretches of days that have a sun of their own; of a longer record each is several days
 CLEAR_SHARE, CLEAR_SPREAD = 0.4, 0.35  # of a clear sky's sun, usual and its spread from day to day
 # what the sun was recorded by -> spread of the logarithm of a factor for all days, and of each day's own: horizon and
@@ -127,7 +128,6 @@ def _sun(
             for name, within in _stretches(day)
             for half, middle_h in zip(("morning", "afternoon"), SUN_HATS_H, strict=True)
         ]
-        # how long a day is, and where windows look to, nobody told either
         shapes += [
             Shape(f"sun around {at_h:g} h", room.floor_area_m2 * _hat(hour, at_h, PROFILE_STEP_H), SUN_W_M2)
             for at_h in SUN_PROFILE_H

@@ -60,12 +60,7 @@ WHERE = {
         "effects of the chain with several parameters",
         lambda e: e.stage not in ROOM_STAGES and e.parameters > 1,
     ),
-    "far-opening": Where(
-        "opening in samples of 5 min and more", lambda e: e.channel == "displacement" and e.interval_s >= FAR_APART_S
-    ),
     "handicapped": Where("a controller that reads the logged noise, or once a sample", lambda e: e.is_handicapped),
-    "room": Where("rooms", lambda e: e.is_room),
-    "not-room": Where("the chain", lambda e: not e.is_room),
 }
 
 

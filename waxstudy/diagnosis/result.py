@@ -47,7 +47,7 @@ class StageGap:
     regimes: Sequence[Regime]
     autocorrelation: float  # of the error, from one sample to the next
     separate_by: str = ""  # the channel that would tell merged stages apart
-    posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses; where a healthy record is known
+    posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses
 
     @property
     def over_floor(self) -> float:
@@ -187,7 +187,7 @@ class Tried:
     share: float  # of the gap above the noise floor
     channel: str = ""  # of which
     why: str = ""  # it is not named; empty of what was found and of its group
-    probability: float = nan  # that it is there, alone or beside others; where a healthy record is known
+    probability: float = nan  # that it is there, alone or beside others; not told of a room without a healthy record
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ class Weights:
     form_of_room: float
     scatter: float
     coarse_scatter: float
-    noise_scatter: float
+    shape_scatter: float
     part_scatter: float
     least_left: float
     least_off: float
@@ -49,21 +49,13 @@ class Weights:
     named: float
     credible: float
     likelier: float
-    right_chain: float
-    right_room: float
-    hidden_chain: float
-    hidden_room: float
+    right: float
+    hidden: float
     open_unknown: float
     open_hidden: float
 
     def unseen(self, is_of_room: bool) -> float:
         return self.unseen_room if is_of_room else self.unseen_chain
-
-    def right(self, is_of_room: bool) -> float:
-        return self.right_room if is_of_room else self.right_chain
-
-    def hidden(self, is_of_room: bool) -> float:
-        return self.hidden_room if is_of_room else self.hidden_chain
 
 
 @cache

@@ -36,13 +36,8 @@ class Healthy:
     fitted: Hypothesis
     scale: Mapping[str, float]  # by channel: what its errors are weighed by, over noise alone
 
-    @property
-    def stands_scatter(self) -> float:
-        """Standard deviation of the logarithm of what is left, beside which an effect's own doing stands out."""
-        return WEIGHTS.scatter
-
-    def misfit_scatter(self, residual: Residual) -> float:
-        """Return the same beside which what is left of a channel is amiss."""
+    def scatter(self, residual: Residual) -> float:
+        """Return the standard deviation of the logarithm of what is left of a channel where nothing is amiss."""
         is_coarse = residual.unit == "s" or residual.channel == "return_temperature_C"
         return WEIGHTS.coarse_scatter if is_coarse else WEIGHTS.scatter
 
@@ -126,11 +121,7 @@ class AsBelieved(Healthy):
         seen = next(of_noise(problem, believed, 1), believed.residuals)
         return cls(problem, replace(believed, residuals=seen), {})
 
-    @property
-    def stands_scatter(self) -> float:
-        return WEIGHTS.noise_scatter
-
-    def misfit_scatter(self, residual: Residual) -> float:
+    def scatter(self, residual: Residual) -> float:
         return WEIGHTS.part_scatter
 
     def strays(self, travel: float) -> bool:

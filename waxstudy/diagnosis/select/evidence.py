@@ -94,27 +94,23 @@ class AirLeft:
 class Late:
     """The gap of the last days."""
 
-    is_room: bool
     growth: float  # over that of the days before
     over: float  # over the floor
     over_form: float  # over the most that a room's form may leave
 
     @classmethod
-    def of(cls, residual: Residual, floor: float, is_room: bool) -> Late:
+    def of(cls, residual: Residual, floor: float) -> Late:
         last, before = residual.gap(SHRINK), max(residual.gap(FIT), residual.gap(SELECT))
-        return cls(is_room, in_floors(last, before), in_floors(last, floor), in_floors(last, residual.form))
+        return cls(in_floors(last, before), in_floors(last, floor), in_floors(last, residual.form))
 
 
 @dataclass(frozen=True)
 class Left:
     """What stays of a channel with all effects that were found; `over` may be asked for before the rest is known."""
 
-    is_room: bool
     over: float = np.inf  # floors
     p: float = 1.0  # of drawing its cycles or days again
-    typical: float = 0.0  # standard deviations by which the samples that make up the gap are off
     over_form: float = np.inf  # over the most that the room's form may leave
-    travel: float = np.inf  # over what real motors stray
     of_drives: float = np.inf  # over what drives that nobody recorded do to the channel
 
 

@@ -105,9 +105,8 @@ class Selection:
         """Whether nothing was found, and the last days, which took no part in it, show a gap that the others do not."""
         if self.found:
             return False
-        is_room, floor = self.segment.with_room, self.floor.plain
-        residuals = self.after.residuals
-        return any(meets(Question.LATE, Late.of(each, floor[each.channel], is_room)) for each in residuals)
+        floor = self.floor.plain
+        return any(meets(Question.LATE, Late.of(each, floor[each.channel])) for each in self.after.residuals)
 
     @property
     def slight(self) -> frozenset[str]:

@@ -15,14 +15,14 @@ from waxstudy.diagnosis.weights import WEIGHTS
 def stated(selection: Selection, remains: Sequence[Unexplained]) -> Mapping[str, float]:
     """Return the probability of each hypothesis of a link, by what rules said of it; they sum to 1."""
     tried = sorted({each.effect.name for each in selection.tried})
-    is_open, of_room = any(each.is_finding for each in remains), selection.segment.with_room
+    is_open = any(each.is_finding for each in remains)
     if selection.found:
         beside = {UNKNOWN} if is_open else set()
         sets = {joined(frozenset(names) | beside) for names in product(*(found.group for found in selection.found))}
         return {
-            **dict.fromkeys(sorted(sets), WEIGHTS.right(of_room) / len(sets)),
-            UNKNOWN: 1.0 - WEIGHTS.right(of_room),
+            **dict.fromkeys(sorted(sets), WEIGHTS.right / len(sets)),
+            UNKNOWN: 1.0 - WEIGHTS.right,
         }
-    hidden = (WEIGHTS.open_hidden if is_open else WEIGHTS.hidden(of_room)) if tried else 0.0
+    hidden = (WEIGHTS.open_hidden if is_open else WEIGHTS.hidden) if tried else 0.0
     told = {UNKNOWN: WEIGHTS.open_unknown} if is_open else {}
     return {NONE: 1.0 - hidden - sum(told.values()), **told, **dict.fromkeys(tried, hidden / max(1, len(tried)))}

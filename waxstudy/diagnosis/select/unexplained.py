@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from waxstudy.diagnosis.calibration.healthy import together
-from waxstudy.diagnosis.criteria import Question, held, limit, meets
+from waxstudy.diagnosis.criteria import Question, held, limit, limits, meets
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.result import Unexplained, When, in_floors
 from waxstudy.diagnosis.select.evidence import Left, departure, travel_left
@@ -33,16 +33,23 @@ def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
     random = np.random.default_rng([seed, 3])
     for residual in selection.after.residuals:
         floor = selection.floor.plain[residual.channel]
-        left = _left(selection, residual, random)
+        left = _left(residual, floor, random)
         if meets(Question.UNKNOWN, left) and residual.channel not in selection.slight:
             yield _described(selection, residual, floor, left)
 
 
 def _unknown(selection: Selection) -> Iterator[Unexplained]:
-    """Yield the channel of a link that is missed by most, where something unknown is likelier there than not."""
-    held = sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+"))
-    if held >= WEIGHTS.likelier:
-        floor = selection.floor.plain
+    """Yield the channel of a link that is missed by most, where something unknown is likelier there than not.
+
+    Else those that a motor is missed by, as far as real ones stray.
+    """
+    held, floor = (
+        sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+")),
+        selection.floor.plain,
+    )
+    if held < WEIGHTS.likelier:
+        yield from _strayed(selection, held)
+    else:
         worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
         stage = stage_of(selection, worst.channel)
         course = concentrated(worst, together(worst), selection.problem.record)
@@ -51,29 +58,30 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
         yield Unexplained(stage, *gap, 1.0 - held, channel=worst.channel, when=when)
 
 
-def _left(selection: Selection, residual: Residual, random: np.random.Generator) -> Left:
-    is_room, channel = selection.segment.with_room, residual.channel
-    bare = Left(is_room)
-    # by what each switch and sample can be known to: one that hangs on noise says little
-    errors, floor = (residual.error, selection.floor.plain) if is_room else (residual.whitened, selection.floor.white)
-    p = _p(residual, errors, limit(Question.UNKNOWN, "over", bare) * floor[channel], random)
-    over = in_floors(residual.gap(), selection.floor.plain[channel])
-    return replace(bare, over=over, p=p, typical=typical(errors[residual.judged]))
+def _strayed(selection: Selection, held: float) -> Iterator[Unexplained]:
+    problem, after = selection.problem, selection.after
+    for residual in after.residuals if problem.as_built is None else ():
+        gap, floor = residual.gap(), selection.floor.plain[residual.channel]
+        is_gap = in_floors(gap, floor) > limit(Question.UNKNOWN, "over")
+        if is_gap and travel_left(problem, after, residual) <= limits()["tolerated"].value:
+            stage = stage_of(selection, residual.channel)
+            yield Unexplained(stage, gap, floor, 1.0 - held, is_covered=True, channel=residual.channel)
+
+
+def _left(residual: Residual, floor: float, random: np.random.Generator) -> Left:
+    p = _p(residual, limit(Question.UNKNOWN, "over") * floor, random)
+    return Left(over=in_floors(residual.gap(), floor), p=p)
 
 
 def _described(selection: Selection, residual: Residual, floor: float, left: Left) -> Unexplained:
-    gap, is_room = residual.gap(), selection.segment.with_room
-    left = replace(
-        left,
-        over_form=in_floors(gap, residual.form),
-        travel=travel_left(selection.problem, selection.after, residual),
-        of_drives=in_floors(gap, done_by_drives(selection, residual)),
-    )
-    excused = held(Question.EXCUSED, left)
-    form, covered, drives = (excused.get(name, False) for name in ("over_form", "travel", "of_drives"))
+    gap = residual.gap()
+    of_drives = in_floors(gap, done_by_drives(selection, residual))
+    excused = held(Question.EXCUSED, replace(left, over_form=in_floors(gap, residual.form), of_drives=of_drives))
+    form, drives = excused["over_form"], excused["of_drives"]
     # what a model's form does not leave may as well lie in the emitter
-    stage = selection.segment.name if is_room and not form else stage_of(selection, residual.channel)
-    return Unexplained(stage, gap, floor, left.p, form, covered, drives, residual.channel)
+    stage = stage_of(selection, residual.channel) if form else selection.segment.name
+    told = {"is_room_form": form, "is_of_drives": drives, "channel": residual.channel}
+    return Unexplained(stage, gap, floor, left.p, **told)
 
 
 def slight(selection: Selection, found: Found) -> str:
@@ -96,16 +104,10 @@ def done_by_drives(selection: Selection, residual: Residual) -> float:
     return float(np.sqrt(np.mean((without.error - residual.error)[residual.judged] ** 2)))
 
 
-def typical(whitened: FloatArray) -> float:
-    """Return the standard deviations by which those samples are off that make up the gap; of mere noise root 3."""
-    squares = whitened**2
-    return float(np.sqrt(np.sum(squares**2) / max(float(np.sum(squares)), 1e-12)))
-
-
-def _p(residual: Residual, errors: FloatArray, threshold: float, random: np.random.Generator) -> float:
+def _p(residual: Residual, threshold: float, random: np.random.Generator) -> float:
     """Return how often the mean square over redrawn blocks does not exceed the threshold's."""
     chosen = residual.judged
-    squares, count = by_block(np.array([errors[chosen] ** 2, np.ones(chosen.sum())]), residual.block[chosen])
+    squares, count = by_block(np.array([residual.error[chosen] ** 2, np.ones(chosen.sum())]), residual.block[chosen])
     if len(count) < limit(Question.JUDGE, "blocks"):
         return 1.0
     weights = redrawn(len(count), DRAWS, random)

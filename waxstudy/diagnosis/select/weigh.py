@@ -216,7 +216,7 @@ class Weighing:
         power, over = np.bincount(member, np.concatenate(weights)), np.bincount(member, np.concatenate(missed))
         lasting = np.arange(len(over)) != np.argmax(over) if len(over) > 1 else np.full(len(over), True)
         ratio = float(over[lasting].sum() / max(power[lasting].sum(), TINY))
-        return max(0.0, 0.5 * float(np.log(max(ratio, TINY))) / self.healthy.stands_scatter)
+        return max(0.0, 0.5 * float(np.log(max(ratio, TINY))) / WEIGHTS.shape_scatter)
 
     def _usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample, over what it is weighed by."""
@@ -306,7 +306,7 @@ class Weighing:
         left, before = _lasting(residual), healthy.samples
         # errors of different cycles do not hang together, however alike something that is always amiss makes them
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
-        scatter = np.sqrt(self.healthy.misfit_scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / before)
+        scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / before)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
 
 

@@ -33,18 +33,12 @@ EFFECT: Column[Any] = text("name", heading="effect")
 STAGE: Column[Any] = text("stage", lambda each: words.stage_words(each.stage))
 CHANNEL: Column[Any] = text("channel", lambda each: words.channel_words(each.channel))
 JUDGED_BY: Column[Any] = text("judged by", CHANNEL.value)
-P: Column[Any] = Column("p", lambda each: words.probability(each.p))
 PROBABILITY: Column[Any] = Column("probability", lambda each: words.chance(each.probability) or _p(each))
 
 
 def _p(each: Any) -> str:
-    """Of a link that the healthy record does not have there is no probability."""
+    """Of a room without a healthy record there is no probability."""
     return f"p = {words.probability(each.p)}"
-
-
-def sure(diagnosis: Diagnosis) -> Column[Any]:
-    """How sure something is: where a healthy record is known, by its probability."""
-    return PROBABILITY if diagnosis.compared_with else P
 
 
 def stages(diagnosis: Diagnosis) -> Table[StageGap]:
@@ -101,7 +95,7 @@ def found(diagnosis: Diagnosis) -> Table[FoundEffect]:
         Column("noise floor", lambda effect: quantity(effect.noise_floor, unit_of(diagnosis, effect))),
         Column("shrinks by", lambda effect: words.percent_interval(effect.shrink)),
         *([] if diagnosis.compared_with else [Column("found again", lambda effect: words.percent(effect.inclusion))]),
-        sure(diagnosis),
+        PROBABILITY,
     ]
     title = f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis.effects)}"
     return Table(title, columns, diagnosis.effects)
@@ -184,7 +178,7 @@ def tried(diagnosis: Diagnosis) -> Table[Tried]:
         JUDGED_BY,
         Column("explains", lambda each: words.percent(each.share)),
         Column("gain", lambda each: words.number(each.gain)),
-        sure(diagnosis),
+        PROBABILITY,
         text("verdict", lambda each: f"{role(diagnosis, each)}{f': {each.why}' if each.why else ''}"),
     ]
     return Table("every effect that was tried, on days that its fit has not seen", columns, ranked(diagnosis))
@@ -197,7 +191,7 @@ def unexplained(diagnosis: Diagnosis) -> Table[Unexplained]:
         CHANNEL,
         Column("gap", lambda left: quantity(left.gap, unit_of(diagnosis, left))),
         Column("noise floor", lambda left: quantity(left.noise_floor, unit_of(diagnosis, left))),
-        sure(diagnosis),
+        PROBABILITY,
         text("remark", lambda left: "; ".join(remarks(left))),
     ]
     return Table("gaps without a known cause", columns, diagnosis.unexplained)
