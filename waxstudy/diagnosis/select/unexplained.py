@@ -17,7 +17,6 @@ from waxstudy.diagnosis.select.patterns import concentrated
 from waxstudy.diagnosis.select.posterior import UNKNOWN
 from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import FloatArray
 
 DRAWS = 1000
 NOTICEABLE = 1.0  # steps that an effect calls noticeable: less is not worth a change
@@ -43,10 +42,8 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
 
     Else those that a motor is missed by, as far as real ones stray.
     """
-    held, floor = (
-        sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+")),
-        selection.floor.plain,
-    )
+    floor = selection.floor.plain
+    held = sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+"))
     if held < WEIGHTS.likelier:
         yield from _strayed(selection, held)
     else:
@@ -80,8 +77,7 @@ def _described(selection: Selection, residual: Residual, floor: float, left: Lef
     form, drives = excused["over_form"], excused["of_drives"]
     # what a model's form does not leave may as well lie in the emitter
     stage = stage_of(selection, residual.channel) if form else selection.segment.name
-    told = {"is_room_form": form, "is_of_drives": drives, "channel": residual.channel}
-    return Unexplained(stage, gap, floor, left.p, **told)
+    return Unexplained(stage, gap, floor, left.p, form, is_of_drives=drives, channel=residual.channel)
 
 
 def slight(selection: Selection, found: Found) -> str:
