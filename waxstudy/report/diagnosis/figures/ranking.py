@@ -32,8 +32,8 @@ ROOM_FOR_WORDS = 65.0  # % of a scale that is longer than its bars
     "Share of the gap above the noise floor that each effect explains, alone and as large as it fits best, on days "
     "that its fit has not seen; at the bar its probability, or in a room without a baseline its p over all effects "
     "tried (family-wise). Black: found. Hatched: in the group of one that was found, and not to be told from it with "
-    "this record. White: not named, for the reason beside it. An effect that two measured channels can show stands twice, "
-    "each with its channel.",
+    "this record. White: not named, for the reason beside it. An effect that two measured channels can show stands "
+    "twice, each with its channel.",
 )
 def figure_ranking(diagnosis: Diagnosis) -> Figure:
     """Shares explained [%] of the effects tried; raise `Lacking` where none could be."""
