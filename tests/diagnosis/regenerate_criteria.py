@@ -11,7 +11,7 @@ INTRO = """\
 # The criteria
 
 This page lists every number that decides what a diagnosis says, as `waxstudy diagnose --criteria` prints them;
-[diagnosis-method.md](diagnosis-method.md) says how they work together. It is written by `make golden` from
+[diagnosis-room.md](diagnosis-room.md) says how they work together. It is written by `make golden` from
 `limits.csv`, `criteria.csv` and `weights.csv` in `waxstudy/diagnosis`; `select/evidence.py` there explains the numbers.
 
 ## The limits
@@ -38,9 +38,9 @@ WEIGHTS = """\
 
 ## The weights
 
-By these hypotheses are weighed where a [healthy record](diagnosis-healthy.md) is known, and answers are stated where
-none is. What is chosen was looked at on eighty-five pairs that the blind test's own engines made, and on none that is
-judged.
+By these [hypotheses are weighed](diagnosis-weighing.md), and answers are stated of a room without a healthy record.
+What is chosen was looked at on 150 pairs and 170 single records that the blind test's own engines made, and on none
+that is judged.
 
 """
 

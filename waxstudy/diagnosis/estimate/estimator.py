@@ -193,6 +193,7 @@ class Estimator(Generic[P]):
             _, values, convention = look.promised
             return self.problem.at((*given.effects, (effect, values)), given.departures, convention)
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
+        possible = [look.scanned(*possible[0]), *possible[1:]] if possible else []
         if self.has_nuisances:
             # looking closer at each for a room takes too long: the best, and the best where others count less
             even = min(possible, key=lambda each: each[0] + self.of_other(each[2], given), default=None)

@@ -82,11 +82,7 @@ class StartPoints:
         more = [values for _, values in sorted(scaled, key=itemgetter(0))[:SCALED]]
         scored += [(self.score(self._with(values, convention), self.parts), values) for values in more]
         found = sorted(scored, key=itemgetter(0))
-        if self.straight or self.is_hopeless:
-            return found[0]
-        if neutral is not None and (hours := [name for name in self.space.names if name not in neutral]):
-            return self._scanned(*found[0], hours, convention)
-        if len(self.space.names) < MANY:
+        if self.straight or len(self.space.names) < MANY or self.is_hopeless:
             return found[0]
         starts = round(STARTS * min(1.0, self.thorough))
         walked = [self._walked(values, convention) for _, values in found[:starts]]
@@ -122,22 +118,20 @@ class StartPoints:
         found = dict(walked.effects)[self.effect] if walked else values
         return self.score(self._with(found, convention), self.parts), found
 
-    def _scanned(
-        self, score: float, values: Values, names: Sequence[str], convention: Convention
-    ) -> tuple[float, Values]:
-        """Return score and values with the hours of an effect looked at all over the day, one after the other, twice.
+    def scanned(self, score: float, values: Values, convention: Convention) -> tuple[float, Values, Convention]:
+        """Return a place with the hours of an effect of a chain looked at all over the day, one after the other, twice.
 
         A few switches tell little of hours that are far off: no way leads downhill to the right ones.
         """
+        neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
+        hours = [name for name in self.space.names if neutral is not None and name not in neutral]
         best = score, values
-        for name in (*names, *names):
+        for name in (*hours, *hours) if not self.straight else ():
             prior = self.effect.priors[name]
             tried = [{**best[1], name: float(at)} for at in np.linspace(prior.low, prior.high, SCANNED)]
-            best = min(
-                [best, *((self.score(self._with(each, convention), self.parts), each) for each in tried)],
-                key=itemgetter(0),
-            )
-        return best
+            scored = [(self.score(self._with(each, convention), self.parts), each) for each in tried]
+            best = min([best, *scored], key=itemgetter(0))
+        return *best, convention
 
     def _scaled(
         self, values: Values, look: Hypothesis | None, before: FloatArray, neutral: Values
