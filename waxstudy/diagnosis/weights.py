@@ -30,7 +30,7 @@ class Weights:
     form_of_room: float
     scatter: float
     coarse_scatter: float
-    shape_scatter: float
+    noise_scatter: float
     part_scatter: float
     least_left: float
     least_off: float

@@ -36,8 +36,13 @@ class Healthy:
     fitted: Hypothesis
     scale: Mapping[str, float]  # by channel: what its errors are weighed by, over noise alone
 
+    @property
+    def stands_scatter(self) -> float:
+        """Standard deviation of the logarithm of what is left, beside which what an effect does stands out."""
+        return WEIGHTS.scatter
+
     def scatter(self, residual: Residual) -> float:
-        """Return the standard deviation of the logarithm of what is left of a channel where nothing is amiss."""
+        """Return the same beside which what is left of a channel is amiss."""
         is_coarse = residual.unit == "s" or residual.channel == "return_temperature_C"
         return WEIGHTS.coarse_scatter if is_coarse else WEIGHTS.scatter
 
@@ -120,6 +125,10 @@ class AsBelieved(Healthy):
     def of(cls, problem: SegmentProblem, believed: Hypothesis) -> AsBelieved:
         seen = next(of_noise(problem, believed, 1), believed.residuals)
         return cls(problem, replace(believed, residuals=seen), {})
+
+    @property
+    def stands_scatter(self) -> float:
+        return WEIGHTS.noise_scatter
 
     def scatter(self, residual: Residual) -> float:
         return WEIGHTS.part_scatter

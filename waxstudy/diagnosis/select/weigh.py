@@ -216,7 +216,7 @@ class Weighing:
         power, over = np.bincount(member, np.concatenate(weights)), np.bincount(member, np.concatenate(missed))
         lasting = np.arange(len(over)) != np.argmax(over) if len(over) > 1 else np.full(len(over), True)
         ratio = float(over[lasting].sum() / max(power[lasting].sum(), TINY))
-        return max(0.0, 0.5 * float(np.log(max(ratio, TINY))) / WEIGHTS.shape_scatter)
+        return max(0.0, 0.5 * float(np.log(max(ratio, TINY))) / self.healthy.stands_scatter)
 
     def _usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample, over what it is weighed by."""
