@@ -1,10 +1,10 @@
 """How sure a diagnosis may be: `python -m benchmarks.posterior SET KEYFILE`.
 
-SET is a blind test's folder that was made for this, never one that is judged. Every link of records with a baseline
-is weighed, and the truth is opened. What is learned, separately of chains and of rooms: the power by which weights are
-softened, and the share of nothing that goes to effects which would not show. Chosen is what gives the truth the most
-(logarithmic score); each engine is then left out in turn and scored by what the others chose. Kept engines are not
-looked at.
+SET is a blind test's folder that was made for this, never one that is judged. Every link that can be is weighed, and
+the truth is opened. What is learned, separately of chains with and without a healthy record and of rooms: the power by
+which weights are softened, and the share of nothing that goes to effects which would not show. Chosen is what gives the
+truth the most (logarithmic score); each engine is then left out in turn and scored by what the others chose. Kept
+engines are not looked at.
 """
 
 from __future__ import annotations
@@ -40,6 +40,7 @@ class Link:
     engine: str
     weighed: Sequence[Weighed]
     true: str
+    has_baseline: bool
 
     @property
     def is_of_room(self) -> bool:
@@ -51,17 +52,17 @@ class Link:
 
 
 def links(folder: Path, key: Key) -> Iterator[Link]:
-    """Yield every link of every record that has a baseline."""
+    """Yield every link of every record that is weighed: without a baseline those of the chain."""
     for box in sorted((folder / "boxes").glob("*.box")):
         truth = Truth.read(open_box(key, box.stem, box.read_bytes()))
-        if engine_of(truth.engine).is_kept or not truth.has_baseline:
+        if engine_of(truth.engine).is_kept:
             continue
         dataset = read_dataset(folder / "records" / box.stem)
-        baseline = read_baseline(dataset, dataset.folder / "baseline")
+        baseline = read_baseline(dataset, dataset.folder / "baseline") if truth.has_baseline else None
         print(f"{box.stem}: {truth.label}", file=sys.stderr)
         for segment, weighed in weighed_links(dataset, baseline):
             here = {UNKNOWN if c.is_family else c.name for c in truth.causes if c.stages & set(segment.stages)}
-            yield Link(truth.engine, [_light(each) for each in weighed], hypothesis(here))
+            yield Link(truth.engine, [_light(each) for each in weighed], hypothesis(here), truth.has_baseline)
 
 
 def _light(weighed: Weighed) -> Weighed:
@@ -82,7 +83,8 @@ def row(name: str, found: Sequence[Link], soft: float, unseen: float) -> str:
 
 def tell(found: Sequence[Link]) -> None:
     kinds: Mapping[str, Sequence[Link]] = {
-        "chains": [each for each in found if not each.is_of_room],
+        "chains": [each for each in found if each.has_baseline and not each.is_of_room],
+        "chains alone": [each for each in found if not each.has_baseline],
         "rooms": [each for each in found if each.is_of_room],
     }
     for kind, own in kinds.items():
