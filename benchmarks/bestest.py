@@ -2,7 +2,8 @@
 
 `python -m benchmarks.bestest [--data FOLDER] [--effects]` prints our figures beside the acceptance limits and the
 reference programs; `--effects` also prints what each part of the description does. The folder holds the reference
-results and the weather, which are not part of this repository; docs/bestest.md has the tables.
+results and the weather, which are not part of this repository; docs/bestest.md and docs/bestest-parts.md
+have the tables.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
     python -m benchmarks.exports [--quick] [NAME ...]
 
-The verdict of each export is held against that of the record cut to the same channels (docs/import.md).
+The verdict of each export is held against that of the record cut to the same channels (docs/what-is-believed.md).
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 One product on the virtual bench, whose truth is known; per programme the width of some intervals, how often the time
 constants are told, and the error of times in profiles and of exemplars that were not measured.
-The table is in docs/fit-method.md.
+The table is in docs/fit-tested.md.
 """
 
 from __future__ import annotations

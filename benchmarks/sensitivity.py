@@ -1,4 +1,4 @@
-"""Run the paper's study with one choice changed at a time and print Markdown tables, which docs/choices.md quotes.
+"""Run the paper's study with one choice changed at a time and print the tables of docs/choices.md.
 
 `python -m benchmarks.sensitivity [GROUP ...]` prints two tables for each group of choices: what happens to Table 5,
 and to the figures that the findings rest on. All groups together take about ten minutes.

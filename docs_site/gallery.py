@@ -115,7 +115,7 @@ ENTRIES = (
         "standby",
         "Pulses that keep a valve warm",
         "Full activation after a pause, and the margin before the piston moves.",
-        "enthalpy.md",
+        "enthalpy-standby.md",
         ["python -m waxstudy_enthalpy.standby --figure standby.svg"],
         figure="enthalpy-standby.svg",
     ),

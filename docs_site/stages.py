@@ -9,7 +9,7 @@ from waxstudy.plugin import CHAIN, KINDS
 
 INTRO = (
     "What `waxstudy plugins check` holds a component against, in this order. "
-    "[Plugins](../plugins.md#the-conformance-kit) says how an exemption is declared.\n\n"
+    "[Plugins](../plugins-kit.md#the-conformance-kit) says how an exemption is declared.\n\n"
 )
 
 

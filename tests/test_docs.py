@@ -67,7 +67,7 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
     activation.write_text(activation.read_text(encoding="utf-8").replace("loops = 1000", "loops = 20"))
     windows = tmp_path / "studies" / "sweeps" / "windows.toml"
     windows.write_text(windows.read_text(encoding="utf-8").replace("samples = 64", "samples = 2"))
-    (thermostat,) = blocks(START, "toml")
+    (thermostat,) = blocks(ROOT / "docs" / "first-study.md", "toml")
     (tmp_path / "thermostat.toml").write_text(thermostat)
     (fitted,) = blocks(ROOT / "docs" / "fit.md", "toml")
     (tmp_path / "fitted.toml").write_text(fitted)

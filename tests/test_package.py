@@ -79,8 +79,8 @@ def _tests_below(place: Path) -> list[Path]:
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_shells_get_what_completes_commands_as_the_start_page_says(shell: str, waxstudy: Waxstudy) -> None:
-    page = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+def test_shells_get_what_completes_commands_as_the_page_says(shell: str, waxstudy: Waxstudy) -> None:
+    page = (ROOT / "docs" / "completion.md").read_text(encoding="utf-8")
     assert f"_WAXSTUDY_COMPLETE={shell}_source waxstudy" in page
     script = waxstudy(env={"_WAXSTUDY_COMPLETE": f"{shell}_source"}).stdout
     assert f"{shell}_complete" in script

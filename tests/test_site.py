@@ -74,7 +74,7 @@ def test_the_site_takes_in_new_pages_loads_nothing_from_outside_and_refuses_a_de
     shutil.copytree(ROOT / "docs", docs)
     new = docs / "quite-new.md"
     new.write_text(
-        "# Quite new\n\n[A study](../studies/table5.toml), [the room](room.md#equations)\n", encoding="utf-8"
+        "# Quite new\n\n[A study](../studies/table5.toml), [the room](room-equations.md)\n", encoding="utf-8"
     )
     done = build(tmp_path, site)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -22,6 +22,7 @@ from waxstudy.plugin.registry import PluginError, Registry
 from waxstudy_ramp import LinearRamp
 
 TUTORIAL, CONTRACT, RAMP = ROOT / "docs/plugin-tutorial.md", ROOT / "docs/plugins.md", ROOT / "plugins/waxstudy_ramp.py"
+PROMISES = ROOT / "docs/plugins-kit.md"
 FILE = re.compile(r"# (\S+\.\w+)")  # the first line of a block that is a file, or a change of one
 REPOSITORY = "path/to/waxstudy"  # as the tutorial writes it
 FAILS = "# exits with 1"
@@ -155,8 +156,8 @@ def test_the_reference_has_every_stage_of_the_kit_and_whether_it_can_be_exempted
     assert told == {kind: [(stage.name, stage.exemptible) for stage in stages] for kind, stages in known.items()}
 
 
-def test_the_contract_page_quotes_what_is_said_of_another_api_and_of_a_name_that_is_taken() -> None:
-    page = " ".join(CONTRACT.read_text(encoding="utf-8").split())
+def test_the_page_of_promises_quotes_what_is_said_of_another_api_and_of_a_name_that_is_taken() -> None:
+    page = " ".join(PROMISES.read_text(encoding="utf-8").split())
     registry = Registry()
     registry.add(LinearRamp, "waxstudy", "0.1.0")
     with pytest.raises(PluginError) as other_major:
@@ -170,7 +171,7 @@ def test_the_contract_page_quotes_what_is_said_of_another_api_and_of_a_name_that
 
 
 @pytest.mark.slow
-def test_the_contract_page_shows_what_a_run_says_of_a_block_that_fails(tmp_path: Path) -> None:
+def test_the_page_of_promises_shows_what_a_run_says_of_a_block_that_fails(tmp_path: Path) -> None:
     source = RAMP.read_text(encoding="utf-8").replace("linear-ramp", "motor").replace("max(0.0, ", "(")
     (tmp_path / "motor.py").write_text(source, encoding="utf-8")
     about = tmp_path / "motor-1.0.dist-info"
@@ -181,4 +182,4 @@ def test_the_contract_page_shows_what_a_run_says_of_a_block_that_fails(tmp_path:
     done = call(tmp_path, "run", "study.toml", env={"PYTHONPATH": str(tmp_path)})
     assert done.returncode == FAILED
     said = done.stderr.replace(f"{tmp_path}/", "")
-    assert " ".join(said.split()) in [" ".join(block.text.split()) for block in fences(CONTRACT)]
+    assert " ".join(said.split()) in [" ".join(block.text.split()) for block in fences(PROMISES)]

@@ -90,7 +90,7 @@ class StandbyParameters(PwmParameters):
         ge=60.0,
         le=7200.0,
         description="From the start of one standby pulse to the next.",
-        source="chosen: docs/enthalpy.md, often and short costs less",
+        source="chosen: docs/enthalpy-standby.md, often and short costs less",
     )
     pulse_s: float = parameter(
         40.0,

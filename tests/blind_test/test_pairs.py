@@ -86,7 +86,7 @@ def test_every_number_that_strays_says_why_and_how_far() -> None:
 
 
 def test_the_table_of_the_documentation_is_that_of_the_code() -> None:
-    page = (ROOT / "docs" / "blind_test_records.md").read_text()
+    page = (ROOT / "docs" / "blind_test_houses.md").read_text()
     for scatter in SCATTER.values():
         (row,) = (line for line in page.splitlines() if line.endswith(f"| {scatter.reason} |"))
         assert f"{scatter.spread:g}" in row

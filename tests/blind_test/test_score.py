@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from html import escape
 from pathlib import Path
 
 import pytest
@@ -57,6 +58,10 @@ def test_the_table_fits_a_screen_and_page_and_json_are_written(constant: Path, e
     for failure in told["diagnosers"]["constant"]["failures"]:
         assert failure["record"] in page
     assert "http" not in page.replace("http://www.w3.org", "")
+    goals = [goal for each in told["diagnosers"].values() for goal in each["goals"]]
+    for name in {goal["name"] for goal in goals}:
+        answered = {goal["where"] for goal in goals if goal["name"] == name and goal["value"] is not None}
+        assert page.count(f'data-label="figure">{escape(name)}<') == len(answered), name
 
 
 def test_without_answers_there_is_nothing_to_score(small_test: Path, entry: Entry) -> None:

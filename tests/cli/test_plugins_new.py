@@ -50,7 +50,7 @@ def test_an_effect_is_tried_on_a_record_that_has_it(entry: Entry) -> None:
     assert done.stdout.splitlines()[-2:] == [
         "  waxstudy reality waxstudy-cold-nights/study.toml --case O_CP --effect cold-nights --set drop_K=5 "
         "--out data/cold-nights",
-        "  waxstudy diagnose data/cold-nights",
+        "  waxstudy diagnose data/cold-nights --quick",
     ]
 
 

@@ -15,7 +15,7 @@ from tests.diagnosis.realities import study as gap_study
 from waxstudy.plugin import OutsideRoom, PublishedRow, changed
 from waxstudy.report.activation import activations
 from waxstudy.report.against import Published
-from waxstudy.report.comparison import estimate
+from waxstudy.report.comparison import Estimate, estimate
 from waxstudy.report.content import Content
 from waxstudy.report.figures import (
     PAPER_FIGURES,
@@ -253,6 +253,18 @@ def test_the_overview_marks_what_is_resolved_and_what_was_published(small: Conte
     crosses = [[a.get_xdata()[0] for a in axes.get_lines() if a.get_marker() == "x"] for axes in (left, middle, right)]
     assert crosses == [[5.7], [5.7], [0.6, 0.2]]
     assert [text.get_text() for text in left.get_yticklabels()] == CASES
+
+
+def test_no_point_of_the_overview_lies_outside_the_common_scale_of_both_heats(small: Content) -> None:
+    far = [
+        replace(row, heat_corrected_vs_most_detailed_percent=Estimate(20.0, 0.1, 19.9, 20.1))
+        if row.resolved is not None
+        else row
+        for row in small.rows
+    ]
+    left, middle, _ = figure_overview(replace(small, rows=far)).axes
+    assert left.get_xlim() == middle.get_xlim()
+    assert middle.get_xlim()[1] > 20.0
 
 
 @given(st.lists(st.sampled_from([0.0, 0.5, 1.0]), min_size=1, max_size=40))

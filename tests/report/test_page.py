@@ -234,6 +234,18 @@ def test_the_page_never_scrolls_sideways(width: int, against_text: str, tmp_path
 
 
 @needs_browser
+def test_a_long_line_of_a_file_scrolls_in_its_own_frame(against_text: str, tmp_path: Path) -> None:
+    long = against_text.replace("</main>", f"<pre>{'x' * 400}</pre></main>")
+    assert long != against_text
+    assert scroll_width(tmp_path, long, 390) <= 390
+
+
+def test_the_whole_figure_stays_drawn_on_a_phone_as_its_panels_are_clipped_by_it(text: str) -> None:
+    assert re.search(r"\.whole \{[^}]*overflow: hidden", text)
+    assert not re.search(r"\.whole \{[^}]*display: none", text)
+
+
+@needs_browser
 def test_a_browser_draws_text_and_colours_of_the_figures(text: str, tmp_path: Path) -> None:
     from matplotlib.image import imread
 

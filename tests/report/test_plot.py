@@ -40,6 +40,13 @@ def test_a_plot_has_the_words_of_its_drawing_and_an_svg_of_the_page_s_width() ->
     assert "<metadata" not in plot.svg
 
 
+def test_a_panel_that_a_phone_shows_alone_has_its_own_scale() -> None:
+    figure, axes = panels(1, 2, 2.0, sharey=True)
+    axes[0, 0].plot([1.0, 2.0])
+    figure.draw_without_rendering()
+    assert {label.get_visible() for label in axes[0, 1].get_yticklabels()} == {True}
+
+
 def test_what_cannot_be_drawn_says_why_and_any_other_failure_is_one() -> None:
     plot = figure_line.plot([])
     assert (plot.svg, plot.missing) == ("", "there is <nothing> to draw")

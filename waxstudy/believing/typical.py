@@ -1,8 +1,8 @@
 """Typical values of houses by the year in which they were built or last insulated, and other usual values.
 
 They are German figures, as those are published by year; other countries with cold winters are alike or better. No
-uncertainty is published with them; what walls differ by was measured elsewhere (docs/import.md). Thermal bridges and
-air changes before 2002 are assumed.
+uncertainty is published with them; what walls differ by was measured elsewhere (docs/what-is-believed.md).
+Thermal bridges and air changes before 2002 are assumed.
 """
 
 from __future__ import annotations

@@ -32,8 +32,8 @@ HALF_SUN_H = 4.0  # from there to where nothing of it is left
 SUN_PROFILE_H, PROFILE_STEP_H = (8.0, 9.5, 11.0, 12.5, 14.0, 15.5), 1.5
 MOST_SUNS = 14  # stretches of days that have a sun of their own; of a longer record each is several days
 CLEAR_SHARE, CLEAR_SPREAD = 0.4, 0.35  # of a clear sky's sun, usual and its spread from day to day
-# what the sun was recorded by -> spread of the logarithm of a factor for all days, and of each day's own: horizon and
-# curtains in each, the share of direct light that was not recorded (docs/import.md), of panels yield, snow and shadows
+# by what the sun was recorded -> log spread of a factor for all days, and of each day's own: horizon and curtains in
+# each, the share of direct light that was not recorded, of panels yield, snow and shadows (docs/import-stand-ins.md)
 RECORDED = {GLOBAL: (0.2, 0.15), DIFFUSE: (0.12, 0.08), PANELS: (0.3, 0.2)}
 ASSUMED = {GAINS: 0.15, SUN: 0.12}  # spread of the logarithm of a factor where nobody measured what is told
 GAINS_FACTOR = 0.7  # spread of the logarithm of a factor on the room's own schedule

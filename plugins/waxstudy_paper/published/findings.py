@@ -314,7 +314,7 @@ def _actuator(product: str) -> Choice:
     return Choice(block, block.Parameters.model_validate({"product": product}))
 
 
-# what was chosen by a finding (docs/choices.md): that it holds then proves nothing
+# what was chosen by a finding (docs/findings.md): that it holds then proves nothing
 CIRCULAR = {
     "F10": "February's days of sun were chosen by the share over 22 °C",
     "F13": "the sign of Table 2's product terms was chosen by it",

@@ -117,7 +117,7 @@ class Window(Part):
         0,
         unit="1",
         description="number of panes, by which g falls with the angle of incidence; 0 leaves it constant",
-        source="chosen: 0, g as the paper gives it; see docs/room.md for the equation",
+        source="chosen: 0, g as the paper gives it; see docs/room-equations.md for the equation",
         ge=0,
         le=5,
     )

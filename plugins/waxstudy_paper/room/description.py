@@ -52,7 +52,7 @@ class RoomDescription(Parameters):
         300.0,
         unit="s",
         description="time in which heat crosses one cell of a layer: cell = sqrt(diffusivity * time)",
-        source="chosen: see docs/room.md for the error",
+        source="chosen: see docs/room-equations.md for the error",
         ge=10,
         le=86_400,
     )

@@ -26,7 +26,7 @@ class NzebRoom(Room):
 
     @classmethod
     def of_building(cls, building: NzebBuilding) -> tuple[Mapping[str, Any], Sequence[str]]:
-        """Return the parameters of a room told in words and numbers (docs/datasets.md), and what was assumed."""
+        """Return the parameters of a room told in words and numbers (docs/datasets-room.md), and what was assumed."""
         return parameters_of(building)
 
     @classmethod
@@ -58,5 +58,5 @@ class NzebRoom(Room):
 
     @classmethod
     def build(cls, p: NzebParameters) -> LinearRoom:
-        """Return the linear room of Table 3 (equations and assumptions: docs/room.md)."""
+        """Return the linear room of Table 3 (equations and assumptions: docs/room-equations.md)."""
         return linear_room(describe(p))

@@ -32,7 +32,7 @@ class SurfacesRoom(Room):
 
     @classmethod
     def build(cls, p: RoomDescription) -> LinearRoom:
-        """Return the linear room of the description (equations: docs/room.md)."""
+        """Return the linear room of the description (equations: docs/room-equations.md)."""
         return linear_room(p)
 
     @classmethod

@@ -169,7 +169,7 @@ class Table3(Parameters):
         300.0,
         unit="s",
         description="time in which heat crosses one cell of a layer",
-        source="chosen: see docs/room.md for the error",
+        source="chosen: see docs/room-equations.md for the error",
         ge=10,
         le=86_400,
     )

@@ -83,4 +83,4 @@ def _tried(plugin: NewPlugin, folder: Path) -> Iterator[tuple[str, ...]]:
     record = str(Path("data") / plugin.name)
     put = ("--effect", plugin.name, "--set", "drop_K=5")
     yield "waxstudy", "reality", study, "--case", "O_CP", *put, "--out", record
-    yield "waxstudy", "diagnose", record
+    yield "waxstudy", "diagnose", record, "--quick"

@@ -17,7 +17,7 @@ def as_html(score: tables.Score) -> str:
         score=score,
         first=names[0],
         who=[(name, score["diagnosers"][name]) for name in names],
-        goals=[table for where in tables.WHERE if (table := tables.goal_table(score, where)).rows],
+        goals=tables.answered_goals(score),
         posteriors=tables.posterior_tables(score),
         figures=plots((figure_goals, figure_confusion, figure_sizes), score),
         splits=[tables.split_table(title, split) for title, split in first["by"].items()],

@@ -26,11 +26,16 @@ OF_PARTS = {  # figures of parts of the records, and their headings
 
 def as_terminal(score: Score, width: int, colour: bool) -> str:
     """Return the goals with everybody's figures, and what does not fit into a figure."""
+    who = "".join(f"{_answers(name, score['diagnosers'][name])}\n" for name in ordered(score))
+    shown = [*answered_goals(score), *posterior_tables(score)]
+    return f"{_head(score)}\n\n{terminal(shown, [], width, colour)}{who}"
+
+
+def answered_goals(score: Score) -> list[Table[Mapping[str, Any]]]:
+    """Return the goals of which at least one diagnoser has a figure, by room."""
     goals = [goal_table(score, where) for where in WHERE]
     answered = [replace(table, rows=[row for row in table.rows if _is_answered(row)]) for table in goals]
-    who = "".join(f"{_answers(name, score['diagnosers'][name])}\n" for name in ordered(score))
-    shown = [*(table for table in answered if table.rows), *posterior_tables(score)]
-    return f"{_head(score)}\n\n{terminal(shown, [], width, colour)}{who}"
+    return [table for table in answered if table.rows]
 
 
 def _is_answered(row: Mapping[str, Any]) -> bool:

@@ -28,6 +28,7 @@ def figure_overview(content: Content) -> Figure:
     cases = [case for ladder in content.run.ladders for case in ladder.cases]
     figure, axes = panels(1, 3, 1.4 + 0.33 * len(cases), sharey=True)
     left, middle, right = axes[0]
+    middle.sharex(left)  # before anything is drawn, so that all that is drawn fits
     for row in content.rows:
         height, look = cases.index(row.case) + _offset(content, row.week), _week_look(content, row.week)
         _difference(left, look, height, row.heat_vs_most_detailed_percent, row.resolved)
@@ -42,14 +43,11 @@ def figure_overview(content: Content) -> Figure:
         panel.set_xlabel(f"{which} against the reference case, %")
     if all(row.corrected_resolved is None for row in content.rows):
         middle.set_xlabel("corrected heat is not known")
-    middle.sharex(left)
     right.set_xlabel("mean absolute error of the air temperature, K")
     if math.isfinite(right.dataLim.x1):
         right.set_xlim(0.0, 1.04 * right.dataLim.x1)  # no marker is cut at the edge
     left.set_yticks(range(len(cases)), cases)
     left.invert_yaxis()
-    for panel in (middle, right):
-        panel.tick_params(labelleft=True)  # on a phone each panel stands alone
     _separate_ladders(content, axes[0])
     _legend(figure, content)
     return figure

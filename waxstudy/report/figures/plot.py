@@ -116,7 +116,10 @@ class Shows(Figure):
 def panels(rows: int, columns: int, height_in: float, **options: Any) -> tuple[Figure, Any]:
     """Return a figure over the full width of the page and its axes (rows, columns)."""
     figure = Shows(figsize=(WIDTH_IN, height_in), layout="constrained")
-    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+    axes = figure.subplots(rows, columns, squeeze=False, **options)
+    for panel in axes.flat:
+        panel.tick_params(labelleft=True)  # on a phone each panel stands alone
+    return figure, axes
 
 
 def one_panel(height_in: float) -> tuple[Figure, Axes]:

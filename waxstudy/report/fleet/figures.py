@@ -36,6 +36,7 @@ def figure_response(found: Activated) -> Figure:
         axes[1, column].set(xlabel="time after the call, min", ylim=(-3.0, 103.0))
         for panel in axes[:, column]:
             panel.axvline(found.said["limit_s"] / 60.0, color=GREY, linewidth=2.0, zorder=1.0)
+            panel.tick_params(labelbottom=True)
     axes[0, 0].set_ylabel("more heat than without\nthe call, W per loop")
     axes[1, 0].set_ylabel("flow, % of full")
     legend_of(figure, _legend(found))

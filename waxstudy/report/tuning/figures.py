@@ -53,7 +53,8 @@ def _map(found: Tuned) -> Figure:
     panel.plot(
         [e.values[across.key] for e in lost], [e.values[up.key] for e in lost], "x", color=COLOURS[5], markersize=6
     )
-    bar = figure.colorbar(drawn, ax=panel, label=f"score ({found.goal.words}), 1; dashed: 1", format="%.2f")
+    words = f"score ({found.goal.words}), 1; dashed: 1"
+    bar = figure.colorbar(drawn, ax=panel, location="bottom", aspect=60, label=words, format="%.2f")
     bar.ax.grid(visible=False)
     handles = [_mark(panel, setting, place, across, up) for place, setting in enumerate(found.settings)]
     _scaled(panel, across, up)

@@ -128,6 +128,7 @@ def figure_bode(found: Loops) -> Figure:
         axes[1, column].axhline(180.0, color=BLACK, linewidth=0.8)
         axes[1, column].set(xlabel="period of the swing, h", ylim=(60.0, 420.0), yticks=range(90, 421, 90))
         axes[1, column].xaxis.set_major_formatter("{x:g}")
+        axes[0, column].tick_params(labelbottom=True)  # on a phone each panel stands alone
     axes[0, 0].set_ylabel("size of the open loop, 1")
     axes[1, 0].set_ylabel("lag, °")
     legend_of(figure, list(handles.values()))
