@@ -58,7 +58,7 @@ for each in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
     said += [text] if word in text else []
 print(json.dumps({"verdict": "none", "said": said, "files": sorted(map(str, folder.glob("*")))}))
 """
-DOCS = ROOT / "docs" / "blind_test.md"
+DOCS = ROOT / "docs" / "blind_test_seal.md"
 
 
 def test_a_diagnoser_gets_no_path_of_the_set_no_variable_and_no_input_of_ours(
