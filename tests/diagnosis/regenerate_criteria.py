@@ -38,9 +38,9 @@ WEIGHTS = """\
 
 ## The weights
 
-By these hypotheses are weighed where a [healthy record](diagnosis-healthy.md) is known, and answers are stated where
-none is. What is chosen was looked at on eighty-five pairs that the blind test's own engines made, and on none that is
-judged.
+By these the hypotheses of a link are weighed; of a room without a [healthy record](diagnosis-healthy.md) answers are
+stated by them. What is chosen was looked at on eighty-five pairs that the blind test's own engines made, and on none
+that is judged.
 
 """
 

@@ -27,7 +27,6 @@ from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.select.evidence import Left
 from waxstudy.diagnosis.select.search import select
 from waxstudy.diagnosis.select.unexplained import done_by_drives, unexplained
 from waxstudy.plugin import Facade
@@ -78,7 +77,7 @@ def test_a_gap_beyond_what_a_missing_sun_could_make_is_a_finding() -> None:
     segment = next(each for each in segments(seen, believed) if each.with_room)
     selection = select(estimator(segment, seen, believed, 0.2), [], 1, lambda name: None)
     floor = selection.after.residual_of("floor_surface_temperature_C")
-    most = limit(Question.EXCUSED, "of_drives", Left(is_room=True))
+    most = limit(Question.EXCUSED, "of_drives")
     assert floor.gap() > most * done_by_drives(selection, floor) > 0.0
     assert any(each.is_finding for each in unexplained(selection, 1) if each.channel == floor.channel)
 
