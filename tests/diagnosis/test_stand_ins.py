@@ -82,6 +82,20 @@ def test_a_gap_beyond_what_a_missing_sun_could_make_is_a_finding() -> None:
     assert any(each.is_finding for each in unexplained(selection, 1) if each.channel == floor.channel)
 
 
+@pytest.mark.parametrize(("rise_h", "set_h"), [(9.5, 14.5), (8.0, 16.0), (7.0, 17.0)])
+def test_a_sun_of_no_known_place_may_shine_as_long_as_in_any_season(rise_h: float, set_h: float) -> None:
+    """Also on a short winter's day, each strength within what is usual."""
+    data = rows("REAL", DAYS, without=(SUN,))
+    shapes = record_of(dataset(data, "REAL")).stand_ins[SUN].shapes
+    time = pd.DatetimeIndex(data["time"])
+    hour = time.hour.to_numpy() + time.minute.to_numpy() / 60.0
+    sun_W = 400.0 * np.sin(np.pi * np.clip((hour - rise_h) / (set_h - rise_h), 0.0, 1.0))
+    ways = np.transpose([each.heat_W * each.sd for each in shapes])
+    strength = np.linalg.lstsq(ways, sun_W, rcond=None)[0]
+    assert np.std(sun_W - ways @ strength) < 0.2 * np.std(sun_W)
+    assert np.abs(strength).max() < 2.0
+
+
 # --- the sun of a clear sky ------------------------------------------------------------------------------
 
 
