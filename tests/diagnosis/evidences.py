@@ -8,7 +8,6 @@ SOUND = Evidence(
     stage="actuator",
     channel="displacement",
     parameters=2,
-    interval_s=60.0,
     gain=1000.0,
     form_share=1.0,
     p=0.0025,
@@ -24,6 +23,6 @@ SOUND = Evidence(
 )
 KEPT = Kept(stage="room", parameters=2, fresh_share=1.0, whole_share=1.0, distinct=5.0)
 UNDERSTOOD = AirLeft(over_form=0.5, share_left=0.1)
-LATE = Late(is_room=True, growth=5.0, over=5.0, over_form=5.0)
-UNKNOWN = Left(is_room=False, over=5.0, p=0.001, typical=5.0, over_form=5.0, travel=5.0, of_drives=5.0)
+LATE = Late(growth=5.0, over=5.0, over_form=5.0)
+UNKNOWN = Left(over=5.0, p=0.001, over_form=5.0, of_drives=5.0)
 EXACT = Exact(over_loose=1.0, over=5.0, left=1.0, left_K=0.001)

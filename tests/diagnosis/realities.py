@@ -14,11 +14,16 @@ import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import Dataset
+from waxstudy.diagnosis.calibration.healthy import AsBelieved
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.model.segments import Segment
+from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.changed import changed
+from waxstudy.diagnosis.select.search import Search, Selection
+from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.plugin import Belief, Effect, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
@@ -136,6 +141,25 @@ def estimator(
 ) -> Estimator[SegmentProblem]:
     """Something that fits hypotheses to a segment of a record."""
     return Estimator(SegmentProblem(segment, record, believed, **how), thorough)
+
+
+def as_believed(
+    segment: Segment, record: Record, believed: Belief, names: Sequence[str], thorough: float = 1.0
+) -> Weighing:
+    """What weighs effects of a link of the chain without a healthy record."""
+    whole = SegmentProblem(segment, record, believed, parts=np.full(len(record), FIT))
+    healthy = AsBelieved.of(whole, Estimator(whole, thorough).base)
+    return Weighing(whole, [EFFECTS[name] for name in names], healthy, thorough, lambda name: None)
+
+
+def weighed(
+    segment: Segment, record: Record, believed: Belief, names: Sequence[str] = (), thorough: float = 1.0
+) -> Selection:
+    """What is said of a link of the chain without a healthy record, of some effects."""
+    weighing = as_believed(segment, record, believed, names, thorough)
+    fitter = Estimator(SegmentProblem(segment, record, believed, alike=weighing.problem), thorough, keeps=True)
+    search = Search(fitter, weighing.effects, np.random.default_rng(1), lambda name: None)
+    return changed(search, weighing.healthy, weighing.problem, lambda name: None)
 
 
 def plain(values: Mapping[str, FloatArray], interval_s: float = 60.0, **more: Any) -> Record:

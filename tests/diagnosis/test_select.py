@@ -77,21 +77,6 @@ def test_where_everything_is_as_believed_nothing_is_claimed(case: str, stage: st
     assert selection.before is selection.after
 
 
-@pytest.mark.parametrize(("interval_s", "least"), [(60.0, 1.5), (300.0, 3.5)])
-def test_a_motor_is_claimed_by_more_where_its_path_is_not_known(interval_s: float, least: float) -> None:
-    seen = record("REAL", days=2, interval_s=interval_s)
-    believed = belief("REAL", seen)
-    segment = segment_at("actuator", segments(seen, believed))
-    fitter, slow = estimator(segment, seen, believed), EFFECTS["slow-actuator"]
-    slower = fitter.problem.at([(slow, {"factor": 2.0})], fitter.base.departures, fitter.base.convention)
-    assert slower
-    search = Search(fitter, [slow], np.random.default_rng(1), lambda name: None)
-    (candidate,) = search.judged(fitter.base, [(slow, slower)])
-    evidence = replace(candidate.evidence, channel="displacement")
-    assert limit(Question.CLAIM, "over", evidence) == least
-    assert limit(Question.CLAIM, "over", replace(evidence, channel="flow_L_h")) == 1.5
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [2])
 def test_nor_with_the_noise_of_other_instruments(seed: int) -> None:

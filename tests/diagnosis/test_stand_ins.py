@@ -27,7 +27,6 @@ from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.select.evidence import Left
 from waxstudy.diagnosis.select.search import select
 from waxstudy.diagnosis.select.unexplained import done_by_drives, unexplained
 from waxstudy.plugin import Facade
@@ -78,9 +77,23 @@ def test_a_gap_beyond_what_a_missing_sun_could_make_is_a_finding() -> None:
     segment = next(each for each in segments(seen, believed) if each.with_room)
     selection = select(estimator(segment, seen, believed, 0.2), [], 1, lambda name: None)
     floor = selection.after.residual_of("floor_surface_temperature_C")
-    most = limit(Question.EXCUSED, "of_drives", Left(is_room=True))
+    most = limit(Question.EXCUSED, "of_drives")
     assert floor.gap() > most * done_by_drives(selection, floor) > 0.0
     assert any(each.is_finding for each in unexplained(selection, 1) if each.channel == floor.channel)
+
+
+@pytest.mark.parametrize(("rise_h", "set_h"), [(9.5, 14.5), (8.0, 16.0), (7.0, 17.0)])
+def test_a_sun_of_no_known_place_may_shine_as_long_as_in_any_season(rise_h: float, set_h: float) -> None:
+    """Also on a short winter's day, each strength within what is usual."""
+    data = rows("REAL", DAYS, without=(SUN,))
+    shapes = record_of(dataset(data, "REAL")).stand_ins[SUN].shapes
+    time = pd.DatetimeIndex(data["time"])
+    hour = time.hour.to_numpy() + time.minute.to_numpy() / 60.0
+    sun_W = 400.0 * np.sin(np.pi * np.clip((hour - rise_h) / (set_h - rise_h), 0.0, 1.0))
+    ways = np.transpose([each.heat_W * each.sd for each in shapes])
+    strength = np.linalg.lstsq(ways, sun_W, rcond=None)[0]
+    assert np.std(sun_W - ways @ strength) < 0.2 * np.std(sun_W)
+    assert np.abs(strength).max() < 2.0
 
 
 # --- the sun of a clear sky ------------------------------------------------------------------------------

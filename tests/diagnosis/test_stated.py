@@ -16,20 +16,18 @@ OPEN = Unexplained("room", 1.0, 0.1, 0.001)
 TRIED = ("let-by", "max-flow", "stuck-open")
 
 
-def selection(*groups: Sequence[str], of_room: bool = False) -> Selection:
+def selection(*groups: Sequence[str]) -> Selection:
     named: Any = SimpleNamespace(
         tried=[SimpleNamespace(effect=SimpleNamespace(name=name)) for name in TRIED],
         found=[SimpleNamespace(group=tuple(group)) for group in groups],
-        segment=SimpleNamespace(with_room=of_room),
     )
     return cast(Selection, named)
 
 
-@pytest.mark.parametrize("of_room", [False, True])
 @pytest.mark.parametrize("remains", [(), (OPEN,)])
 @pytest.mark.parametrize("groups", [(), (("let-by",),), (("let-by", "stuck-open"), ("max-flow",))])
-def test_what_rules_state_sums_to_one(groups: Any, remains: Any, of_room: bool) -> None:
-    told = stated(selection(*groups, of_room=of_room), remains)
+def test_what_rules_state_sums_to_one(groups: Any, remains: Any) -> None:
+    told = stated(selection(*groups), remains)
     assert sum(told.values()) == pytest.approx(1.0)
     assert all(0.0 <= each <= 1.0 for each in told.values())
 

@@ -121,6 +121,16 @@ def test_an_effect_of_a_chain_that_leaves_something_amiss_is_outdone_by_the_squa
     assert _with_peers(of_room, [0.0, 100.0, 10.0]) == [0.0, 100.0, 10.0]
 
 
+@pytest.mark.parametrize(("left", "is_peer"), [(0.05, True), (0.7, True), (0.72, False), (1.0, False)])
+def test_only_an_effect_of_a_chain_that_takes_half_of_the_squares_away_is_outdone_by_little(
+    left: float, is_peer: bool
+) -> None:
+    """One that hardly explains anything is no coarse name of what explains all."""
+    first, second = (replace(LEAK, stands=1.0, left=each) for each in (0.05, left))
+    told = _with_peers([NOTHING, first, second], [0.0, 100.0, 10.0])
+    assert told == pytest.approx([0.0, 100.0, 100.0 - WEIGHTS.unknown_price if is_peer else 10.0])
+
+
 def test_what_speaks_for_a_hypothesis_by_itself_is_a_sum_of_logarithms() -> None:
     told = replace(LEAK, gain=30.0, spread=2.0, ease=3.0, always=4.0, misfit=2.0, price=6.0)
     assert score(told) == pytest.approx(30.0 / 2.0 + 3.0 - 4.0 - 0.5 * 4.0 - 6.0)

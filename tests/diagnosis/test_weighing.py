@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +14,7 @@ import pytest
 
 from tests.diagnosis.realities import EFFECTS, Effects, belief, dataset, effects, rows
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
-from waxstudy.diagnosis.calibration.healthy import HealthyLeft
+from waxstudy.diagnosis.calibration.healthy import Healthy, HealthyLeft
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.as_built import Knob
@@ -70,6 +70,13 @@ def only(weighed: Weighed) -> Residual:
     return residual
 
 
+def lasting(missed: Residual, chosen: np.ndarray) -> float:
+    """What is missed of chosen samples (root mean square), but for those of the cycle that is missed most."""
+    squares, block = missed.whitened[chosen] ** 2, missed.block[chosen]
+    worst = max(set(block), key=lambda each: squares[block == each].sum())
+    return float(np.sqrt(np.mean(squares[block != worst])))
+
+
 def test_where_nothing_changed_nothing_has_a_name_and_no_course_or_pair_is_tried() -> None:
     _, found = of(NOTHING, NOTHING)
     assert [each.fitted.names for each in found] == [(), ("slow-actuator",), ("stuck-open",)]
@@ -105,7 +112,7 @@ def test_what_is_missed_stands_out_by_its_size_over_what_healthy_records_leave()
     weighing, (none, slow, _) = of(SLOW, SLOW)
     healthy = weighing.healthy.left("displacement")
     assert healthy
-    size = np.sqrt(np.mean(only(none).whitened ** 2))
+    size = lasting(only(none), np.full(len(only(none).whitened), True))
     assert slow.stands == pytest.approx(np.log(size / healthy.whitened) / WEIGHTS.scatter)
 
 
@@ -115,7 +122,7 @@ def test_a_misfit_is_told_in_standard_deviations_of_what_cycles_tell() -> None:
     assert healthy
     count, cycles = int(missed.judged.sum()), len(np.unique(missed.block[missed.judged]))
     more = max(1.0, (cycles / count) / (healthy.cycles / healthy.samples))  # of a valve that moves more often
-    over = np.sqrt(np.sum(missed.whitened**2) / count / more) / healthy.whitened
+    over = lasting(missed, missed.judged) / np.sqrt(more) / healthy.whitened
     together = min(weighing.healthy.together("displacement"), count / cycles)
     scatter = np.sqrt(WEIGHTS.scatter**2 + 0.5 * together / count + 0.5 * together / healthy.samples)
     assert none.misfit == pytest.approx(np.log(over) / scatter)
@@ -132,7 +139,7 @@ def test_what_an_effect_leaves_is_excused_by_a_tenth_of_what_it_explains() -> No
     usual = np.sqrt(more * healthy.whitened**2 + WEIGHTS.form**2 * explained)
     together = min(weighing.healthy.together("displacement"), count / cycles)
     scatter = np.sqrt(WEIGHTS.scatter**2 + 0.5 * together / count + 0.5 * together / healthy.samples)
-    assert slow.misfit == pytest.approx(np.log(np.sqrt(missed.loss() / count) / usual) / scatter)
+    assert slow.misfit == pytest.approx(np.log(lasting(missed, missed.judged) / usual) / scatter)
     over = [each.loss() - weighing.healthy.usual_loss(each) for each in (missed, only(none))]
     assert slow.left == pytest.approx(np.sqrt(over[0] / over[1]))
 
@@ -179,14 +186,18 @@ def test_a_second_effect_gains_no_more_than_its_cycles_can_tell() -> None:
 def test_a_second_effect_gains_what_it_adds_beyond_the_form_of_the_first() -> None:
     """Also beside one that is there since day 3, and with its own spread over cycles."""
     weighing, found = of(NOTHING, SLOW, 1.0)
+    both = found[4].fitted
+    assert found[4] == weighing._beside(found[1], both)
     for given in (found[1], found[3]):
-        pair = next(each for each in found[4:] if each.most == given.most)
+        pair = weighing._beside(given, both)
         counted = [only(each).whitened / weighing.share["displacement"] ** 0.5 for each in (given, pair)]
         spread, most = gain_spread(counted[0], counted[1], weighing.problem.record.cycle)
         more = weighing.of(pair.fitted).gain - given.gain - WEIGHTS.form**2 * given.gain
         assert pair.gain == pytest.approx(given.gain + min(more / spread, most))
         assert pair.spread == given.spread
         assert pair.fitted.names == ("slow-actuator", "stuck-open")
+    assert found[3].misfit < WEIGHTS.open < found[1].misfit  # so none is looked for beside that since day 3
+    assert not any(each.most == found[3].most for each in found[4:])
 
 
 def test_what_the_healthy_record_says_for_an_effect_varies_over_cycles_as_its_gain_does() -> None:
@@ -209,7 +220,10 @@ def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weig
     made: Any = object.__new__(Weighing)
     segment = SimpleNamespace(with_room=is_room)
     made.problem = SimpleNamespace(**{"segment": segment, "sd": np.zeros(0), "as_built": None, **problem})
-    made.healthy = SimpleNamespace(left=lambda channel: left)
+    usual: Any = Healthy
+    made.healthy = SimpleNamespace(
+        left=lambda channel: left, scatter=partial(usual.scatter, None), strays=partial(usual.strays, None)
+    )
     made.share = {}
     weighing: Weighing = made
     return weighing
@@ -266,14 +280,16 @@ def test_what_stands_out_of_a_switch_is_told_where_it_is_changed_and_of_what_run
     left: float | None,
 ) -> None:
     weighing = bare(False, HealthyLeft(left, 100, 10) if left else None)
-    missed, rest = [6.0, 0.0, 6.0, 0.0], [0.0, 0.0, 6.0, 0.0]
+    missed, rest = [6.0, 0.0, 6.0, 0.0, 6.0, 0.0], [0.0, 0.0, 6.0, 0.0, 0.0, 0.0]
     signal = {"channel": "heating_signal", "unit": "s"}
-    for way, size, least in ((signal, 6.0, WEIGHTS.least_off), ({}, np.sqrt(18.0), WEIGHTS.least_left)):
+    for way, size, least in ((signal, 6.0, WEIGHTS.least_off), ({}, np.sqrt(72.0 / 5.0), WEIGHTS.least_left)):
         found = weighing._stands(leaving(residual(rest, **way)), leaving(residual(missed, **way)))
         assert found == pytest.approx(np.log(size / (left or least)) / WEIGHTS.scatter)
         assert weighing._stands(leaving(residual(missed, **way)), leaving(residual(missed, **way))) == 0.0
-        slight = [leaving(residual([each, 0.0, 0.0, 0.0], **way)) for each in (0.0, 0.01)]
+        slight = [leaving(residual([each, 0.0, each, 0.0], **way)) for each in (0.0, 0.01)]
         assert weighing._stands(slight[0], slight[1]) == 0.0
+        once = [leaving(residual([each, 0.0, 0.0, 0.0], **way)) for each in (0.0, 60.0)]
+        assert weighing._stands(once[0], once[1]) == 0.0
     assert bare(True)._stands(leaving(residual(rest)), leaving(residual(missed))) == np.inf
 
 
@@ -302,6 +318,14 @@ def test_a_misfit_is_over_what_the_healthy_record_left_and_not_below_what_any_ma
         assert weighing.misfit(missed) == pytest.approx(np.log(8.0 / usual) / scatter_10)
     weighing.none = leaving(residual(np.full(100, 0.5 * least), channel, unit))
     assert weighing.misfit(weighing.none) == 0.0
+
+
+@pytest.mark.parametrize(("cycles", "is_missed"), [(0, False), (1, False), (2, True)])
+def test_what_is_missed_in_one_cycle_alone_is_no_misfit(cycles: int, is_missed: bool) -> None:
+    weighing = bare(False, HealthyLeft(1.0, 100, 10))
+    weighing.none = leaving(residual(np.where(np.arange(100) < 10 * cycles, 50.0, 1.0)))
+    assert (weighing.misfit(weighing.none) > 3.0) is is_missed
+    assert (weighing.misfit(weighing.none) > 0.0) is is_missed
 
 
 def test_where_nothing_is_judged_or_known_there_is_no_misfit_and_of_several_channels_the_largest_counts() -> None:

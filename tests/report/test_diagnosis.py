@@ -395,11 +395,19 @@ def test_the_page_has_a_row_for_everything_that_the_diagnosis_holds() -> None:
     assert ("valve", "flow", "5.23 L/h", "1.08 L/h", "4.8", "1.32 L/h", "+6.8 %", "0.23 K", "0.97") in rows
     assert ("valve", "flow", "undercool", "16.9 L/h", "16", "83 %") in rows
     assert ("let-by", "fraction", "0.0712 (0.0688 to 0.0741)") in rows
-    assert ("let-by", "flow", "5.19 L/h", "1.40 L/h", "1.08 L/h", "93 % (90 to 95)", "98 %", "0.0025") in rows
+    assert ("let-by", "flow", "5.19 L/h", "1.40 L/h", "1.08 L/h", "93 % (90 to 95)", "98 %", "p = 0.0025") in rows
     assert ("heat", "2.31", "2.07", "2.30", "kWh/m² a week") in rows
     assert ("mean air temperature", "21.11", "20.99", "21.10", "°C") in rows
-    assert ("stuck-open", "valve", "flow", "95 %", "20987", "0.0025", "cannot be told from one that was found") in rows
-    slow = "slow-actuator", "actuator", "displacement", "31 %", "402", "0.013", "not found: explains too little"
+    assert (
+        "stuck-open",
+        "valve",
+        "flow",
+        "95 %",
+        "20987",
+        "p = 0.0025",
+        "cannot be told from one that was found",
+    ) in rows
+    slow = "slow-actuator", "actuator", "displacement", "31 %", "402", "p = 0.013", "not found: explains too little"
     assert slow in rows
     assert ("return_temperature_C was not recorded", "supply-offset, floor-cover") in rows
     assert ("solar gain", "-1.13") in rows

@@ -26,7 +26,6 @@ class Evidence:
     stage: str
     channel: str  # where it gains most
     parameters: int  # how many are free
-    interval_s: float
     gain: float  # loss that it takes away, but for what the drive's noise adds to it
     loss: float  # on both parts
     strain: float  # squares of how far the room had to depart from what is believed, in standard deviations

@@ -310,7 +310,6 @@ class Search:
             stage=effect.stage,
             channel=channel,
             parameters=len(effect.priors),
-            interval_s=self.problem.record.interval_s,
             gain=gain,
             loss=self.loss(fitted, FIT) + self.loss(fitted, SELECT),
             strain=self.estimator.strain(fitted),

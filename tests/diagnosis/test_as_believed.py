@@ -1,0 +1,122 @@
+"""Claims about a chain without a healthy record: it is weighed against what noise makes of what is believed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tests.diagnosis.realities import EFFECTS, Effects, as_believed, belief, dataset, effects, planted, rows
+from waxstudy.diagnosis.diagnose import record_of, weighed_links
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, Convention
+from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.partition import ALL
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.select.posterior import posterior
+from waxstudy.diagnosis.select.weigh import Weighing
+from waxstudy.diagnosis.weights import WEIGHTS
+from waxstudy.plugin import Belief
+
+MOTOR = ["time", "heating_signal", "displacement"]
+CONTROLLER = ["time", "sensor_temperature_C", "air_temperature_C", "control_output"]
+DRIVEN = ["outdoor_temperature_C", "solar_gain_W", "internal_gain_W", "supply_temperature_C"]
+ROOM = ["time", "flow_L_h", "air_temperature_C", *DRIVEN]
+
+
+@cache
+def motor() -> tuple[Record, Belief, Segment]:
+    seen = record_of(dataset(rows("WAX", 4)[MOTOR], "WAX"))
+    believed = belief("WAX", seen)
+    (link,) = segments(seen, believed)
+    return seen, believed, link
+
+
+def weighing(true: Effects = (), names: Sequence[str] = ("slow-actuator",)) -> Weighing:
+    seen, believed, link = motor()
+    return as_believed(link, planted(link, seen, believed, true), believed, names, 0.25)
+
+
+def test_a_link_of_the_chain_is_weighed_without_a_healthy_record_and_a_room_is_not() -> None:
+    record = dataset(rows("WAX", 4)[ROOM], "WAX")
+    seen = record_of(record)
+    assert any(each.with_room for each in segments(seen, belief("WAX", seen)))
+    ((segment, found),) = weighed_links(record, None)
+    assert segment.stages[-1] == "valve"
+    assert posterior(found)["none"] > 0.9
+
+
+def test_what_noise_makes_of_what_is_believed_is_usual() -> None:
+    found = weighing()
+    left = found.healthy.left("displacement")
+    assert left
+    assert left.whitened == pytest.approx(1.0, rel=0.3)
+    assert found.none.residuals[0].loss() == pytest.approx(found.healthy.usual_loss(found.none.residuals[0]), rel=0.3)
+    assert found.healthy.scatter(found.none.residuals[0]) == WEIGHTS.part_scatter
+    assert found.healthy.had_it([(EFFECTS["slow-actuator"], {"factor": 1.4})])[0] == 0.0
+
+
+@pytest.mark.parametrize(("factor", "strays"), [(1.04, True), (2.0, False)])
+def test_what_real_motors_stray_by_has_no_name_and_is_no_misfit(factor: float, strays: bool) -> None:
+    found = weighing(effects(slow_actuator={"factor": factor}))
+    none, slow = found.weighed()[:2]
+    assert slow.fitted.effects[0][1]["factor"] == pytest.approx(factor, rel=0.02)
+    assert slow.names == (() if strays else ("slow-actuator",))
+    assert (none.misfit == 0.0) is strays
+    assert (posterior([none, slow])["none"] > 0.9) is strays
+
+
+@pytest.mark.parametrize(("stuck", "is_unknown"), [([3], False), ([3, 6, 9, 12], True)])
+def test_a_motor_that_sticks_in_a_single_cycle_is_nothing_unknown(stuck: Sequence[int], is_unknown: bool) -> None:
+    seen, believed, link = motor()
+    made = planted(link, seen, believed)
+    still = np.isin(made.cycle, np.unique(made.cycle)[list(stuck)])
+    values = {**made.values, "displacement": np.where(still, 0.0, made.values["displacement"])}
+    found = as_believed(link, replace(made, values=values), believed, ["slow-actuator"], 0.25)
+    assert (posterior(found.weighed())["unknown"] > 0.5) is is_unknown
+
+
+# --- a controller ------------------------------------------------------------------------------------
+
+
+def of_controller(true: Effects, name: str, thorough: float = 1.0) -> dict[str, float]:
+    """The parameters of an effect of an on-off controller that is named."""
+    seen = record_of(dataset(rows("LATE", 7, true)[CONTROLLER], "LATE"))
+    believed = belief("LATE", seen)
+    link = next(each for each in segments(seen, believed) if "controller" in each.stages)
+    none, found = as_believed(link, seen, believed, [name], thorough).weighed()[:2]
+    assert posterior([none, found])[name] > WEIGHTS.named
+    return dict(found.fitted.effects[0][1])
+
+
+def test_a_quick_look_names_a_dead_band_that_is_wider_by_a_tenth_of_a_kelvin() -> None:
+    """Its first points lie a kelvin apart."""
+    found = of_controller(effects(dead_band={"dead_band_K": 0.62}), "dead-band", 0.25)
+    assert found["dead_band_K"] == pytest.approx(0.62, abs=0.02)
+
+
+def test_a_small_shift_of_the_setpoint_at_night_is_named_with_its_hours() -> None:
+    found = of_controller(effects(setpoint_offset={"offset_K": -0.14, "from_h": 22.5, "to_h": 5.8}), "setpoint-offset")
+    assert found["offset_K"] == pytest.approx(-0.14, abs=0.05)
+    assert found["from_h"] == pytest.approx(22.5, abs=1.0)
+    assert found["to_h"] == pytest.approx(5.8, abs=1.0)
+
+
+def test_what_another_reading_of_the_record_explains_is_no_effect_s_gain() -> None:
+    seen = record_of(dataset(rows("LATE", 4)[CONTROLLER], "LATE"))
+    believed = belief("LATE", seen)
+    link = next(each for each in segments(seen, believed) if "controller" in each.stages)
+    found = as_believed(link, seen, believed, [])
+
+    def read(convention: Convention) -> Hypothesis:
+        nothing = found.estimator.refined((), found.none.departures, convention, ALL)
+        assert nothing
+        return nothing
+
+    after, before = read(AFTER), read(BEFORE)
+    found.none, better = max((after, before), key=found._loss), min((after, before), key=found._loss)
+    assert found._loss(found.none) > 100.0 + found._loss(better)
+    assert found.of(better).gain == 0.0
