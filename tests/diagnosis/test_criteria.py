@@ -125,6 +125,11 @@ def test_no_two_limits_are_of_the_same_number_of_the_same_evidence() -> None:
     assert len(set(asked)) == len(asked)
 
 
+def test_a_question_compares_a_number_with_all_its_limits_the_same_way() -> None:
+    asked = {(question, row.statistic, row.operator) for row in criteria() for question in row.questions}
+    assert len({asked_for[:2] for asked_for in asked}) == len(asked)
+
+
 def test_each_kind_of_evidence_that_is_told_apart_has_a_limit_of_its_own() -> None:
     assert {id(row.where) for row in criteria()} == {id(where) for where in WHERE.values()}
 

@@ -222,7 +222,10 @@ def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weig
     made.problem = SimpleNamespace(**{"segment": segment, "sd": np.zeros(0), "as_built": None, **problem})
     usual: Any = Healthy
     made.healthy = SimpleNamespace(
-        left=lambda channel: left, scatter=partial(usual.scatter, None), strays=partial(usual.strays, None)
+        left=lambda channel: left,
+        stands_scatter=WEIGHTS.scatter,
+        scatter=partial(usual.scatter, None),
+        strays=partial(usual.strays, None),
     )
     made.share = {}
     weighing: Weighing = made

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from waxstudy.identification import valve
 from waxstudy.identification.description import Described
 from waxstudy.identification.flow import FlowRecord, read_flow
 from waxstudy.identification.models import Value
@@ -24,6 +26,7 @@ from waxstudy.identification.valve import (
     _is_at_bound,
     _near,
     _notes,
+    _openings,
     _polished,
     _Problem,
     _value,
@@ -179,6 +182,49 @@ def test_a_pace_is_at_its_bound_within_a_hundredth_and_a_delay_never_is() -> Non
     assert [_is_at_bound("pace", value) for value in (0.852, 0.854, 1.0, 1.148)] == [True, False, False, True]
     assert [_is_at_bound("h_mid", value) for value in (0.1005, 0.102, 0.9995)] == [True, False, True]
     assert not _is_at_bound("delay", 0.5)
+
+
+@pytest.fixture
+def searched(monkeypatch: pytest.MonkeyPatch) -> list[_Problem]:
+    """What fits are made of; what a search would find is given here."""
+    asked: list[_Problem] = []
+
+    def best(problem: _Problem, names: object, seed: int) -> np.ndarray:
+        asked.append(problem)
+        return np.array([0.17, 0.41, 0.5, 1.0, 0.0])
+
+    monkeypatch.setattr(valve, "_best", best)
+    monkeypatch.setattr(valve, "_again", lambda problem, best, names, draw: np.array([best, best]))
+    return asked
+
+
+def test_a_fit_takes_what_was_measured_of_whole_cycles_between_closed_and_open(
+    record: FlowRecord, motor: Choice, searched: list[_Problem]
+) -> None:
+    """Over the flow of the open valve, at the pace in the middle."""
+    lost = record.missing | (np.arange(len(record.flow)) % 7 == 0)
+    found = fit_valve(replace(record, missing=lost), motor, authority=0.1)
+    (problem,) = searched
+    openings, cycle = _openings(record, motor), _cycle_of(record)
+    opening, near = openings[list(PACES).index(1.0)], _near(openings)
+    full = np.median(record.flow[(opening > 0.95) & ~lost])
+    taken = [near[n] and not lost[n] and cycle[n] >= 0 for n in range(len(lost))]
+    assert found.full_flow == full
+    assert problem.flow.tolist() == (record.flow[taken] / full).tolist()
+    assert problem.cycle.tolist() == cycle[taken].tolist()
+    assert len(set(problem.cycle)) > 3
+    assert found.considered.tolist() == [taken[n] and 0.05 < opening[n] < 0.95 for n in range(len(lost))]
+
+
+@pytest.mark.parametrize(("cycles", "is_enough"), [(2, False), (3, True)])
+def test_three_cycles_after_the_first_are_enough(
+    record: FlowRecord, motor: Choice, searched: list[_Problem], cycles: int, is_enough: bool
+) -> None:
+    end = int(np.argmax(_cycle_of(record) == cycles))
+    cut = {name: getattr(record, name)[:end] for name in ("on", "flow", "missing")}
+    with nullcontext() if is_enough else pytest.raises(StudyError, match="2 cycles after the first"):
+        fit_valve(replace(record, **cut), motor, authority=0.1)
+    assert bool(searched) is is_enough
 
 
 # --- whole fits ---------------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ def _try(known: WorkDB, item: WorkItem, tested: Callable[[], int], timeout_s: fl
     Path(importlib.util.cache_from_source(str(path))).unlink(missing_ok=True)
     operator = get_operator(mutation.operator_name)(**mutation.operator_args)
     with use_mutation(path, operator, mutation.occurrence) as (before, after):
-        is_change = after is not None and _run_of(before) != _run_of(after)
+        is_change = after is not None and _run_of(after) not in ("", _run_of(before))
         passes = is_change and _passes(tested, timeout_s)
     if not is_change:
         known.set_result(item.job_id, WorkResult(worker_outcome=WorkerOutcome.SKIPPED))
@@ -63,8 +63,11 @@ def _try(known: WorkDB, item: WorkItem, tested: Callable[[], int], timeout_s: fl
 
 
 def _run_of(text: str) -> str:
-    """Return what of a module is run: what functions annotate is not."""
-    tree = ast.parse(text)
+    """Return what of a module is run, "" where it is no Python: what functions annotate is not run."""
+    try:
+        tree = ast.parse(text)
+    except SyntaxError:  # the star before arguments that are named is taken for an operator
+        return ""
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef):
             node.returns = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from tests.cli.folders import contents
 from waxstudy.plugin.registry import installed
 from waxstudy.simulation.budget import Needs, TooLarge
-from waxstudy.simulation.run import prepare, run
+from waxstudy.simulation.run import part_intervals, prepare, run
 from waxstudy.study.read import read_study
 
 GB = 1e9
@@ -50,6 +51,18 @@ def test_the_disk_is_asked_for_what_is_still_to_be_computed_only(small_study: Pa
     assert all_.disk == pytest.approx(len(jobs) * one.disk)
     assert Needs.of(study, plan.driven, []) == Needs(0.0, 0.0)
     assert one.disk == pytest.approx(7 * 24 * 60 * 40.0)
+
+
+@pytest.mark.parametrize(
+    ("step_s", "row_s", "part_h"), [(5.0, 60.0, 48), (5.0, 86400.0, 48), (1.0, 60.0, 9), (1.0, 7200.0, 8)]
+)
+def test_of_a_run_of_any_length_two_days_at_5_s_are_held_at_a_time(
+    small_study: Path, step_s: float, row_s: float, part_h: int
+) -> None:
+    """Or as many steps, in whole rows of its trace."""
+    driven = next(iter(prepare(read_study(small_study, installed())).driven.values()))
+    assert driven.weather.interval_s == 3600.0
+    assert part_intervals(replace(driven, step_s=step_s), row_s) == part_h
 
 
 def test_a_study_that_cannot_fit_takes_no_folder_from_another(

@@ -60,6 +60,12 @@ def test_a_search_goes_away_from_where_it_begins_in_steps_that_double_and_asks_f
     assert asked[:3] == pytest.approx(sign * np.array([0.2, 0.35, 0.65]))
 
 
+def test_a_target_that_two_steps_just_miss_lies_between_them() -> None:
+    asked, found = asked_for(lambda shift_K: 33.3 - 6.0 * shift_K)
+    assert (min(asked), max(asked)) == (0.0, 0.1)
+    assert abs(found.hours.mean() - 33.0) <= 0.25
+
+
 def test_what_is_on_target_at_once_has_the_slope_to_the_next_step() -> None:
     asked, found = asked_for(lambda shift_K: 33.2 - 100.0 * shift_K - 50.0 * shift_K**2)
     assert asked == pytest.approx([0.0, 0.1])
