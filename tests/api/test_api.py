@@ -198,11 +198,12 @@ def test_times_in_utc_do_not_say_where_the_room_is(frame: pd.DataFrame) -> None:
 @pytest.mark.slow
 def test_a_diagnosis_shows_where_what_and_how_far(frame: pd.DataFrame) -> None:
     told: list[float] = []
-    record = wx.Dataset.from_frame(frame, believed={**NOMINAL, "valve": {"use": "linear"}}, room={"use": "nzeb"})
+    controller = {"use": "on-off", "dead_band_K": 0.8}  # it truly is 0.5 K
+    record = wx.Dataset.from_frame(frame, believed={**NOMINAL, "controller": controller}, room={"use": "nzeb"})
     found = wx.diagnose(record, quick=True, progress=lambda what, share: told.append(share))
-    assert "quick-opening" in list(found.effects["name"])
-    valve = found.how_far.set_index("stage").loc["valve"]
-    assert valve["gap_after"] < 0.5 * valve["gap"]
+    assert "dead-band" in list(found.effects["name"])
+    controller_gap = found.how_far.set_index("stage").loc["controller"]
+    assert controller_gap["gap_after"] < 0.5 * controller_gap["gap"]
     assert (found.where["over_floor"] >= 0.0).all()
     assert found.summary in repr(found)
     assert found._repr_html_().startswith("<iframe")
