@@ -84,7 +84,7 @@ def row(name: str, found: Sequence[Link], soft: float, unseen: float) -> str:
 def tell(found: Sequence[Link]) -> None:
     kinds: Mapping[str, Sequence[Link]] = {
         "chains": [each for each in found if each.has_baseline and not each.is_of_room],
-        "chains alone": [each for each in found if not each.has_baseline],
+        "chains without baseline": [each for each in found if not each.has_baseline],
         "rooms": [each for each in found if each.is_of_room],
     }
     for kind, own in kinds.items():

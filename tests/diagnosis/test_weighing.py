@@ -225,7 +225,7 @@ def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weig
         left=lambda channel: left,
         stands_scatter=WEIGHTS.scatter,
         scatter=partial(usual.scatter, None),
-        strays=partial(usual.strays, None),
+        tolerated_travel=0.0,
     )
     made.share = {}
     weighing: Weighing = made

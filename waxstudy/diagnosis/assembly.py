@@ -12,6 +12,7 @@ import pandas as pd
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.calibration.calibrate import Calibration
+from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
 from waxstudy.diagnosis.consequence.closed_loop import closed_loop
 from waxstudy.diagnosis.consequence.impact import impact
@@ -19,6 +20,7 @@ from waxstudy.diagnosis.consequence.missing_heat import missing_heat
 from waxstudy.diagnosis.consequence.regimes import regimes
 from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
+from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
@@ -63,6 +65,15 @@ class Work:
     thorough: float
     calibration: Calibration | None = None
     baseline: Dataset | None = None  # that it was calibrated on
+
+    @property
+    def as_built(self) -> AsBuilt | None:
+        return self.calibration.as_built if self.calibration else None
+
+    @property
+    def healthy(self) -> Mapping[str, Healthy]:
+        """The links of a healthy record, by name."""
+        return self.calibration.healthy if self.calibration else {}
 
     @property
     def documented(self) -> Belief:

@@ -20,7 +20,6 @@ from waxstudy.diagnosis.calibration.stored import calibrated as stored
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
-from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.room_response import OF_ROOM, built
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.neighbours.judge import judged
@@ -104,23 +103,17 @@ def _cut(work: Work) -> tuple[list[Segment], dict[Segment, str]]:
 def _whole(work: Work, segment: Segment) -> SegmentProblem:
     """Return a link with all its days to fit."""
     parts = np.full(len(work.record), FIT)
-    return SegmentProblem(segment, work.record, work.belief, as_built=_as_built(work), parts=parts)
-
-
-def _as_built(work: Work) -> AsBuilt | None:
-    return work.calibration.as_built if work.calibration else None
+    return SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, parts=parts)
 
 
 def _is_weighed(work: Work, segment: Segment) -> bool:
-    """Whether it is known what a link leaves where nothing is amiss: of a chain it is noise."""
-    known = work.calibration.healthy if work.calibration else {}
-    return segment.name in known or not (segment.with_room or segment.is_supply)
+    """Whether it is known what a link leaves where nothing is amiss: of a chain noise; of a room a baseline tells."""
+    return segment.name in work.healthy or not (segment.with_room or segment.is_supply)
 
 
 def _healthy(work: Work, whole: SegmentProblem) -> Healthy:
     """Return what nothing amiss leaves of a link: what a healthy record shows, else what noise makes."""
-    known = work.calibration.healthy if work.calibration else {}
-    return known.get(whole.segment.name) or AsBelieved.of(whole, Estimator(whole, work.thorough).base)
+    return work.healthy.get(whole.segment.name) or AsBelieved.of(whole, Estimator(whole, work.thorough).base)
 
 
 def _with_neighbours(diagnosis: Diagnosis, dataset: Dataset, tick: Tell) -> Diagnosis:
@@ -228,7 +221,7 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
 def _changed(work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
     """Return what is otherwise at a link than in the healthy record, or than believed."""
     whole = _whole(work, segment)
-    problem = SegmentProblem(segment, work.record, work.belief, as_built=_as_built(work), alike=whole)
+    problem = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, alike=whole)
     estimator = Estimator(problem, work.thorough, keeps=True)
     search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
     return changed(search, _healthy(work, whole), whole, tick)

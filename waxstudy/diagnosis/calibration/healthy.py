@@ -62,9 +62,10 @@ class Healthy:
         """Return what a hypothesis of a room misses of a later record, weighed by what the healthy one leaves."""
         return sum(each.loss() / self.together(each.channel) for each in fitted.residuals)
 
-    def strays(self, travel: float) -> bool:
-        """Return whether a motor may differ by so much, over what real ones stray, with nothing amiss."""
-        return False  # as one motor was in the healthy record, it is in the later
+    @property
+    def tolerated_travel(self) -> float:
+        """How far a motor may differ with nothing amiss, over what real ones stray: not at all from itself."""
+        return 0.0
 
     def left(self, channel: str) -> HealthyLeft | None:
         """Return what is left of a channel, None where it shows nothing."""
@@ -119,7 +120,7 @@ def together(residual: Residual) -> float:
 
 @dataclass(frozen=True)
 class AsBelieved(Healthy):
-    """A link of the control chain without a healthy record: what is believed is right, and seen by its instruments."""
+    """A link of the control chain without a healthy record: what noise makes of the believed model."""
 
     @classmethod
     def of(cls, problem: SegmentProblem, believed: Hypothesis) -> AsBelieved:
@@ -133,9 +134,10 @@ class AsBelieved(Healthy):
     def scatter(self, residual: Residual) -> float:
         return WEIGHTS.part_scatter
 
-    def strays(self, travel: float) -> bool:
-        return travel <= limits()["tolerated"].value
+    @property
+    def tolerated_travel(self) -> float:
+        return limits()["tolerated"].value
 
     def had_it(self, effects: Edits) -> tuple[float, FloatArray]:
-        """Return that nothing could have been there from the start: what is believed is what a change is from."""
+        """Return that nothing was there from the start: all is compared with what is believed."""
         return 0.0, np.zeros(len(self.problem.sd))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -52,14 +52,12 @@ class Space:
         """Return points a noticeable step from neutral, either way of each parameter: others may lie far apart."""
         if neutral is None or not set(self.names) <= neutral.keys():
             return []
-        steps = [(name, _stepped(prior, neutral[name], way)) for name, prior in self._priors() for way in (-1, 1)]
+        pairs = zip(self.names, self.priors, strict=True)
+        steps = [(name, stepped(prior, neutral[name], way)) for name, prior in pairs for way in (-1, 1)]
         return [{**neutral, name: value} for name, value in steps if value != neutral[name]]
 
-    def _priors(self) -> Iterator[tuple[str, Prior]]:
-        return zip(self.names, self.priors, strict=True)
 
-
-def _stepped(prior: Prior, still: float, steps: float) -> float:
+def stepped(prior: Prior, still: float, steps: float) -> float:
     """Return a value so many noticeable steps from a neutral one, within the range that is looked at."""
     value = still * prior.noticeable**steps if prior.is_log else still + steps * prior.noticeable
     return float(min(prior.high, max(prior.low, value)))

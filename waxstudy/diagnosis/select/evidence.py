@@ -14,9 +14,8 @@ from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval, in_floors
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Prior
-
-SURELY = 4.0  # standard deviations of a channel's noise, beyond which a sample is off
 
 
 @dataclass(frozen=True)
@@ -132,7 +131,7 @@ def travel_left(problem: SegmentProblem, fitted: Hypothesis, residual: Residual)
     if channel not in ("displacement", "flow_L_h") or "actuator" not in problem.segment.stages:
         return np.inf
     full = 1.0 if channel == "displacement" else float(np.nanmax(problem.record.values["flow_L_h"]))
-    beyond_noise = np.abs(residual.error) > SURELY * problem.record.noise[channel]
+    beyond_noise = np.abs(residual.error) > WEIGHTS.surely_off * problem.record.noise[channel]
     missed_s = opening_difference_s(problem.record, residual.error * beyond_noise / full)
     return missed_s / tolerated_s(problem.record, problem.belief_of(fitted))
 

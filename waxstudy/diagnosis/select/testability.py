@@ -8,7 +8,7 @@ import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.diagnosis.criteria import ROOM_STAGES, Question, limit
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, stepped
 from waxstudy.diagnosis.model.segments import SHOWN, Segment
 from waxstudy.diagnosis.observations.record import AIR, Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
@@ -151,9 +151,8 @@ def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]
     values = {**effect.Parameters(**neutral).model_dump(), **neutral}
     for name, prior in effect.priors.items():
         for steps in (-CLEAR, CLEAR) if name in neutral else ():
-            still, step = neutral[name], prior.noticeable
-            value = min(prior.high, max(prior.low, still * step**steps if prior.is_log else still + steps * step))
-            if value != still:
+            value = stepped(prior, neutral[name], steps)
+            if value != neutral[name]:
                 yield {**values, name: value}
     yield from effect.starts(believed)
 

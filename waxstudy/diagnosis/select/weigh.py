@@ -26,7 +26,6 @@ from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, FloatArray
 
-TINY = 1e-12
 DEEPER = 3  # hypotheses that others are tried beside
 Tick = Callable[[str], None]
 
@@ -212,11 +211,9 @@ class Weighing:
             # noise of its drive moves what runs on at its edges most, where any other model changes it too
             weights.append(change if old.unit == "s" else np.full(len(change), change.mean()))
             missed.append(weights[-1] * (old.whitened / self._usual(old)) ** 2)
-        _, member = np.unique(np.concatenate([self._block(each) for each in given.residuals]), return_inverse=True)
-        power, over = np.bincount(member, np.concatenate(weights)), np.bincount(member, np.concatenate(missed))
-        lasting = np.arange(len(over)) != np.argmax(over) if len(over) > 1 else np.full(len(over), True)
-        ratio = float(over[lasting].sum() / max(power[lasting].sum(), TINY))
-        return max(0.0, 0.5 * float(np.log(max(ratio, TINY))) / self.healthy.stands_scatter)
+        block = np.concatenate([self._block(each) for each in given.residuals])
+        over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
+        return 0.5 * float(np.log(max(1.0, over))) / self.healthy.stands_scatter
 
     def _usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample, over what it is weighed by."""
@@ -235,7 +232,7 @@ class Weighing:
         return sum(max(0.0, each.loss() - self.healthy.usual_loss(each)) for each in fitted.residuals)
 
     def _least(self, convention: Convention) -> float:
-        """Return what nothing misses, read as it suits the record best or as a hypothesis reads it."""
+        """Return what is missed without effects, under the best convention or a hypothesis's, whichever is less."""
         return min(self._loss(self.none), self._loss(self._none_read(convention)))
 
     def _none_read(self, convention: Convention) -> Hypothesis:
@@ -278,18 +275,19 @@ class Weighing:
                 yield effect.name
 
     def _strays(self, effect: EffectType, without: Belief, fitted: Hypothesis) -> bool:
-        if effect.stage != "actuator":
-            return False
-        return self.healthy.strays(travel(self.problem.record, without, self.problem.belief_of(fitted)))
+        most = self.healthy.tolerated_travel if effect.stage == "actuator" else 0.0
+        return most > 0.0 and travel(self.problem.record, without, self.problem.belief_of(fitted)) <= most
 
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
         pairs = zip(self.none.residuals, fitted.residuals, strict=True)
-        return max((self._misfit(before, after) for before, after in pairs if self._counts(fitted, after)), default=0.0)
+        counted = (self._misfit(old, new) for old, new in pairs if not self._is_covered(fitted, new))
+        return max(counted, default=0.0)
 
-    def _counts(self, fitted: Hypothesis, residual: Residual) -> bool:
-        """Whether what is missed of a channel is more than real motors stray."""
-        return not self.healthy.strays(travel_left(self.problem, fitted, residual))
+    def _is_covered(self, fitted: Hypothesis, residual: Residual) -> bool:
+        """Whether a motor is missed by no more than real ones stray."""
+        most = self.healthy.tolerated_travel
+        return most > 0.0 and travel_left(self.problem, fitted, residual) <= most
 
     def _misfit(self, none: Residual, residual: Residual) -> float:
         count = int(residual.judged.sum())
@@ -303,19 +301,19 @@ class Weighing:
         more = 1.0 if is_room else max(1.0, cycles / count * healthy.samples / healthy.cycles)
         explained = max(0.0, none.loss() - residual.loss()) / count
         usual = float(np.sqrt(more * usual**2 + WEIGHTS.form**2 * explained))
-        left, before = _lasting(residual), healthy.samples
+        squares = residual.whitened[residual.judged] ** 2
+        left = _lasting(squares, np.ones(count), residual.block[residual.judged]) ** 0.5
         # errors of different cycles do not hang together, however alike something that is always amiss makes them
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
-        scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / before)
+        scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / healthy.samples)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
 
 
-def _lasting(residual: Residual) -> float:
-    """Return what is left of a sample without the day or cycle that leaves most: what happened once may be chance."""
-    squares = residual.whitened[residual.judged] ** 2
-    _, member = np.unique(residual.block[residual.judged], return_inverse=True)
-    losses, counts = np.bincount(member, squares), np.bincount(member)
-    if len(counts) < 2:
-        return float(np.sqrt(squares.mean()))
-    worst = int(np.argmax(losses))
-    return float(np.sqrt((losses.sum() - losses[worst]) / (counts.sum() - counts[worst])))
+def _lasting(missed: FloatArray, power: FloatArray, block: np.ndarray) -> float:
+    """Return what is missed over a power without the day or cycle of most: what happened once may be chance."""
+    _, member = np.unique(block, return_inverse=True)
+    sums = np.array([np.bincount(member, missed), np.bincount(member, power)])
+    if sums.shape[1] > 1:
+        sums = np.delete(sums, np.argmax(sums[0]), axis=1)
+    over, whole = sums.sum(axis=1)
+    return float(over / whole) if whole else 0.0
