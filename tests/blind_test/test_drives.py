@@ -11,7 +11,7 @@ import pytest
 
 from waxstudy.blind_test.draw import CHANNEL_SETS, LATER_BUILT_SETS, LATER_SETS, LIT, Case, drawn
 from waxstudy.blind_test.key import Key
-from waxstudy.blind_test.make import Place, begin
+from waxstudy.blind_test.make import Place, begun
 from waxstudy.blind_test.plan import DRAW, Plan, Slot
 from waxstudy.blind_test.record import write_record
 from waxstudy.dataset.channels import GLOBAL
@@ -59,8 +59,9 @@ def test_a_record_with_light_tells_its_place_and_no_other_does(tmp_path: Path) -
 
 def test_a_test_that_was_begun_goes_on_as_its_key_drew_then(tmp_path: Path) -> None:
     place, plan = Place(tmp_path / "test"), Plan(cases=3, engines=("fast-room",))
-    assert begin(place, replace(plan, draw=1), KEY).draw == 1
-    assert begin(place, replace(plan, draw=DRAW), KEY).draw == 1
+    for draw in (1, DRAW):
+        with begun(place, replace(plan, draw=draw), KEY) as drawn_by:
+            assert drawn_by.draw == 1
     about = json.loads((place.folder / "blind-test.json").read_text())
     del about["plan"]["draw"]  # as earlier versions wrote it
     (place.folder / "blind-test.json").write_text(json.dumps(about))

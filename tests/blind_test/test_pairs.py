@@ -19,7 +19,7 @@ from tests.conftest import ROOT, Waxstudy
 from waxstudy.blind_test.box import BOX_BYTES, OVERHEAD_BYTES, close_box, open_box
 from waxstudy.blind_test.draw import BUILT_SETS, NO_SUN, Case, drawn
 from waxstudy.blind_test.key import Key, canonical
-from waxstudy.blind_test.make import Place, begin, make
+from waxstudy.blind_test.make import Place, begun, make
 from waxstudy.blind_test.plan import Plan, Slot
 from waxstudy.blind_test.record import FILES, PAGE_BYTES, WIDTH
 from waxstudy.blind_test.truth import Size, told
@@ -55,8 +55,8 @@ def finished_pairs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pairs")
     (folder / "key").write_text(f"{KEY}\n")
     place, plan = Place(folder / "test"), Plan(share=0.01, strata=STRATA, engines=("other-plant",))
-    begin(place, plan, KEY)
-    make(place, plan, KEY, 2, lambda *said: None)
+    with begun(place, plan, KEY):
+        make(place, plan, KEY, 2, lambda *said: None)
     return folder
 
 

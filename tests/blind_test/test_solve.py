@@ -18,6 +18,7 @@ from tests.conftest import WAXSTUDY, Waxstudy
 from waxstudy.blind_test.child import _read
 from waxstudy.blind_test.make import Place
 from waxstudy.blind_test.record import digest_of
+from waxstudy.results.atomic import sole_use
 
 FINISHED = "test/answers/external/[!.][!o]*.json"  # neither half written ones nor command.json
 # prints what it can see instead of a diagnosis of anything
@@ -102,6 +103,27 @@ def test_a_diagnoser_that_takes_too_long_is_ended(place: Place, waxstudy: Waxstu
     (one,) = answers(place).values()
     assert one["answer"] is None
     assert "ended after 1 s" in one["stderr"]
+
+
+def test_two_commands_never_answer_under_one_name_at_once(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:
+    (folder := place.folder / "answers" / "external").mkdir(parents=True)
+    call = ("blind-test", "solve", "test", "--", *answering(tmp_path, NONE))
+    with sole_use(folder):
+        done = waxstudy(*call)
+    assert (done.returncode, answers(place)) == (2, {})
+    assert "another command is answering here; wait for it" in done.stderr
+    assert waxstudy(*call).returncode == 0
+
+
+def test_two_commands_never_make_records_in_one_folder_at_once(place: Place, waxstudy: Waxstudy) -> None:
+    made = {path: path.read_bytes() for path in place.folder.rglob("*") if path.is_file()}
+    call = ("blind-test", "make", "--cases", CASES, "--out", "test", "--key-file", "key")
+    with sole_use(place.folder):
+        done = waxstudy(*call)
+    assert done.returncode == 2
+    assert "another command is making records in this folder; wait for it" in done.stderr
+    assert {path: path.read_bytes() for path in place.folder.rglob("*") if path.is_file()} == made
+    assert waxstudy(*call).returncode == 0
 
 
 def test_answers_of_another_command_are_not_mixed_in(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +19,7 @@ from waxstudy.blind_test.plan import Plan, Slot
 from waxstudy.blind_test.record import BASELINE, LONG_AGO_S, copy_record, digest_of, set_times, write_record
 from waxstudy.plugin.files import read_file, why
 from waxstudy.plugin.trial import Staged, Unmakeable, engine_of
-from waxstudy.results.atomic import whole_file, whole_folder
+from waxstudy.results.atomic import sole_use, whole_file, whole_folder
 from waxstudy.simulation.workers import worker_processes
 
 if TYPE_CHECKING:
@@ -90,20 +91,28 @@ class Place:
             raise KeyProblem("this is not the key of these records")
 
 
-def begin(place: Place, plan: Plan, key: Key) -> Plan:
-    """Make the folder, or take up one that the same command began; return its plan, which draws as it did then.
+@contextmanager
+def begun(place: Place, plan: Plan, key: Key) -> Iterator[Plan]:
+    """Make the folder, or take up one that the same command began, and hold it; give its plan, which draws as it did.
 
-    Raises `BlindTestError` or `KeyProblem`.
+    Raises `BlindTestError`, also where another command is making records there, or `KeyProblem`.
     """
+    place.folder.mkdir(parents=True, exist_ok=True)
+    with sole_use(place.folder) as is_ours:
+        if not is_ours:
+            raise BlindTestError(f"{place.folder}: another command is making records in this folder; wait for it")
+        yield _plan_begun(place, plan, key)
+
+
+def _plan_begun(place: Place, plan: Plan, key: Key) -> Plan:
     if (place.folder / ABOUT).exists():
         place.check_key(key)
-        begun = place.plan
-        if begun != replace(plan, draw=begun.draw):
+        earlier = place.plan
+        if earlier != replace(plan, draw=earlier.draw):
             raise BlindTestError(f"{place.folder}: another plan was begun here: take another folder")
-        return begun
-    if place.folder.exists() and any(place.folder.iterdir()):
+        return earlier
+    if any(place.folder.iterdir()):
         raise BlindTestError(f"{place.folder}: there is something else in this folder")
-    place.folder.mkdir(parents=True, exist_ok=True)
     about = {"format": FORMAT, "plan": asdict(plan), "key_fingerprint": key.fingerprint}
     _write(place.folder / ABOUT, about)
     return plan

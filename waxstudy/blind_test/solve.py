@@ -6,8 +6,9 @@ import json
 import math
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from waxstudy.blind_test.make import BlindTestError, Place, Tick
 from waxstudy.blind_test.record import BASELINE, NAME, copy_record, copy_without_baseline
 from waxstudy.plugin.files import read_file
 from waxstudy.plugin.trial import baseline_names
-from waxstudy.results.atomic import scratch_folder, whole_file
+from waxstudy.results.atomic import scratch_folder, sole_use, whole_file
 
 OURS = "ours"
 LEAVE_ONE_OUT = "ours-leave-one-out"
@@ -102,7 +103,11 @@ def answer_path(place: Place, diagnoser: str, record: str) -> Path:
 
 def solve(place: Place, who: Diagnoser, names: Sequence[str], workers: int, timeout_s: float, tick: Tick) -> int:
     """Store the answer to every record that has none yet; return how many are failures. Raise `BlindTestError`."""
-    _begin(place, who)
+    with _begun(place, who):
+        return _solved(place, who, names, workers, timeout_s, tick)
+
+
+def _solved(place: Place, who: Diagnoser, names: Sequence[str], workers: int, timeout_s: float, tick: Tick) -> int:
     child.begin()
     paths = {name: answer_path(place, who.name, name) for name in names}
     missing = [name for name in names if not is_answered(paths[name])]
@@ -121,14 +126,24 @@ def solve(place: Place, who: Diagnoser, names: Sequence[str], workers: int, time
     return sum(stored(path)["answer"] is None for path in paths.values())
 
 
-def _begin(place: Place, who: Diagnoser) -> None:
-    """Note the command of a diagnoser's name; raise `BlindTestError` if answers of another are there."""
+@contextmanager
+def _begun(place: Place, who: Diagnoser) -> Iterator[None]:
+    """Note the command of a diagnoser's name and hold its folder.
+
+    Raises `BlindTestError` if answers of another are there, or its answers are being written.
+    """
     folder = place.folder / "answers" / who.name
     folder.mkdir(parents=True, exist_ok=True)
-    path, said = (
-        folder / "command.json",
-        list(who.command[len(PROGRAM) :] if who.command[:3] == PROGRAM else who.command),
-    )
+    with sole_use(folder) as is_ours:
+        if not is_ours:
+            raise BlindTestError(f"{folder}: another command is answering here; wait for it")
+        _note_command(folder, who)
+        yield
+
+
+def _note_command(folder: Path, who: Diagnoser) -> None:
+    path = folder / "command.json"
+    said = list(who.command[len(PROGRAM) :] if who.command[:3] == PROGRAM else who.command)
     if path.exists() and json.loads(read_file(path)) != said:
         raise BlindTestError(f"{folder}: here are answers of another command; give a name with --name")
     with whole_file(path) as temporary:

@@ -61,15 +61,15 @@ def command(
     if not judged and (share != 1.0 or strata):
         raise CommandError("--share and --stratum are of a judged run", USAGE)
     with failures(out):
-        from waxstudy.blind_test.make import Place, begin, make
+        from waxstudy.blind_test.make import Place, begun, make
 
         place, plan = Place(out), _plan(cases, share, strata)
         key, is_new = _key(place, seed, key_file)
         records = len(plan.slots(key))
-        plan = begin(place, plan, key)
-        _tell(out, key if is_new else None, records, as_json)
-        with bar(quiet) as tick:
-            make(place, plan, key, workers, tick)
+        with begun(place, plan, key) as plan:
+            _tell(out, key if is_new else None, records, as_json)
+            with bar(quiet) as tick:
+                make(place, plan, key, workers, tick)
 
 
 def _plan(cases: int | None, share: float, strata: tuple[str, ...]) -> Plan:
