@@ -13,11 +13,17 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
 
 IMAGES = Path(__file__).parent.parent / "docs" / "images"
 PAGE = IMAGES.parent / "gallery.md"
 WIDTH, COLOURS = 760, 48  # pixels; so few that a picture stays small
+MAP, PART = "gap", "gallery-gap-part.png"  # of its rows the start page shows two, those of motor and valve
 
 
 class Shown(NamedTuple):
@@ -183,6 +189,21 @@ def draw(entry: Shown, folder: Path) -> None:
     box = ImageChops.difference(image, blank).getbbox() or (0, 0, *image.size)
     cut = image.crop((0, 0, WIDTH, min(image.height, box[3] + 8))).quantize(COLOURS)
     cut.save(IMAGES / entry.picture, optimize=True)
+    if entry.name == MAP:
+        part(cut.convert("RGB")).quantize(COLOURS).save(IMAGES / PART, optimize=True)
+
+
+def part(image: Picture) -> Picture:
+    """Return the rows of motor and valve of a gap map, and its legend: the fourth and fifth row, and the last two."""
+    from PIL import Image
+
+    is_drawn = np.asarray(image.convert("L")).min(axis=1) < 250
+    starts = [int(y) for y in np.flatnonzero(is_drawn[1:] & ~is_drawn[:-1]) + 1]
+    rows, legend = (starts[3] - 4, starts[5] - 4), (starts[-2] - 10, image.height)
+    both = Image.new("RGB", (image.width, rows[1] - rows[0] + legend[1] - legend[0]), "white")
+    both.paste(image.crop((0, rows[0], image.width, rows[1])), (0, 0))
+    both.paste(image.crop((0, legend[0], image.width, legend[1])), (0, rows[1] - rows[0]))
+    return both
 
 
 if __name__ == "__main__":
