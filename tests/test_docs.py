@@ -17,12 +17,12 @@ from tests.conftest import ROOT, Waxstudy
 from tests.importing.conftest import record, study
 from tests.importing.exports import home_assistant_csv
 from tests.importing.test_weather import weather_file
+from tests.test_tutorial import TUTORIAL
 
 __all__ = ["record", "study"]
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 START = ROOT / "docs" / "index.md"  # of its outputs the diagnosis is compared
-TUTORIAL = ROOT / "docs" / "plugin-tutorial.md"  # has a test and an environment of its own
 # fewer members and longer steps than printed: attribution runs each member 44 times, and the sweep ten times the study
 SHORTER = {"members = 16": "members = 2", "step_s = 5": "step_s = 20"}
 DIAGNOSIS = ROOT / "docs" / "diagnosis-tutorial.md"  # its output is compared
@@ -45,7 +45,7 @@ def blocks(page: Path, language: str) -> list[str]:
 
 def commands(program: str) -> list[str]:
     """Every command of a program in the shell blocks of the pages, without its comment, in order."""
-    told = [block for page in PAGES if page not in (TUTORIAL, DIAGNOSIS, SEASON) for block in blocks(page, "sh")]
+    told = [block for page in PAGES if page not in (*TUTORIAL, DIAGNOSIS, SEASON) for block in blocks(page, "sh")]
     lines = [line for block in told for line in block.replace("\\\n", "").splitlines()]
     return [line.split("  #")[0].strip() for line in lines if line.startswith(program)]
 

@@ -21,7 +21,8 @@ from waxstudy.plugin import CHAIN, KINDS, Block
 from waxstudy.plugin.registry import PluginError, Registry
 from waxstudy_ramp import LinearRamp
 
-TUTORIAL, CONTRACT, RAMP = ROOT / "docs/plugin-tutorial.md", ROOT / "docs/plugins.md", ROOT / "plugins/waxstudy_ramp.py"
+TUTORIAL = (ROOT / "docs/plugin-tutorial.md", ROOT / "docs/plugin-tutorial-study.md")  # read one after the other
+CONTRACT, RAMP = ROOT / "docs/plugins.md", ROOT / "plugins/waxstudy_ramp.py"
 PROMISES = ROOT / "docs/plugins-kit.md"
 FILE = re.compile(r"# (\S+\.\w+)")  # the first line of a block that is a file, or a change of one
 REPOSITORY = "path/to/waxstudy"  # as the tutorial writes it
@@ -106,7 +107,7 @@ def without_figures(text: str) -> str:
 @pytest.mark.slow
 def test_the_tutorial_works_as_written_in_a_fresh_environment(tmp_path: Path) -> None:
     reader = Reader(tmp_path)
-    outputs = list(reader.follow(TUTORIAL))
+    outputs = [output for page in TUTORIAL for output in reader.follow(page)]
     assert [bool(shown) for _, shown in outputs] == [False, False, True, False, True]
     for printed, shown in outputs:
         for part in shown.split("...\n"):
