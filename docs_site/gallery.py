@@ -91,7 +91,7 @@ ENTRIES = (
         "ranking",
         "What causes it",
         "Every effect that was tried, and why all but one are not named.",
-        "diagnosis-tutorial.md",
+        "diagnosis-tutorial-flow.md",
         FLOW,
         "results/room-flow/report.html",
         "figure-ranking",

@@ -17,15 +17,15 @@ from tests.conftest import ROOT, Waxstudy
 from tests.importing.conftest import record, study
 from tests.importing.exports import home_assistant_csv
 from tests.importing.test_weather import weather_file
+from tests.test_tutorial import TUTORIAL
 
 __all__ = ["record", "study"]
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 START = ROOT / "docs" / "index.md"  # of its outputs the diagnosis is compared
-TUTORIAL = ROOT / "docs" / "plugin-tutorial.md"  # has a test and an environment of its own
 # fewer members and longer steps than printed: attribution runs each member 44 times, and the sweep ten times the study
 SHORTER = {"members = 16": "members = 2", "step_s = 5": "step_s = 20"}
-DIAGNOSIS = ROOT / "docs" / "diagnosis-tutorial.md"  # its output is compared
+DIAGNOSIS = (ROOT / "docs/diagnosis-tutorial.md", ROOT / "docs/diagnosis-tutorial-flow.md")  # their output is compared
 SEASON = ROOT / "docs" / "season.md"  # it needs a weather year from outside the repository
 DATA = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data"))
 HELSINKI = DATA / "weather" / "FIN_Helsinki.029740_IWEC.epw"
@@ -45,7 +45,7 @@ def blocks(page: Path, language: str) -> list[str]:
 
 def commands(program: str) -> list[str]:
     """Every command of a program in the shell blocks of the pages, without its comment, in order."""
-    told = [block for page in PAGES if page not in (TUTORIAL, DIAGNOSIS, SEASON) for block in blocks(page, "sh")]
+    told = [block for page in PAGES if page not in (*TUTORIAL, *DIAGNOSIS, SEASON) for block in blocks(page, "sh")]
     lines = [line for block in told for line in block.replace("\\\n", "").splitlines()]
     return [line.split("  #")[0].strip() for line in lines if line.startswith(program)]
 
@@ -97,9 +97,12 @@ def test_the_diagnosis_tutorial_prints_the_verdicts_and_causes_that_it_shows(
     waxstudy: Waxstudy, tmp_path: Path
 ) -> None:
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
-    text = DIAGNOSIS.read_text(encoding="utf-8")
-    pairs = re.findall(r"^```sh\n(.*?)^```\n```\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-    assert len(pairs) == len(blocks(DIAGNOSIS, "sh"))
+    pairs = [
+        pair
+        for page in DIAGNOSIS
+        for pair in re.findall(r"^```sh\n(.*?)^```\n```\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    ]
+    assert len(pairs) == sum(len(blocks(page, "sh")) for page in DIAGNOSIS)
     for block, expected in pairs:
         done = [waxstudy(*line.split()[1:], env=WIDTH) for line in block.splitlines()]
         assert [each.returncode for each in done] == [0] * len(done), done[-1].stderr

@@ -21,8 +21,9 @@ from waxstudy.plugin import CHAIN, KINDS, Block
 from waxstudy.plugin.registry import PluginError, Registry
 from waxstudy_ramp import LinearRamp
 
-TUTORIAL, CONTRACT, RAMP = ROOT / "docs/plugin-tutorial.md", ROOT / "docs/plugins.md", ROOT / "plugins/waxstudy_ramp.py"
-PROMISES = ROOT / "docs/plugins-kit.md"
+TUTORIAL = (ROOT / "docs/plugin-tutorial.md", ROOT / "docs/plugin-tutorial-study.md")  # read one after the other
+CONTRACT, RAMP = ROOT / "docs/plugins.md", ROOT / "plugins/waxstudy_ramp.py"
+OF_KINDS, PROMISES = ROOT / "docs/plugins-kinds.md", ROOT / "docs/plugins-kit.md"
 FILE = re.compile(r"# (\S+\.\w+)")  # the first line of a block that is a file, or a change of one
 REPOSITORY = "path/to/waxstudy"  # as the tutorial writes it
 FAILS = "# exits with 1"
@@ -106,7 +107,7 @@ def without_figures(text: str) -> str:
 @pytest.mark.slow
 def test_the_tutorial_works_as_written_in_a_fresh_environment(tmp_path: Path) -> None:
     reader = Reader(tmp_path)
-    outputs = list(reader.follow(TUTORIAL))
+    outputs = [output for page in TUTORIAL for output in reader.follow(page)]
     assert [bool(shown) for _, shown in outputs] == [False, False, True, False, True]
     for printed, shown in outputs:
         for part in shown.split("...\n"):
@@ -120,7 +121,7 @@ def test_the_tutorial_works_as_written_in_a_fresh_environment(tmp_path: Path) ->
     assert [Path(file).is_relative_to(tmp_path / ".venv") for file in where.stdout.split()] == [True, True]
 
 
-# --- the contract page -----------------------------------------------------------------------------
+# --- the contract pages ----------------------------------------------------------------------------
 
 
 def test_the_contract_page_shows_the_linear_ramp_whole_and_it_is_short() -> None:
@@ -129,15 +130,15 @@ def test_the_contract_page_shows_the_linear_ramp_whole_and_it_is_short() -> None
     assert len(source.splitlines()) <= 30
 
 
-def rows(heading: str, page: str | None = None) -> list[list[str]]:
-    """The cells of the table that has this first heading, of the contract page or another text."""
-    tables = re.findall(r"(?:^\|.*\n)+", page or CONTRACT.read_text(encoding="utf-8"), re.MULTILINE)
+def rows(heading: str, page: str) -> list[list[str]]:
+    """The cells of the table of a text that has this first heading."""
+    tables = re.findall(r"(?:^\|.*\n)+", page, re.MULTILINE)
     (found,) = [table for table in tables if table.startswith(heading)]
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in found.splitlines()[2:]]
 
 
-def test_the_contract_page_has_every_kind_with_its_input_and_output() -> None:
-    table = rows("| kind | input |")
+def test_the_page_of_kinds_has_every_kind_with_its_input_and_output() -> None:
+    table = rows("| kind | input |", OF_KINDS.read_text(encoding="utf-8"))
     assert [row[0] for row in table] == list(KINDS)
     kinds = {base.kind: base for base in Block.__subclasses__() if base.__module__ == Block.__module__}
     for row in table[: len(CHAIN)]:

@@ -20,7 +20,7 @@ from waxstudy.dataset.schema import dataset_schema
 __all__ = ["made", "record"]
 
 EXAMPLES = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "studies").rglob("dataset.toml"))]
-EXAMPLES += blocks(ROOT / "docs" / "datasets.md", "toml")
+EXAMPLES += blocks(ROOT / "docs" / "datasets-files.md", "toml")
 MISSPELLED = {
     "dataset": ("[dataset]\nintervall_s = 60\n", ["dataset"]),
     "table": ("[bilding]\nuse = 'nzeb'\n", []),

@@ -158,7 +158,7 @@ def test_signals_may_be_told_in_words(good: Path, words: tuple[str, str]) -> Non
 
 
 def test_the_example_of_the_page_is_understood(good: Path) -> None:
-    page = (ROOT / "docs" / "datasets.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "datasets-files.md").read_text(encoding="utf-8")
     example = next(block for block in re.findall(r"```toml\n(.*?)```", page, re.DOTALL) if "[columns]" in block)
     ours, data = read_dataset(good), data_of(good)
     names = ["T_Raum", "T_10", "T_110", "T_170"]

@@ -13,7 +13,7 @@ from tests.test_docs import blocks
 from waxstudy.conformance import assert_conforms
 from waxstudy.plugin.scaffold import NewPlugin
 
-CONTRACT = ROOT / "docs" / "plugins-rooms.md"
+CONTRACT = ROOT / "docs" / "plugins-effects.md"
 
 
 def test_the_page_has_every_effect_with_its_range_and_what_is_uncertain_of_a_room() -> None:

@@ -176,9 +176,19 @@ def test_the_resolved_study_has_every_default_filled_in(read: Read) -> None:
     assert described["comfort"]["hours_below_per_week"] == 33.0
 
 
-@pytest.mark.parametrize("model", [StudyTable, Comfort, Ensemble, Output])
-def test_the_reference_gives_every_key_with_its_default_and_the_page_names_it(model: type[StudyTable]) -> None:
-    reference, page = study_keys(), (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize(
+    ("model", "page_of_it"),
+    [
+        (StudyTable, "study-file.md"),
+        (Comfort, "study-comparison.md"),
+        (Ensemble, "study-comparison.md"),
+        (Output, "study-problems.md"),
+    ],
+)
+def test_the_reference_gives_every_key_with_its_default_and_a_page_names_it(
+    model: type[StudyTable], page_of_it: str
+) -> None:
+    reference, page = study_keys(), (ROOT / "docs" / page_of_it).read_text(encoding="utf-8")
     for name, declared in model.model_fields.items():
         row = re.search(rf"^\| `{name}` \|.*$", reference, re.MULTILINE)
         assert row, name
