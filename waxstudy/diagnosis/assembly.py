@@ -183,7 +183,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             gap_after=after.gap(),
             noise_floor=floor,
             shrink=shrink(before, after, floor, random),
-            is_held_out=bool((before.part == SHRINK).any()),
+            is_held_out=not selection.posterior and bool((before.part == SHRINK).any()),
             alternatives=[_alternative(each) for each in found.others],
             probability=found.inclusion if selection.posterior else nan,
             when=_when(found, values, selection.problem.record),

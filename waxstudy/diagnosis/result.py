@@ -131,7 +131,7 @@ class FoundEffect:
     gap_after: float
     noise_floor: float
     shrink: Interval  # on days that its fit has not seen
-    is_held_out: bool = True  # whether these took no part in choosing it either
+    is_held_out: bool = True  # whether these took no part in choosing it either; they do where it was weighed
     alternatives: Sequence[Alternative] = ()  # the rest of its group
     probability: float = nan  # that it, or one of its group, is there; where hypotheses were weighed
     slight: str = ""  # why it hardly matters, where it is there and hardly does

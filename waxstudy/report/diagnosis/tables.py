@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import nan
+from math import isfinite, nan
 from typing import Any
 
 from waxstudy.diagnosis.result import (
@@ -39,6 +39,11 @@ PROBABILITY: Column[Any] = Column("probability", lambda each: words.chance(each.
 def _p(each: Any) -> str:
     """Of a room without a healthy record there is no probability."""
     return f"p = {words.probability(each.p)}"
+
+
+def _found_again(effect: FoundEffect) -> str:
+    """How often resampled records show an effect that rules named; what was weighed has a probability instead."""
+    return "" if isfinite(effect.probability) else words.percent(effect.inclusion)
 
 
 def stages(diagnosis: Diagnosis) -> Table[StageGap]:
@@ -94,7 +99,7 @@ def found(diagnosis: Diagnosis) -> Table[FoundEffect]:
         Column("gap after", lambda effect: quantity(effect.gap_after, unit_of(diagnosis, effect))),
         Column("noise floor", lambda effect: quantity(effect.noise_floor, unit_of(diagnosis, effect))),
         Column("shrinks by", lambda effect: words.percent_interval(effect.shrink)),
-        *([] if diagnosis.compared_with else [Column("found again", lambda effect: words.percent(effect.inclusion))]),
+        *([Column("found again", _found_again)] if any(map(_found_again, diagnosis.effects)) else []),
         PROBABILITY,
     ]
     title = f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis.effects)}"
@@ -181,7 +186,8 @@ def tried(diagnosis: Diagnosis) -> Table[Tried]:
         PROBABILITY,
         text("verdict", lambda each: f"{role(diagnosis, each)}{f': {each.why}' if each.why else ''}"),
     ]
-    return Table("every effect that was tried, on days that its fit has not seen", columns, ranked(diagnosis))
+    title = "every effect that was tried; what only rules judged, on days that its fit has not seen"
+    return Table(title, columns, ranked(diagnosis))
 
 
 def unexplained(diagnosis: Diagnosis) -> Table[Unexplained]:
