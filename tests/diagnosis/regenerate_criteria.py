@@ -10,9 +10,10 @@ PAGE = ROOT / "docs" / "criteria.md"
 INTRO = """\
 # The criteria
 
-This page lists every number that decides what a diagnosis says, as `waxstudy diagnose --criteria` prints them;
-[diagnosis-room.md](diagnosis-room.md) says how they work together. It is written by `make golden` from
-`limits.csv`, `criteria.csv` and `weights.csv` in `waxstudy/diagnosis`; `select/evidence.py` there explains the numbers.
+This page lists the numbers that decide what a diagnosis says, as `waxstudy diagnose --criteria` prints them, without
+those that say how closely it looks; [diagnosis-room.md](diagnosis-room.md) says how they work together. It is written
+by `make golden` from `limits.csv`, `criteria.csv` and `weights.csv` in `waxstudy/diagnosis`; `select/evidence.py` there
+explains the numbers.
 
 ## The limits
 

@@ -43,6 +43,8 @@ class Weights:
     open: float
     strongest: float
     notable: float
+    always: float
+    clearly: float
     soft: float
     unseen_chain: float
     unseen_room: float

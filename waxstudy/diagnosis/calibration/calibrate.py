@@ -19,6 +19,7 @@ from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT, SELECT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Effect, FloatArray
 
 WIDER = 2.5  # than what nobody knows of a room that was built as drawn
@@ -26,8 +27,7 @@ EARLY = 0.6  # of a record, that the rest is predicted from
 MOST_WIDER = 1.5  # times what a fit leaves, that it may leave of days that it has not seen
 ROUNDS = 2
 MOST_ALWAYS = 2  # effects of a link that may have been there from the start
-ALWAYS = 8.0  # log likelihood that each of their parameters must gain
-SCREENED = 0.25  # share of it that they must promise for a closer look
+SCREENED = 0.25  # share of what they must gain, that they must promise for a closer look
 Effects = Sequence[type[Effect]]
 
 
@@ -81,11 +81,12 @@ def _with_always(
             return problem, fitted, found
         estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.residuals}
         tried = [
-            (_gain(fitted, one, share) - ALWAYS * len(effect.priors), one)
+            (_gain(fitted, one, share) - price, one)
             for effect in named
             if effect not in dict(found)
             and not effect.hindrance(belief)
-            and (one := estimator.fit(effect, fitted, screen=Screen(SCREENED * ALWAYS * len(effect.priors), share)))
+            and (price := WEIGHTS.always * len(effect.priors))
+            and (one := estimator.fit(effect, fitted, screen=Screen(SCREENED * price, share)))
         ]
         possible = [each for each in tried if not _hinders(named, belief, problem.belief_of(each[1]))]
         best = max(possible, key=lambda each: each[0], default=(0.0, fitted))

@@ -9,11 +9,11 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 DAY_H = 24.0
 TINY = 1e-9
-CLEARLY = 1.5  # times what is missed at other times, that is missed when something acts
 LEAST_SHARE, MOST_SHARE = 0.02, 0.9  # of a record, in which something acts at times
 LENGTHS_H = (2.0, 4.0, 6.0, 8.0, 12.0)
 WEEK = ("Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday")
@@ -107,7 +107,7 @@ def _gain(squares: FloatArray, acts: np.ndarray) -> float:
     if not LEAST_SHARE <= share <= MOST_SHARE:
         return -np.inf
     within, beyond, whole = (float(each.mean()) + TINY for each in (squares[acts], squares[~acts], squares))
-    if within < CLEARLY**2 * beyond:
+    if within < WEIGHTS.clearly**2 * beyond:
         return -np.inf
     spread = share * np.log(within) + (1.0 - share) * np.log(beyond)
     return 0.5 * len(squares) * float(np.log(whole) - spread)
