@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.diagnosis.realities import EFFECTS, Effects, as_believed, belief, dataset, effects, planted, rows
-from waxstudy.diagnosis.diagnose import record_of, weighed_links
+from waxstudy.diagnosis.calibration import healthy
+from waxstudy.diagnosis.calibration.healthy import AsBelieved
+from waxstudy.diagnosis.diagnose import _base, record_of, weighed_links
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, Convention
 from waxstudy.diagnosis.model.segments import Segment, segments
@@ -20,6 +24,7 @@ from waxstudy.diagnosis.select.posterior import posterior
 from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief
+from waxstudy.study.problems import StudyError
 
 MOTOR = ["time", "heating_signal", "displacement"]
 CONTROLLER = ["time", "sensor_temperature_C", "air_temperature_C", "control_output"]
@@ -47,6 +52,29 @@ def test_a_link_of_the_chain_is_weighed_without_a_healthy_record_and_a_room_is_n
     ((segment, found),) = weighed_links(record, None)
     assert segment.stages[-1] == "valve"
     assert posterior(found)["none"] > 0.9
+
+
+def test_where_no_noise_can_be_simulated_that_of_the_instruments_is_usual(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = weighing(effects(slow_actuator={"factor": 1.4}))
+    monkeypatch.setattr(healthy, "of_noise", lambda problem, fitted, times: iter(()))
+    left = AsBelieved.of(found.problem, found.none).left("displacement")
+    assert left
+    assert left.whitened == 1.0
+    assert found.none.residuals[0].loss() > 4.0 * left.samples  # what the motor misses is not usual
+
+
+def test_what_is_believed_of_a_chain_and_cannot_be_simulated_is_said_with_its_table() -> None:
+    class Impossible:
+        problem = SimpleNamespace(segment=SimpleNamespace(stages=("actuator",)))
+
+        @property
+        def base(self) -> Hypothesis:
+            raise ValueError("what is believed of actuator cannot be simulated")
+
+    work: Any = SimpleNamespace(dataset=dataset(rows("WAX", 4)[MOTOR], "WAX"))
+    estimator: Any = Impossible()
+    with pytest.raises(StudyError, match=r"\[nominal\].*cannot be simulated"):
+        _base(work, estimator)
 
 
 def test_what_noise_makes_of_what_is_believed_is_usual() -> None:

@@ -23,6 +23,7 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
@@ -112,7 +113,8 @@ def test_what_is_missed_stands_out_by_its_size_over_what_healthy_records_leave()
     weighing, (none, slow, _) = of(SLOW, SLOW)
     healthy = weighing.healthy.left("displacement")
     assert healthy
-    size = lasting(only(none), np.full(len(only(none).whitened), True))
+    assert not only(none).judged.all()  # what is not judged makes nothing stand out less
+    size = lasting(only(none), only(none).judged)
     assert slow.stands == pytest.approx(np.log(size / healthy.whitened) / WEIGHTS.scatter)
 
 
@@ -226,6 +228,7 @@ def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weig
         stands_scatter=WEIGHTS.scatter,
         scatter=partial(usual.scatter, None),
         tolerated_travel=0.0,
+        usual=lambda residual: usual.usual(made.healthy, residual),
     )
     made.share = {}
     weighing: Weighing = made
@@ -400,3 +403,29 @@ def test_more_is_looked_for_beside_all_of_a_room_and_of_a_chain_beside_what_leav
     some = [replace(first, misfit=misfit) for misfit in (0.0, WEIGHTS.open, WEIGHTS.open + 0.01)]
     assert bare(True)._open(some) == some
     assert bare(False)._open(some) == some[2:]
+
+
+def test_nothing_is_weighed_as_its_best_fit_leaves_it() -> None:
+    weighing: Any = bare(True)
+    weighing.none = "first"
+
+    def singles() -> list[Hypothesis]:
+        weighing.none = "better"
+        return []
+
+    weighing._singles, weighing._patterned = singles, lambda best: []
+    weighing.of = lambda fitted: SimpleNamespace(fitted=fitted)
+    assert [each.fitted for each in weighing.weighed()] == ["better"]
+
+
+@pytest.mark.parametrize(
+    ("is_room", "misfit", "pattern", "may_be"),
+    [(False, 1.1, None, True), (False, 0.9, None, False), (False, 1.1, "always", False), (True, 1.1, None, False)],
+)
+def test_an_effect_of_a_chain_is_blurred_away_only_where_it_leaves_something_amiss(
+    is_room: bool, misfit: float, pattern: str | None, may_be: bool
+) -> None:
+    search: Any = SimpleNamespace(problem=SimpleNamespace(segment=SimpleNamespace(with_room=is_room)))
+    numbers = {"gain": 9.0, "ease": 0.0, "always": 0.0, "price": 5.9, "spread": 1.0, "most": np.inf, "unlike": 0.0}
+    weighed: Any = SimpleNamespace(names=("a",), misfit=misfit, pattern=pattern, stands=np.inf, left=0.03, **numbers)
+    assert _may_be_blurred(search, [weighed], Choice((("a",),))) == may_be

@@ -18,6 +18,7 @@ from waxstudy.diagnosis.calibration.healthy import AsBelieved, Healthy
 from waxstudy.diagnosis.calibration.room import CalibratedRoom
 from waxstudy.diagnosis.calibration.stored import calibrated as stored
 from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
 from waxstudy.diagnosis.model.room_response import OF_ROOM, built
@@ -113,7 +114,7 @@ def _is_weighed(work: Work, segment: Segment) -> bool:
 
 def _healthy(work: Work, whole: SegmentProblem) -> Healthy:
     """Return what nothing amiss leaves of a link: what a healthy record shows, else what noise makes."""
-    return work.healthy.get(whole.segment.name) or AsBelieved.of(whole, Estimator(whole, work.thorough).base)
+    return work.healthy.get(whole.segment.name) or AsBelieved.of(whole, _base(work, Estimator(whole, work.thorough)))
 
 
 def _with_neighbours(diagnosis: Diagnosis, dataset: Dataset, tick: Tell) -> Diagnosis:
@@ -233,9 +234,14 @@ def _selection(
     tolerance = work.dataset.room_tolerance
     problem = SegmentProblem(segment, work.record, work.belief, tolerance, holds_out)
     estimator = Estimator(problem, work.thorough)
-    try:
-        assert estimator.base
-    except ValueError as error:
-        where = "[room]" if segment.stages[0] == "emitter" else "[nominal]"
-        raise _wrong(work.dataset, str(error), where) from error
+    _base(work, estimator)
     return select(estimator, effects, seed, tick)
+
+
+def _base(work: Work, estimator: Estimator[SegmentProblem]) -> Hypothesis:
+    """Return the belief itself at a link; raise `StudyError` where it cannot be simulated."""
+    try:
+        return estimator.base
+    except ValueError as error:
+        where = "[room]" if estimator.problem.segment.stages[0] == "emitter" else "[nominal]"
+        raise _wrong(work.dataset, str(error), where) from error

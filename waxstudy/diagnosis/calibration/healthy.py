@@ -19,6 +19,8 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
+DRAWS = 3  # of noise, until one can be simulated
+
 
 class HealthyLeft(NamedTuple):
     """What is left of a channel of the healthy record, over what it is weighed by; of so many samples and cycles."""
@@ -76,6 +78,12 @@ class Healthy:
         whitened = float(np.sqrt(residual.loss() / count)) / self.scale.get(channel, 1.0)
         return HealthyLeft(whitened, count, len(np.unique(residual.block[residual.judged])))
 
+    def usual(self, residual: Residual) -> float:
+        """Return what nothing amiss leaves of a sample of a channel, over what it is weighed by; less is luck."""
+        healthy = self.left(residual.channel)
+        least = WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left
+        return max(healthy.whitened, least) if healthy else least
+
     def usual_loss(self, residual: Residual) -> float:
         """Return what is missed of a later record's channel where nothing changed."""
         healthy = self.left(residual.channel)
@@ -124,8 +132,12 @@ class AsBelieved(Healthy):
 
     @classmethod
     def of(cls, problem: SegmentProblem, believed: Hypothesis) -> AsBelieved:
-        seen = next(of_noise(problem, believed, 1), believed.residuals)
-        return cls(problem, replace(believed, residuals=seen), {})
+        """Return what one draw of noise makes of a link; where none can be simulated, noise as the instruments have it.
+
+        Raises `SimulationError` where what is believed cannot be simulated.
+        """
+        own = [replace(each, whitened=each.judged.astype(float)) for each in believed.residuals]
+        return cls(problem, replace(believed, residuals=next(of_noise(problem, believed, DRAWS), own)), {})
 
     @property
     def stands_scatter(self) -> float:

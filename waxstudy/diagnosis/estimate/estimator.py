@@ -189,11 +189,11 @@ class Estimator(Generic[P]):
         straight = self.straight(tuple(parts)) if self.has_nuisances else None
         look = StartPoints(self.problem, self.score, effect, given, parts, straight, self.thorough, screen)
         found = [(*look.best(convention), convention) for convention in self.conventions]
+        possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
+        possible = [look.scanned(*possible[0]), *possible[1:]] if possible else []
         if look.promised and look.is_hopeless:
             _, values, convention = look.promised
             return self.problem.at((*given.effects, (effect, values)), given.departures, convention)
-        possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
-        possible = [look.scanned(*possible[0]), *possible[1:]] if possible else []
         if self.has_nuisances:
             # looking closer at each for a room takes too long: the best, and the best where others count less
             even = min(possible, key=lambda each: each[0] + self.of_other(each[2], given), default=None)

@@ -18,7 +18,7 @@ STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
 MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere
-SCANNED = 25  # hours of a day
+SCANNED = 24  # hours of a day
 STARTS, STEPS, FAR = 8, 5, 0.1  # such points, steps from each, and the share of a range that their slopes look over
 
 
@@ -125,12 +125,15 @@ class StartPoints:
         """
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
         hours = [name for name in self.space.names if neutral is not None and name not in neutral]
+        still = self._at(self.given.effects, convention) if self.screen else None
         best = score, values
         for name in (*hours, *hours) if not self.straight else ():
             prior = self.effect.priors[name]
-            tried = [{**best[1], name: float(at)} for at in np.linspace(prior.low, prior.high, SCANNED)]
-            scored = [(self.score(self._with(each, convention), self.parts), each) for each in tried]
-            best = min([best, *scored], key=itemgetter(0))
+            for at in np.linspace(prior.low, prior.high, round(SCANNED * min(1.0, self.thorough)), endpoint=False):
+                tried = {**best[1], name: float(at)}
+                look = self._with(tried, convention)
+                self._screened(tried, look, still, neutral, convention)
+                best = min(best, (self.score(look, self.parts), tried), key=itemgetter(0))
         return *best, convention
 
     def _scaled(

@@ -25,16 +25,24 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
     weighed = weighing.weighed()
     beliefs, tried = posterior(weighed), _tried(search, weighed)
     while True:
-        found = _found(search, weighed, Choice.of(beliefs), beliefs)
+        choice = Choice.of(beliefs)
+        found = _found(search, weighed, choice, beliefs)
         selection = search.selection(found, tried)
-        # a controller of another form looks as if it were tuned otherwise each time; a room has no settings
-        is_room = search.problem.segment.with_room
-        # of what comes and goes the days without it blur what is fitted as if it acted always
-        lasting = [] if is_room else [each for each in found if each.pattern is None]
-        blurred = [each for each in lasting if search.distinct(each, selection.after) <= WEIGHTS.notable]
-        if not blurred:
+        blurred = [each for each in found if search.distinct(each, selection.after) <= WEIGHTS.notable]
+        if not blurred or not _may_be_blurred(search, weighed, choice):
             return replace(selection, posterior=beliefs)
         beliefs = _without(beliefs, {name for each in blurred for name in each.group})
+
+
+def _may_be_blurred(search: Search, weighed: Sequence[Weighed], choice: Choice) -> bool:
+    """Whether named effects are nothing where their intervals hold what is believed.
+
+    A controller of another form looks as if it were tuned otherwise each time, which leaves much. What leaves nothing
+    amiss is there, however far its interval reaches; what comes and goes is blurred by the days without it; and a room
+    has no settings.
+    """
+    best = best_of(weighed, [group[0] for group in choice.groups])
+    return not search.problem.segment.with_room and best.pattern is None and best.misfit > WEIGHTS.open
 
 
 def _without(beliefs: Mapping[str, float], blurred: set[str]) -> dict[str, float]:

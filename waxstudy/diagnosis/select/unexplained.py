@@ -19,7 +19,6 @@ from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.weights import WEIGHTS
 
 DRAWS = 1000
-NOTICEABLE = 1.0  # steps that an effect calls noticeable: less is not worth a change
 
 
 def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
@@ -43,26 +42,28 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
     Else those that a motor is missed by, as far as real ones stray.
     """
     floor = selection.floor.plain
-    held = sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+"))
-    if held < WEIGHTS.likelier:
-        yield from _strayed(selection, held)
+    unknown = sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+"))
+    if unknown < WEIGHTS.likelier:
+        yield from _strayed(selection, unknown)
     else:
         worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
         stage = stage_of(selection, worst.channel)
         course = concentrated(worst, together(worst), selection.problem.record)
         when = When(course.words, list(course.spans_h)) if course else None
         gap = worst.gap(), floor[worst.channel]
-        yield Unexplained(stage, *gap, 1.0 - held, channel=worst.channel, when=when)
+        yield Unexplained(stage, *gap, 1.0 - unknown, channel=worst.channel, when=when)
 
 
-def _strayed(selection: Selection, held: float) -> Iterator[Unexplained]:
+def _strayed(selection: Selection, unknown: float) -> Iterator[Unexplained]:
+    """Yield the channels that no healthy record shows, and that are missed by as far as real motors stray."""
     problem, after = selection.problem, selection.after
-    for residual in after.residuals if problem.as_built is None else ():
+    known = problem.as_built.left if problem.as_built else {}
+    for residual in (each for each in after.residuals if each.channel not in known):
         gap, floor = residual.gap(), selection.floor.plain[residual.channel]
         is_gap = in_floors(gap, floor) > limit(Question.UNKNOWN, "over")
         if is_gap and travel_left(problem, after, residual) <= limits()["tolerated"].value:
             stage = stage_of(selection, residual.channel)
-            yield Unexplained(stage, gap, floor, 1.0 - held, is_covered=True, channel=residual.channel)
+            yield Unexplained(stage, gap, floor, 1.0 - unknown, is_covered=True, channel=residual.channel)
 
 
 def _left(residual: Residual, floor: float, random: np.random.Generator) -> Left:
@@ -84,7 +85,8 @@ def slight(selection: Selection, found: Found) -> str:
     """Return why an effect that is there hardly matters, or an empty text."""
     problem, last, effect = selection.problem, selection.after, found.effect
     rest = [(other, values) for other, values in last.effects if other is not effect]
-    is_slight = departure(effect, dict(last.effects)[effect], problem.edited(rest, last.departures)) <= NOTICEABLE
+    without = problem.edited(rest, last.departures)
+    is_slight = departure(effect, dict(last.effects)[effect], without) <= limits()["step"].value
     return "less than is noticeable" if is_slight else ""
 
 

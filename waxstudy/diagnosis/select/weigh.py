@@ -1,4 +1,4 @@
-"""What changed since a healthy record: every hypothesis fitted to the whole record, and how probable it is."""
+"""What is otherwise than in a healthy record, or than believed: every hypothesis fitted to the whole record."""
 
 from __future__ import annotations
 
@@ -53,7 +53,8 @@ class Weighing:
 
     def weighed(self) -> list[Weighed]:
         """Return the hypotheses: none, each effect, and the best few with every other."""
-        found = [self.of(each) for each in (self.none, *self._singles())]
+        singles = self._singles()  # which may find a better fit of nothing
+        found = [self.of(each) for each in (self.none, *singles)]
         # an effect that comes and goes gains much, but not on all days
         told = [each for each in found[1:] if each.gain + each.ease > each.price]
         found += list(self._patterned(sorted(told, key=lambda each: -each.gain)[:DEEPER]))
@@ -110,7 +111,7 @@ class Weighing:
 
     def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> Hypothesis:
         """Return a hypothesis whose effect has a course, at the strength that suits the record best."""
-        pairs = list(zip(self.none.residuals, fitted.residuals, strict=True))
+        pairs = list(zip(self._nothing(fitted).residuals, fitted.residuals, strict=True))
         courses = [pattern.strength[new.sample] for _, new in pairs]
         before = np.concatenate([old.whitened / self.share.get(old.channel, 1.0) ** 0.5 for old, _ in pairs])
         parts = zip(pairs, courses, strict=True)
@@ -144,7 +145,8 @@ class Weighing:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
         parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
-        gain = 0.5 * (self._least(fitted.convention) - self._loss(fitted)) - ease
+        nothing = self._nothing(fitted)
+        gain = 0.5 * (self._loss(nothing) - self._loss(fitted)) - ease
         always, moved = self._always(fitted)
         spread, most = self._spread(fitted)
         price = WEIGHTS.price * parameters - float(np.log(WEIGHTS.prior)) * len(fitted.effects)
@@ -162,7 +164,7 @@ class Weighing:
             unlike=self._unlike(fitted, moved) if always > 0.0 else 0.0,
             left=self._left(fitted),
             is_of_room=self.problem.segment.with_room,
-            stands=self._stands(fitted, given or self.none),
+            stands=self._stands(fitted, given or nothing),
         )
 
     def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
@@ -209,31 +211,27 @@ class Weighing:
         for old, new in zip(given.residuals, fitted.residuals, strict=True):
             change = (old.whitened - new.whitened) ** 2
             # noise of its drive moves what runs on at its edges most, where any other model changes it too
-            weights.append(change if old.unit == "s" else np.full(len(change), change.mean()))
-            missed.append(weights[-1] * (old.whitened / self._usual(old)) ** 2)
+            judged = old.judged if old.judged.any() else np.ones(len(change), dtype=bool)
+            weights.append(change if old.unit == "s" else np.where(judged, change[judged].mean(), 0.0))
+            missed.append(weights[-1] * (old.whitened / self.healthy.usual(old)) ** 2)
         block = np.concatenate([self._block(each) for each in given.residuals])
         over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
         return 0.5 * float(np.log(max(1.0, over))) / self.healthy.stands_scatter
-
-    def _usual(self, residual: Residual) -> float:
-        """Return what nothing amiss leaves of a sample, over what it is weighed by."""
-        healthy = self.healthy.left(residual.channel)
-        least = WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left
-        return max(healthy.whitened, least) if healthy else least
 
     def _left(self, fitted: Hypothesis) -> float:
         """Return which share of what is missed of a chain beyond what nothing amiss leaves a hypothesis leaves."""
         if self.problem.segment.with_room:
             return WEIGHTS.least_share  # what a room leaves is judged by its healthy record alone
-        before, after = self._beyond(self.none), self._beyond(fitted)
+        before, after = self._beyond(self._nothing(fitted)), self._beyond(fitted)
         return float(max(WEIGHTS.least_share, min(1.0, (after / before) ** 0.5))) if before > 0.0 else 1.0
 
     def _beyond(self, fitted: Hypothesis) -> float:
         return sum(max(0.0, each.loss() - self.healthy.usual_loss(each)) for each in fitted.residuals)
 
-    def _least(self, convention: Convention) -> float:
-        """Return what is missed without effects, under the best convention or a hypothesis's, whichever is less."""
-        return min(self._loss(self.none), self._loss(self._none_read(convention)))
+    def _nothing(self, fitted: Hypothesis) -> Hypothesis:
+        """Return the link without effects, read in the best way or in a hypothesis's, whichever misses less."""
+        other = self._none_read(fitted.convention)
+        return self.none if other is self.none else min(self.none, other, key=self._loss)
 
     def _none_read(self, convention: Convention) -> Hypothesis:
         if convention == self.none.convention:
@@ -256,7 +254,7 @@ class Weighing:
         return np.concatenate([each.whitened / self.share.get(each.channel, 1.0) ** 0.5 for each in fitted.residuals])
 
     def _spread(self, fitted: Hypothesis, given: Hypothesis | None = None) -> tuple[float, float]:
-        missed = self._missed(given or self.none)
+        missed = self._missed(given or self._nothing(fitted))
         block = np.concatenate([self._block(each) for each in fitted.residuals])
         return gain_spread(missed, self._missed(fitted), block)
 
@@ -280,7 +278,7 @@ class Weighing:
 
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
-        pairs = zip(self.none.residuals, fitted.residuals, strict=True)
+        pairs = zip(self._nothing(fitted).residuals, fitted.residuals, strict=True)
         counted = (self._misfit(old, new) for old, new in pairs if not self._is_covered(fitted, new))
         return max(counted, default=0.0)
 
@@ -294,13 +292,12 @@ class Weighing:
         healthy = self.healthy.left(residual.channel)
         if not count or healthy is None:
             return 0.0
-        usual = max(healthy.whitened, WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left)
         # a valve that moves more often is missed more often: of samples and cycles the ones that tell less
         cycles = len(np.unique(residual.block[residual.judged]))
         is_room = self.problem.segment.with_room
         more = 1.0 if is_room else max(1.0, cycles / count * healthy.samples / healthy.cycles)
         explained = max(0.0, none.loss() - residual.loss()) / count
-        usual = float(np.sqrt(more * usual**2 + WEIGHTS.form**2 * explained))
+        usual = float(np.sqrt(more * self.healthy.usual(residual) ** 2 + WEIGHTS.form**2 * explained))
         squares = residual.whitened[residual.judged] ** 2
         left = _lasting(squares, np.ones(count), residual.block[residual.judged]) ** 0.5
         # errors of different cycles do not hang together, however alike something that is always amiss makes them
