@@ -123,7 +123,9 @@ def test_two_commands_never_make_records_in_one_folder_at_once(place: Place, wax
     assert done.returncode == 2
     assert "another command is making records in this folder; wait for it" in done.stderr
     assert {path: path.read_bytes() for path in place.folder.rglob("*") if path.is_file()} == made
+    records = {path: path.stat().st_ino for path in place.records.rglob("*")}
     assert waxstudy(*call).returncode == 0
+    assert {path: path.stat().st_ino for path in place.records.rglob("*")} == records  # somebody may be reading them
 
 
 def test_answers_of_another_command_are_not_mixed_in(place: Place, waxstudy: Waxstudy, tmp_path: Path) -> None:

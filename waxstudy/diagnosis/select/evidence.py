@@ -130,7 +130,7 @@ def travel_left(problem: SegmentProblem, fitted: Hypothesis, residual: Residual)
     channel = residual.channel
     if channel not in ("displacement", "flow_L_h") or "actuator" not in problem.segment.stages:
         return np.inf
-    full = 1.0 if channel == "displacement" else float(np.nanmax(problem.record.values["flow_L_h"]))
+    full = 1.0 if channel == "displacement" else float(np.nanmax(problem.record.values["flow_L_h"])) or 1.0
     beyond_noise = np.abs(residual.error) > WEIGHTS.surely_off * problem.record.noise[channel]
     missed_s = opening_difference_s(problem.record, residual.error * beyond_noise / full)
     return missed_s / tolerated_s(problem.record, problem.belief_of(fitted))
