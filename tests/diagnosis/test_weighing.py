@@ -429,3 +429,11 @@ def test_an_effect_of_a_chain_is_blurred_away_only_where_it_leaves_something_ami
     numbers = {"gain": 9.0, "ease": 0.0, "always": 0.0, "price": 5.9, "spread": 1.0, "most": np.inf, "unlike": 0.0}
     weighed: Any = SimpleNamespace(names=("a",), misfit=misfit, pattern=pattern, stands=np.inf, left=0.03, **numbers)
     assert _may_be_blurred(search, [weighed], Choice((("a",),))) == may_be
+
+
+def test_each_channel_of_a_link_stands_out_where_it_is_changed_itself() -> None:
+    given = leaving(residual(np.full(4, 6.0), "displacement"), residual(np.full(6, 3.0), "flow_L_h"))
+    fitted = leaving(residual(np.zeros(4), "displacement"), residual(np.zeros(6), "flow_L_h"))
+    # of both the cycle that stands out most is left out
+    over = (3 * 36.0 * 36.0 + 5 * 9.0 * 9.0) / (3 * 36.0 + 5 * 9.0) / WEIGHTS.least_left**2
+    assert bare(False)._stands(fitted, given) == pytest.approx(0.5 * np.log(over) / WEIGHTS.scatter)
