@@ -160,3 +160,21 @@ def test_a_product_fills_in_what_is_not_given():
 def test_coefficients_without_a_product_must_be_complete():
     with pytest.raises(ValueError, match=r"missing: dead_b_s, .*fall_s|missing: .*fall_s"):
         VariableTimes.Parameters.model_validate({"dead_a_s": -100.0})
+
+
+def test_constant_times_run_from_each_switch():
+    times = {"dead_time_s": 100.0, "rise_time_s": 50.0, "hold_time_s": 80.0, "fall_time_s": 40.0}
+    opening = openings(ConstantTimes, signal_of([200, 200]), 1.0, **times)
+    # seconds after the switch: still shut, half way, open; still open, half way, shut
+    assert opening[[99, 124, 149]] == pytest.approx([0.0, 0.5, 1.0])
+    assert opening[[279, 299, 319]] == pytest.approx([1.0, 0.5, 0.0])
+
+
+@pytest.mark.parametrize("product", PRODUCTS)
+def test_steady_times_are_those_that_the_pauses_between_them_give(product):
+    on_s, off_s, p = 500.0, 1200.0, PRODUCTS[product]
+    dead, rise, hold, fall = steady_times(product, on_s, off_s).values()
+    cold_s, hot_s = off_s - hold - fall, on_s - dead - rise
+    assert dead == pytest.approx(p["dead_a_s"] * math.exp(-cold_s / p["dead_tau_s"]) + p["dead_b_s"], abs=1.0)
+    assert rise == pytest.approx(p["rise_a_s"] * math.exp(-cold_s / p["rise_tau_s"]) + p["rise_b_s"], abs=1.0)
+    assert hold == pytest.approx(p["hold_a_s"] * (1 - math.exp(-hot_s / p["hold_tau_s"])) + p["hold_b_s"], abs=1.0)

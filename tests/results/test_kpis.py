@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from waxstudy.results.kpis import (
+    HEAT_OF_MONTH,
     TRACE_CHANNELS,
     Figures,
     MemberWeek,
@@ -155,3 +156,16 @@ def test_a_trace_in_parts_is_the_trace_of_the_whole() -> None:
     first = thinned(half[0], 60.0, "2023-01-22")
     both = pd.concat([first, thinned(half[1], 60.0, "2023-01-22", len(first))], ignore_index=True)
     assert both.equals(thinned(whole, 60.0, "2023-01-22"))
+
+
+def test_a_mean_temperature_is_over_all_steps() -> None:
+    ramp = np.linspace(20.0, 22.0, STEPS)
+    figures = key_figures(week(operative_C=ramp, air_C=ramp + 1.0))
+    assert (figures["operative_mean_C"], figures["air_mean_C"]) == pytest.approx((21.0, 22.0))
+
+
+def test_heat_of_each_month_adds_up_to_that_of_all() -> None:
+    months = {"1": slice(0, STEPS // 4), "2": slice(STEPS // 4, None)}
+    figures = key_figures(replace(week(water_heat_W_m2=np.full(STEPS, 15.0)), months=months))
+    heat = [figures[HEAT_OF_MONTH.format(month=month)] for month in months]
+    assert heat == pytest.approx([15.0 * 42 / 1000, 15.0 * 126 / 1000])
