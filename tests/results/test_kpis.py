@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from waxstudy.results.kpis import (
     HEAT_OF_MONTH,
+    IN_CATEGORY,
     TRACE_CHANNELS,
     Figures,
     MemberWeek,
@@ -169,3 +170,21 @@ def test_heat_of_each_month_adds_up_to_that_of_all() -> None:
     figures = key_figures(replace(week(water_heat_W_m2=np.full(STEPS, 15.0)), months=months))
     heat = [figures[HEAT_OF_MONTH.format(month=month)] for month in months]
     assert heat == pytest.approx([15.0 * 42 / 1000, 15.0 * 126 / 1000])
+
+
+def test_a_season_tells_the_days_that_count_and_their_share_in_each_category() -> None:
+    counts = np.arange(STEPS) < 3 * STEPS // 7
+    figures = key_figures(replace(week(operative_C=np.where(counts, 21.0, 10.0)), counts=counts))
+    assert figures["counted_days"] == pytest.approx(3.0)
+    assert {figures[name] for name in IN_CATEGORY.values()} == {1.0}
+
+
+def test_the_highest_temperature_may_be_below_zero() -> None:
+    assert key_figures(week(operative_C=np.full(STEPS, -3.0)))["operative_max_C"] == -3.0
+
+
+def test_durations_take_a_sample_about_every_minute() -> None:
+    values = np.arange(STEPS) % 2  # of steps of 40 s every other one: 60 s are 1.5 of them
+    figures = Figures()
+    figures.add(replace(week(air_C=values.astype(float)), step_s=40.0))
+    assert figures.durations()["air_C"].max() == 0.0
