@@ -44,6 +44,7 @@ class Weights:
     strongest: float
     notable: float
     always: float
+    promised: float
     clearly: float
     soft: float
     unseen_chain: float

@@ -27,7 +27,6 @@ EARLY = 0.6  # of a record, that the rest is predicted from
 MOST_WIDER = 1.5  # times what a fit leaves, that it may leave of days that it has not seen
 ROUNDS = 2
 MOST_ALWAYS = 2  # effects of a link that may have been there from the start
-SCREENED = 0.25  # share of what they must gain, that they must promise for a closer look
 Effects = Sequence[type[Effect]]
 
 
@@ -86,7 +85,7 @@ def _with_always(
             if effect not in dict(found)
             and not effect.hindrance(belief)
             and (price := WEIGHTS.always * len(effect.priors))
-            and (one := estimator.fit(effect, fitted, screen=Screen(SCREENED * price, share)))
+            and (one := estimator.fit(effect, fitted, screen=Screen(WEIGHTS.promised * price, share)))
         ]
         possible = [each for each in tried if not _hinders(named, belief, problem.belief_of(each[1]))]
         best = max(possible, key=lambda each: each[0], default=(0.0, fitted))

@@ -14,12 +14,10 @@ from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
-from waxstudy.diagnosis.residuals.noise_floor import of_noise
+from waxstudy.diagnosis.residuals.noise_floor import PERTURBATIONS, of_noise
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
-
-DRAWS = 3  # of noise, until one can be simulated
 
 
 class HealthyLeft(NamedTuple):
@@ -137,7 +135,7 @@ class AsBelieved(Healthy):
         Raises `SimulationError` where what is believed cannot be simulated.
         """
         own = [replace(each, whitened=each.judged.astype(float)) for each in believed.residuals]
-        return cls(problem, replace(believed, residuals=next(of_noise(problem, believed, DRAWS), own)), {})
+        return cls(problem, replace(believed, residuals=next(of_noise(problem, believed, PERTURBATIONS), own)), {})
 
     @property
     def stands_scatter(self) -> float:

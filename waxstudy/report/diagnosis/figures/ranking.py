@@ -30,7 +30,7 @@ ROOM_FOR_WORDS = 65.0  # % of a scale that is longer than its bars
     "ranking",
     "Every effect that was tried",
     "Share of the gap above the noise floor that each effect explains, alone and as large as it fits best; at the bar "
-    "its probability, or in a room without a baseline, there on days that its fit has not seen, its p over all effects "
+    "its probability. In a room without a baseline: on days that its fit has not seen, with its p over all effects "
     "tried (family-wise). Black: found. Hatched: in the group of one that was found, and not to be told from it with "
     "this record. White: not named, for the reason beside it. An effect that two measured channels can show stands "
     "twice, each with its channel.",
