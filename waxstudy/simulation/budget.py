@@ -19,9 +19,10 @@ from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.study.model import Study
 
 MOST_WORKERS = 4
-# a year at 5 s took 71 MB for each of two workers beyond what a week takes; its traces 37 bytes a row
+# a year at 5 s took 37 MB for each of two workers beyond what a week takes; its traces 37 bytes a row
 WORKER_BYTES = 80e6  # what a worker takes whatever the record's length: a part of a trace and what is made of it
 ROW_BYTES = 40.0  # of a row of a trace on the disk
+SAMPLES = 1.0 + 2.0 / len(DURATION_CHANNELS)  # of a member: each once, one channel's in a row and sorted as well
 KEPT_FREE = 0.1  # share of the memory that is left to others
 
 
@@ -47,7 +48,7 @@ class Needs:
             samples = duration_s / max(SAMPLE_S, room.step_s) * len(DURATION_CHANNELS)
             # another engine gives its record as a whole, and it is checked
             record = 2.0 * duration_s / room.step_s * len(TRACE) if is_outside else 0.0
-            worker = max(worker, WORKER_BYTES + 8.0 * (2.0 * samples + record))
+            worker = max(worker, WORKER_BYTES + 8.0 * (SAMPLES * samples + record))
             disk += ROW_BYTES * duration_s / study.output.trace_interval_s * study.output.trace_members
         return cls(worker, disk)
 

@@ -279,12 +279,13 @@ def simulate_case(
     single_K = found.single_run_shifts_K(comfort.hours_below_per_week)
     kpis, spans = [], []
     for member, (number, start) in enumerate(product(range(len(loops)), range(len(plan.starts)))):
-        figures = _simulate_member(plan, loops[number], member, start, comfort.setpoint_C + found.shift_K, keep)
+        setpoint_C = comfort.setpoint_C + found.shift_K
+        figures, durations = _simulate_member(plan, loops[number], member, start, setpoint_C, keep)
         row = {"case": job.case, "week": job.week, "member": member, "setpoint_shift_K": found.shift_K}
         row |= {WEATHER: number} if len(loops) > 1 else {}
         row["heat_per_K_kWh_m2_week"] = driven.heat_W_K * WEEK_H / 1000.0 / driven.room.floor_area_m2
-        kpis.append({**row, "single_run_shift_K": float(single_K[member]), **figures.key_figures()})
-        spans.append(figures.durations().assign(member=member))
+        kpis.append({**row, "single_run_shift_K": float(single_K[member]), **figures})
+        spans.append(durations.assign(member=member))
     return pd.DataFrame(kpis), pd.concat(spans, ignore_index=True)
 
 
@@ -295,8 +296,11 @@ def _simulate_member(
     start: int,
     setpoint_C: float,
     keep: Callable[[pd.DataFrame], None],
-) -> Figures:
-    """Simulate a member part by part; a member without a trace gives one of no rows, for its columns."""
+) -> tuple[dict[str, float], pd.DataFrame]:
+    """Simulate a member part by part; a member without a trace gives one of no rows, for its columns.
+
+    Returns key figures and durations: what they are made of ends with the member, so only one lies in memory.
+    """
     output, driven, figures, rows = plan.study.output, loop.driven, Figures(), 0
     intervals = part_intervals(driven, output.trace_interval_s)
     for number, simulated in enumerate(loop.parts(setpoint_C, plan.starts[start], intervals, plan.stop)):
@@ -306,7 +310,7 @@ def _simulate_member(
             kept = thinned(part, output.trace_interval_s, driven.weather.first_day, rows).assign(member=member)
             rows += len(kept)
             keep(kept if member < output.trace_members else kept[:0])
-    return figures
+    return figures.key_figures(), figures.durations()
 
 
 def part_intervals(driven: DrivenRoom, trace_interval_s: float) -> int:
