@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from hashlib import sha256
 
 import numpy as np
 
@@ -39,11 +40,11 @@ def patterns(record: Record) -> Iterator[Pattern]:
     They are: growing, from a day on, up to one, on one alone, between hours, on every other day, and, where it is known
     which days of the week a record has, at weekends or between them, and on a day of the week that comes again.
     """
-    seen: set[bytes] = set()
+    seen: set[bytes] = set()  # digests: a record may have a million samples
     for each in _named(record):
-        strength = each.strength.tobytes()
-        if strength not in seen:
-            seen.add(strength)
+        digest = sha256(each.strength.tobytes()).digest()
+        if digest not in seen:
+            seen.add(digest)
             yield each
 
 
@@ -94,11 +95,15 @@ def concentrated(residual: Residual, together: float, record: Record) -> Pattern
     squares, sample = residual.whitened[residual.judged] ** 2, residual.sample[residual.judged]
     if not squares.any():
         return None
-    tried = [each for each in patterns(record) if each.is_at_times]
-    gains = [_gain(squares, each.strength[sample] > 0.0) / together for each in tried]
-    best = int(np.argmax(gains))
-    price = float(np.log(len(tried)) + np.log(max(2.0, len(squares) / together)))
-    return tried[best] if gains[best] > price else None
+    best: Pattern | None = None
+    most, tried = -np.inf, 0
+    for each in patterns(record):
+        if each.is_at_times:
+            tried += 1
+            gain = _gain(squares, each.strength[sample] > 0.0) / together
+            best, most = (each, gain) if gain > most else (best, most)
+    price = float(np.log(tried) + np.log(max(2.0, len(squares) / together)))
+    return best if most > price else None
 
 
 def _gain(squares: FloatArray, acts: np.ndarray) -> float:

@@ -101,12 +101,13 @@ class Weighing:
         """
         if self.problem.segment.with_room:
             return
-        tried = list(patterns(self.problem.record))
+        tried = sum(1 for _ in patterns(self.problem.record))
         for each in self._open(best):
-            made = [(self._with_pattern(each.fitted, pattern), pattern) for pattern in tried]
+            # one after the other: of a long record all of them would not lie in memory
+            made = ((self._with_pattern(each.fitted, pattern), pattern) for pattern in patterns(self.problem.record))
             fitted, pattern = min(made, key=lambda pair: self._loss(pair[0]))
             weighed = self.of(fitted)
-            price = weighed.price + WEIGHTS.price + float(np.log(len(tried)))
+            price = weighed.price + WEIGHTS.price + float(np.log(tried))
             yield replace(weighed, price=price, pattern=pattern)
 
     def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> Hypothesis:
