@@ -76,9 +76,10 @@ def test_without_last_days_there_is_nothing_to_confirm() -> None:
 @given(SIZE, st.floats(0.0, 1.0))
 def test_the_share_of_the_whole_record_is_that_above_the_floor(size: float, left: float) -> None:
     """What is left within the floor is all explained."""
-    before, after = (model(residual((each,) * 3)) for each in (1.0 + size, 1.0 + left * size))
-    kept = Kept.of(EFFECTS["max-flow"], CHANNEL, before, after, floor(1.0, CHANNEL))
-    excess = ((1.0 + left * size) ** 2 - 1.0) / ((1.0 + size) ** 2 - 1.0)
+    least, *gaps = 0.6, 0.6 + size, 0.6 + left * size
+    before, after = (model(residual((each,) * 3)) for each in gaps)
+    kept = Kept.of(EFFECTS["max-flow"], CHANNEL, before, after, floor(least, CHANNEL))
+    excess = (gaps[1] ** 2 - least**2) / (gaps[0] ** 2 - least**2)
     assert kept.whole_share == pytest.approx(1.0 - excess, abs=1e-9)
 
 
