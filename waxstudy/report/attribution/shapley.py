@@ -5,6 +5,14 @@
 Orders are those that lead from no step to all of them through sets of the family alone. Where every set makes sense,
 w = |S|! (n - |S| - 1)! / n! (Shapley 1953); under precedence constraints it is the mean over all orders that keep
 them (Faigle and Kern 1992, Int. J. Game Theory 21, 249-266).
+
+Means over other orders come from the JSON of `waxstudy report RUN --attribution`, here those with P_MC before P_WM:
+
+    for of in json.load(open("attribution.json"))["attribution"]:
+        if of["ladder"] == "pi":
+            mae_K = {frozenset(chosen["steps"]): chosen["mae_K"] for chosen in of["sets"]}
+            sensible = [steps for steps in mae_K if "P_WM" not in steps or "P_MC" in steps]
+            print(of["week"], order_count(sensible), shapley(placements(sensible), mae_K))
 """
 
 from __future__ import annotations
