@@ -81,5 +81,5 @@ def test_the_tables_of_the_pages_are_what_the_commands_print(capsys: pytest.Capt
     text = "".join(page.read_text(encoding="utf-8") for page in pages)
     blocks = re.findall(r"^```text\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     shown = [line for block in blocks for line in block.splitlines()]
-    assert len(shown) > 60
-    assert [line for line in shown if line not in printed] == []
+    assert len(shown) > 40
+    assert [line for line in shown if line not in printed and line != "..."] == []
