@@ -6,6 +6,8 @@ import doctest
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,10 +17,13 @@ from hypothesis import strategies as st
 from tests.diagnosis.realities import EFFECTS, dataset, effects, plain, planted, rows, with_effects
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.calibration import told
-from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
+from waxstudy.diagnosis.calibration.calibrate import Calibration, _covariance, calibrate
 from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
 from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.diagnose import record_of
+from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
+from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.record import Record
@@ -128,6 +133,24 @@ def test_a_chain_is_found_as_it_was_built_and_nothing_besides() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("hangs_together", [False, True])
+def test_what_is_known_of_a_room_is_wider_along_what_errors_of_hours_move_together(
+    hangs_together: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One departure shifts all samples alike, which errors of six hours do too; the other moves them up and down."""
+    blocks, size, random = 200, 36, np.random.default_rng(4)
+    shared = random.normal(size=blocks).repeat(size)
+    errors = shared if hangs_together else random.normal(size=blocks * size)
+    every, zero = np.ones(len(errors), dtype=bool), np.zeros(len(errors), dtype=int)
+    missed = Residual("air_temperature_C", "K", errors, errors, every, zero, zero, np.arange(len(errors)))
+    slopes = np.array([np.ones(len(errors)), (-1.0) ** np.arange(len(errors))]).T
+    monkeypatch.setattr(Estimator, "slopes_at", lambda self, fitted: slopes)
+    problem: Any = SimpleNamespace(sd=np.full(2, 100.0), prior=np.eye(2), record=SimpleNamespace(interval_s=600.0))
+    found = _covariance(problem, Hypothesis((), PLAIN, np.zeros(2), [missed])) * len(errors)
+    assert found[0, 0] == pytest.approx(size if hangs_together else 1.0, rel=0.3)
+    assert found[1, 1] == pytest.approx(1.0, rel=0.3)
+
+
 def test_what_was_calibrated_is_what_is_believed_from_then_on() -> None:
     calibration, documented = of_chain()
     actuator = calibration.as_built.believed(documented).blocks["actuator"]

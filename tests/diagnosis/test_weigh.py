@@ -147,6 +147,18 @@ def test_nothing_is_outdone_by_no_more_than_days_can_tell_nor_by_more_than_stand
     assert _gains([NOTHING, near, pair], NOTHING)[1] == pytest.approx(150.0 - 9.0 * WEIGHTS.sure)
 
 
+def test_with_the_spread_of_the_best_one_others_come_near_it_and_do_not_outdo_it() -> None:
+    steady = replace(LEAK, gain=20.0, spread=1.5, most=50.0)
+    erratic = replace(
+        LEAK, fitted=_of("extra-heat"), names=("extra-heat",), gain=32.0, spread=6.0, ease=-2.0, price=8.0
+    )
+    assert score(steady) > score(erratic)
+    told = _gains([NOTHING, steady, erratic], steady)
+    assert told[1] - steady.price == pytest.approx(told[2] - erratic.price)
+    far = _gains([NOTHING, steady, replace(erratic, gain=15.0)], steady)
+    assert far[2] == pytest.approx(15.0 / 1.5 - 2.0)
+
+
 def test_what_looks_like_an_effect_is_something_unknown_the_rather_the_more_that_leaves() -> None:
     told = replace(LEAK, always=4.0, price=6.0, left=0.5)
     free = 6.0 + np.log(WEIGHTS.prior)

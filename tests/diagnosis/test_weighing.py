@@ -109,13 +109,31 @@ def test_a_gain_is_half_of_what_is_missed_less_in_samples_that_count_and_not_bel
     assert (slow.spread, slow.most) == pytest.approx(gain_spread(counted[0], counted[1], weighing.problem.record.cycle))
 
 
-def test_what_is_missed_stands_out_by_its_size_over_what_healthy_records_leave() -> None:
+def test_what_is_missed_stands_out_where_an_effect_acts_over_what_healthy_records_leave_there() -> None:
     weighing, (none, slow, _) = of(SLOW, SLOW)
-    healthy = weighing.healthy.left("displacement")
-    assert healthy
-    assert not only(none).judged.all()  # what is not judged makes nothing stand out less
-    size = lasting(only(none), only(none).judged)
-    assert slow.stands == pytest.approx(np.log(size / healthy.whitened) / WEIGHTS.scatter)
+    missed = only(none)
+    assert not missed.judged.all()  # what is not judged makes nothing stand out less
+    change = missed.judged * (missed.whitened - only(slow).whitened) ** 2
+    per_cycle = np.array([np.bincount(missed.block, each) for each in (change * missed.whitened**2, change)])
+    lasts, whole = np.delete(per_cycle, np.argmax(per_cycle[0]), axis=1).sum(axis=1)
+    usual = weighing.healthy.usual_where(missed, slow.fitted.effects, ())
+    assert slow.stands == pytest.approx(np.log(np.sqrt(lasts / whole) / usual) / WEIGHTS.scatter)
+
+
+def test_what_is_usual_where_an_effect_acts_is_of_the_samples_that_it_changes() -> None:
+    """A healthy record leaves most at the edges of a slower motor's strokes, and hardly anything where it rests."""
+    weighing, (none, slow, *_) = of(NOTHING, SLOW)
+    healthy, missed = weighing.healthy, only(none)
+    still = healthy.fitted.residual_of("displacement")
+    made = healthy.problem.at(slow.fitted.effects, healthy.fitted.departures, healthy.fitted.convention)
+    assert made
+    change = still.judged * (made.residual_of("displacement").whitened - still.whitened) ** 2
+    expected = np.sqrt(np.sum(change * still.whitened**2) / change.sum())
+    assert healthy.usual_where(missed, slow.fitted.effects, ()) == pytest.approx(max(expected, WEIGHTS.least_left))
+    # what changes nothing has no place of its own, and a channel that was not recorded then none at all
+    assert healthy.usual_where(missed, slow.fitted.effects, slow.fitted.effects) == healthy.usual(missed)
+    unknown = replace(missed, channel="flow_L_h")
+    assert healthy.usual_where(unknown, slow.fitted.effects, ()) == WEIGHTS.least_left
 
 
 def test_a_misfit_is_told_in_standard_deviations_of_what_cycles_tell() -> None:
@@ -229,6 +247,7 @@ def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weig
         scatter=partial(usual.scatter, None),
         tolerated_travel=0.0,
         usual=lambda residual: usual.usual(made.healthy, residual),
+        usual_where=lambda residual, effects, given: usual.usual(made.healthy, residual),
     )
     made.share = {}
     weighing: Weighing = made
@@ -282,15 +301,13 @@ def test_a_record_is_less_likely_by_how_far_what_it_tells_lies_from_what_calibra
 
 
 @pytest.mark.parametrize("left", [2.0, None])
-def test_what_stands_out_of_a_switch_is_told_where_it_is_changed_and_of_what_runs_on_by_its_whole_size(
-    left: float | None,
-) -> None:
+def test_what_stands_out_is_told_where_it_is_changed(left: float | None) -> None:
     weighing = bare(False, HealthyLeft(left, 100, 10) if left else None)
     missed, rest = [6.0, 0.0, 6.0, 0.0, 6.0, 0.0], [0.0, 0.0, 6.0, 0.0, 0.0, 0.0]
     signal = {"channel": "heating_signal", "unit": "s"}
-    for way, size, least in ((signal, 6.0, WEIGHTS.least_off), ({}, np.sqrt(72.0 / 5.0), WEIGHTS.least_left)):
+    for way, least in ((signal, WEIGHTS.least_off), ({}, WEIGHTS.least_left)):
         found = weighing._stands(leaving(residual(rest, **way)), leaving(residual(missed, **way)))
-        assert found == pytest.approx(np.log(size / (left or least)) / WEIGHTS.scatter)
+        assert found == pytest.approx(np.log(6.0 / (left or least)) / WEIGHTS.scatter)
         assert weighing._stands(leaving(residual(missed, **way)), leaving(residual(missed, **way))) == 0.0
         slight = [leaving(residual([each, 0.0, each, 0.0], **way)) for each in (0.0, 0.01)]
         assert weighing._stands(slight[0], slight[1]) == 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.healthy import Healthy, together
+from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room, together
 from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
@@ -202,7 +202,18 @@ def _shared(whitened: Sequence[FloatArray]) -> float:
 
 
 def _covariance(problem: SegmentProblem, fitted: Hypothesis) -> FloatArray:
-    """Return the posterior covariance of the departures (k, k), by slopes at the best fit (Laplace)."""
-    slopes = Estimator(problem).slopes_at(fitted)
-    root = problem.prior / problem.sd
-    return np.asarray(np.linalg.inv(slopes.T @ slopes + root.T @ root))
+    """Return the posterior covariance of the departures (k, k), by slopes at the best fit (Laplace).
+
+    It is wider along what errors of six hours move together by more than independent ones would (White 1980,
+    doi:10.2307/1912934); less is luck.
+    """
+    slopes, root = Estimator(problem).slopes_at(fitted), problem.prior / problem.sd
+    values, ways = np.linalg.eigh(slopes.T @ slopes + root.T @ root)
+    half = ways * values**-0.5  # columns
+    block = np.concatenate([blocks_of_room(each, problem.record.interval_s) for each in fitted.residuals])
+    pull = np.array([np.bincount(block, column) for column in (slopes * fitted.whitened[:, None]).T]).T
+    pull -= pull.mean(axis=0)
+    moved = half.T @ (pull.T @ pull + root.T @ root) @ half
+    more, turned = np.linalg.eigh(moved)
+    wide = half @ turned * np.maximum(1.0, more) ** 0.5
+    return np.asarray(wide @ wide.T)

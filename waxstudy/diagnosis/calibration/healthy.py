@@ -82,6 +82,20 @@ class Healthy:
         least = WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left
         return max(healthy.whitened, least) if healthy else least
 
+    def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> float:
+        """Return the same of the samples that effects change beside given ones, each weighed by the change's square."""
+        healthy = next((each for each in self.fitted.residuals if each.channel == residual.channel), None)
+        pair = [self.problem.at(each, self.fitted.departures, self.fitted.convention) for each in (given, effects)]
+        made = [each.residual_of(residual.channel).whitened for each in pair if each] if healthy else []
+        if healthy is None or len(made) < len(pair) or not healthy.judged.any():
+            return self.usual(residual)
+        change = healthy.judged * (made[1] - made[0]) ** 2
+        power = float(change.sum())
+        if not power:
+            return self.usual(residual)
+        left = float(np.sqrt(change @ healthy.whitened**2 / power)) / self.scale.get(residual.channel, 1.0)
+        return max(left, WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left)
+
     def usual_loss(self, residual: Residual) -> float:
         """Return what is missed of a later record's channel where nothing changed."""
         healthy = self.left(residual.channel)
@@ -122,6 +136,11 @@ def together(residual: Residual) -> float:
     correlation = np.fft.irfft(power)[: len(values)]
     ends = np.flatnonzero(correlation <= 0.0)
     return float(1.0 + 2.0 * correlation[1 : ends[0] if len(ends) else None].sum() / correlation[0])
+
+
+def blocks_of_room(residual: Residual, interval_s: float) -> np.ndarray:
+    """Return the number of the quarter of a day of each residual: errors of a room hang together for hours."""
+    return np.asarray(residual.sample * interval_s // WEIGHTS.block_s, dtype=int)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -91,7 +91,7 @@ def _mimicked(each: Weighed, gain: float) -> float:
 
 def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
     """Return what speaks for each hypothesis; more cannot outdo less by more than what stands out without it."""
-    gains = [each.gain / (best.spread if best.names else each.spread) + each.ease for each in found]
+    gains = [_told(each, best) for each in found]
     order = sorted(range(len(found)), key=lambda place: -len(found[place].fitted.effects))
     for place in order:
         each = found[place]
@@ -105,6 +105,17 @@ def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
         ]
         gains[place] = max([gains[place], *more])
     return _with_peers(found, gains)
+
+
+def _told(each: Weighed, best: Weighed) -> float:
+    """Return what a gain tells, by the spread of the best hypothesis; no more speaks for another one then than for it.
+
+    By their own spread all others did not outdo it.
+    """
+    if not best.names:
+        return each.gain / each.spread + each.ease
+    level = score(best) - score(replace(each, gain=0.0, ease=0.0))
+    return min(each.gain / best.spread + each.ease, level)
 
 
 def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.healthy import Healthy
+from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
@@ -210,11 +210,11 @@ class Weighing:
             return np.inf
         weights, missed = list[FloatArray](), list[FloatArray]()
         for old, new in zip(given.residuals, fitted.residuals, strict=True):
-            change = (old.whitened - new.whitened) ** 2
-            # noise of its drive moves what runs on at its edges most, where any other model changes it too
-            judged = old.judged if old.judged.any() else np.ones(len(change), dtype=bool)
-            weights.append(change if old.unit == "s" else np.where(judged, change[judged].mean(), 0.0))
-            missed.append(weights[-1] * (old.whitened / self.healthy.usual(old)) ** 2)
+            judged = old.judged if old.judged.any() else True
+            weights.append(judged * (old.whitened - new.whitened) ** 2)
+            # noise of its drive moves what runs on at its edges most, of the healthy record too
+            usual = self.healthy.usual_where(old, fitted.effects, given.effects)
+            missed.append(weights[-1] * (old.whitened / usual) ** 2)
         block = np.concatenate([self._block(each) for each in given.residuals])
         over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
         return 0.5 * float(np.log(max(1.0, over))) / self.healthy.stands_scatter
@@ -263,7 +263,7 @@ class Weighing:
         """Return the number of the cycle, of a room of the quarter of a day, of each residual."""
         if not self.problem.segment.with_room:
             return residual.block
-        return (residual.sample * self.problem.record.interval_s // WEIGHTS.block_s).astype(int)
+        return blocks_of_room(residual, self.problem.record.interval_s)
 
     def _notable(self, fitted: Hypothesis) -> Iterator[str]:
         """Yield the names of effects that depart by more than is worth a name, and than real motors stray."""
