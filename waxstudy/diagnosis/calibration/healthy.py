@@ -82,18 +82,22 @@ class Healthy:
         least = WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left
         return max(healthy.whitened, least) if healthy else least
 
+    def acts(self, given: Residual, other: Residual) -> FloatArray:
+        """Return how much another hypothesis changes each sample of a channel (m,), beside a given one."""
+        judged = given.judged if given.judged.any() else True
+        return np.asarray(judged * (given.whitened - other.whitened) ** 2)
+
     def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> float:
-        """Return the same of the samples that effects change beside given ones, each weighed by the change's square."""
+        """Return what nothing amiss leaves of the samples that effects change beside given ones, as far as they do."""
         healthy = next((each for each in self.fitted.residuals if each.channel == residual.channel), None)
         pair = [self.problem.at(each, self.fitted.departures, self.fitted.convention) for each in (given, effects)]
-        made = [each.residual_of(residual.channel).whitened for each in pair if each] if healthy else []
+        made = [each.residual_of(residual.channel) for each in pair if each] if healthy else []
         if healthy is None or len(made) < len(pair) or not healthy.judged.any():
             return self.usual(residual)
-        change = healthy.judged * (made[1] - made[0]) ** 2
-        power = float(change.sum())
-        if not power:
+        acts = self.acts(*made)
+        if not acts.any():
             return self.usual(residual)
-        left = float(np.sqrt(change @ healthy.whitened**2 / power)) / self.scale.get(residual.channel, 1.0)
+        left = float(np.sqrt(acts @ healthy.whitened**2 / acts.sum())) / self.scale.get(residual.channel, 1.0)
         return max(left, WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left)
 
     def usual_loss(self, residual: Residual) -> float:
@@ -166,6 +170,20 @@ class AsBelieved(Healthy):
     @property
     def tolerated_travel(self) -> float:
         return limits()["tolerated"].value
+
+    def acts(self, given: Residual, other: Residual) -> FloatArray:
+        """Return the same, of what runs on as far at each sample: any other model changes most at edges.
+
+        Noise does not tell what the form of the believed model misses there.
+        """
+        acts = super().acts(given, other)
+        if given.unit == "s" or not given.judged.any():
+            return acts
+        return np.where(given.judged, acts[given.judged].mean(), 0.0)
+
+    def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> float:
+        """Return what is usual of a channel anywhere: noise is the same all over it."""
+        return self.usual(residual)
 
     def had_it(self, effects: Edits) -> tuple[float, FloatArray]:
         """Return that nothing was there from the start: all is compared with what is believed."""

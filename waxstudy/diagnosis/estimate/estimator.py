@@ -190,7 +190,7 @@ class Estimator(Generic[P]):
         look = StartPoints(self.problem, self.score, effect, given, parts, straight, self.thorough, screen)
         found = [(*look.best(convention), convention) for convention in self.conventions]
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
-        possible = [look.scanned(*possible[0]), *possible[1:]] if possible else []
+        possible = [*look.scanned(*possible[0]), *possible[1:]] if possible else []
         if look.promised and look.is_hopeless:
             _, values, convention = look.promised
             return self.problem.at((*given.effects, (effect, values)), given.departures, convention)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter
 
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values, stepped
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.plugin import FloatArray
@@ -118,23 +118,40 @@ class StartPoints:
         found = dict(walked.effects)[self.effect] if walked else values
         return self.score(self._with(found, convention), self.parts), found
 
-    def scanned(self, score: float, values: Values, convention: Convention) -> tuple[float, Values, Convention]:
-        """Return a place with the hours of an effect of a chain looked at all over the day, one after the other, twice.
+    def scanned(
+        self, score: float, values: Values, convention: Convention
+    ) -> Iterator[tuple[float, Values, Convention]]:
+        """Yield a place with the hours of an effect of a chain looked at all over the day, and such of little of it.
 
-        A few switches tell little of hours that are far off: no way leads downhill to the right ones.
+        A few switches tell little of hours that are far off: no way leads downhill to the right ones, nor from much of
+        an effect at wrong hours to little at the right ones.
         """
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
         hours = [name for name in self.space.names if neutral is not None and name not in neutral]
+        if self.straight or neutral is None or not hours:
+            yield score, values, convention
+            return
+        yield *self._scanned(score, values, hours, convention), convention
+        for name, still in neutral.items():
+            for way in (-1, 1):
+                little = {**values, **neutral, name: stepped(self.effect.priors[name], still, way)}
+                yield *self._scanned(np.inf, little, hours, convention), convention
+
+    def _scanned(
+        self, score: float, values: Values, hours: Sequence[str], convention: Convention
+    ) -> tuple[float, Values]:
+        """Return the best of a place and those at other hours, one after the other, twice."""
+        neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
         still = self._at(self.given.effects, convention) if self.screen else None
         best = score, values
-        for name in (*hours, *hours) if not self.straight else ():
+        for name in (*hours, *hours):
             prior = self.effect.priors[name]
             for at in np.linspace(prior.low, prior.high, round(SCANNED * min(1.0, self.thorough)), endpoint=False):
                 tried = {**best[1], name: float(at)}
                 look = self._with(tried, convention)
                 self._screened(tried, look, still, neutral, convention)
                 best = min(best, (self.score(look, self.parts), tried), key=itemgetter(0))
-        return *best, convention
+        return best
 
     def _scaled(
         self, values: Values, look: Hypothesis | None, before: FloatArray, neutral: Values

@@ -121,12 +121,14 @@ def _told(each: Weighed, best: Weighed) -> float:
 def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]:
     """Return what speaks for each: of single effects of a chain one that leaves nothing amiss is outdone by little.
 
-    A finer name must be earned: real motors have no form of the library exactly.
+    A finer name must be earned: real motors have no form of the library exactly, and what form may leave tells nothing.
     """
     singles = [place for place, each in enumerate(found) if _is_peer(each)]
     most = max((gains[place] for place in singles), default=0.0)
+    told = most - WEIGHTS.form**2 * max(0.0, most)
     least = {place: most - WEIGHTS.unknown_price - WEIGHTS.sure * found[place].misfit ** 2 for place in singles}
-    return [max(gain, least.get(place, gain)) for place, gain in enumerate(gains)]
+    near = {place: most - max(0.0, told - gains[place]) for place in singles}
+    return [max(gain, least.get(place, gain), near.get(place, gain)) for place, gain in enumerate(gains)]
 
 
 def _is_peer(each: Weighed) -> bool:

@@ -210,9 +210,7 @@ class Weighing:
             return np.inf
         weights, missed = list[FloatArray](), list[FloatArray]()
         for old, new in zip(given.residuals, fitted.residuals, strict=True):
-            judged = old.judged if old.judged.any() else True
-            weights.append(judged * (old.whitened - new.whitened) ** 2)
-            # noise of its drive moves what runs on at its edges most, of the healthy record too
+            weights.append(self.healthy.acts(old, new))
             usual = self.healthy.usual_where(old, fitted.effects, given.effects)
             missed.append(weights[-1] * (old.whitened / usual) ** 2)
         block = np.concatenate([self._block(each) for each in given.residuals])
