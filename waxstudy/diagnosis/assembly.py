@@ -243,7 +243,9 @@ def _autocorrelation(error: np.ndarray) -> float:
 
 def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tried]:
     named = {name for effect in effects for name in effect.group}
-    for each in sorted(selection.tried, key=lambda c: -c.evidence.gain):
+    # one that was weighed at certain hours, too, is told once, as it gains most
+    once = {each.effect.name: each for each in sorted(selection.tried, key=lambda c: c.evidence.gain)}
+    for each in sorted(once.values(), key=lambda c: -c.evidence.gain):
         evidence = each.evidence
         figures = evidence.gain, evidence.p, evidence.share
         why = "" if each.effect.name in named else why_not(selection, each)
