@@ -292,12 +292,12 @@ def test_what_a_room_lacks_is_measured_first_and_settles_emitter_and_room() -> N
 
 
 def test_that_nothing_was_found_says_of_which_stages_where_others_could_not_be_judged() -> None:
-    said = "Of sensor and controller, the record shows no effect that the model lacks; emitter and room"
-    some = Stages(("sensor", "controller"), ("emitter", "room"))
+    said = "Of sensor and controller, the record shows no effect that the model lacks; valve, emitter and room"
+    some = Stages(("sensor", "controller"), ("valve", "emitter", "room"))
     assert summary("none", [], [], [], "", some) == f"{said} could not be judged."
     assert summary("none", [], [], [], "", Stages(("room",))) == "The record shows no effect that the model lacks."
     since = summary("none", [], [], [], "the baseline", some)
-    assert since.startswith("Of sensor and controller, nothing changed since the baseline; emitter and room")
+    assert since.startswith("Of sensor and controller, nothing changed since the baseline; valve, emitter and room")
 
 
 def test_a_leak_does_not_show_in_a_valve_that_is_never_closed() -> None:

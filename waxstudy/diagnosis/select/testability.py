@@ -117,10 +117,7 @@ def lacking_of_room(record: Record) -> list[str]:
 
 
 def in_words(names: Sequence[str]) -> str:
-    """
-    >>> in_words(["valve"]), in_words(["valve", "emitter", "room"])
-    ('valve', 'valve, emitter and room')
-    """
+    """Return names with commas, and an "and" before the last."""
     *first, last = names
     return f"{', '.join(first)} and {last}" if first else last
 
