@@ -52,7 +52,7 @@ def pulse_width(p: Any, x: Any, u: float, t: float, dt: float) -> float:
 
 
 class Pwm(Modulator):
-    """Hourly pulse-width modulation: heat for output times period from the period's start.
+    """Pulse-width modulation: heat for output times period from the period's start.
 
     A pulse shorter than `min_pulse_s` is left out; a pause shorter than that is heated through.
     """

@@ -221,6 +221,19 @@ def test_a_finer_file_gives_means_of_flows_and_last_values_of_the_rest(good: Pat
     np.testing.assert_array_equal(read.values["air_temperature_C"], fine.values["air_temperature_C"][9::10])
 
 
+@pytest.mark.parametrize(("interval_s", "is_told"), [(300, True), (360, False), (1140, True)])
+def test_an_interval_that_is_no_multiple_of_the_rows_distance_is_told_with_the_nearest(
+    good: Path, interval_s: int, is_told: bool
+) -> None:
+    path = good / "dataset.toml"
+    text = path.read_text(encoding="utf-8").replace("interval_s = 60", f"interval_s = {interval_s}")
+    path.write_text(text, encoding="utf-8")
+    read = reread(good, lambda data: data.iloc[1::2])
+    below = interval_s // 120 * 120
+    words = "no multiple of the 120 s between the file's rows", f"take interval_s = {below} or {below + 120}"
+    assert told(read, *words) is is_told
+
+
 def test_stamps_at_the_start_are_moved_to_the_end(good: Path) -> None:
     ours = read_dataset(good)
     path = good / "dataset.toml"

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.diagnosis.realities import EFFECTS, Effects, as_believed, belief, dataset, effects, planted, rows
+from waxstudy.diagnosis.assembly import _tried
 from waxstudy.diagnosis.calibration import healthy
 from waxstudy.diagnosis.calibration.healthy import AsBelieved
 from waxstudy.diagnosis.diagnose import _base, record_of, weighed_links
@@ -148,3 +149,11 @@ def test_what_another_reading_of_the_record_explains_is_no_effect_s_gain() -> No
     found.none, better = max((after, before), key=found._loss), min((after, before), key=found._loss)
     assert found._loss(found.none) > 100.0 + found._loss(better)
     assert found.of(better).gain == 0.0
+
+
+def test_an_effect_that_was_weighed_at_certain_hours_too_is_told_once_as_it_gains_most() -> None:
+    effect = EFFECTS["slow-actuator"]
+    of = [SimpleNamespace(gain=gain, p=0.1, share=0.2, channel="displacement") for gain in (1.0, 3.0)]
+    tried = [SimpleNamespace(effect=effect, evidence=each) for each in of]
+    selection: Any = SimpleNamespace(tried=tried, posterior={"none": 1.0}, found=())
+    assert [(each.name, each.gain) for each in _tried(selection, [])] == [("slow-actuator", 3.0)]

@@ -46,6 +46,7 @@ from waxstudy.diagnosis.select.testability import (
     unshown,
 )
 from waxstudy.diagnosis.select.unexplained import unexplained
+from waxstudy.diagnosis.sentences import Stages, summary
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, FloatArray, Inputs
 
@@ -251,6 +252,52 @@ def test_nobody_is_told_to_record_what_is_recorded_already(recorded: Sequence[st
     chain = Belief(believed.blocks)
     told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), segments(few, chain), few, chain)}
     assert told["sensor-bias"] == f"no channel shows the sensor: record {wanted}"
+
+
+WATER = ("supply_temperature_C", "outdoor_temperature_C")
+OTHERS = "operative_temperature_C or floor_surface_temperature_C"
+
+
+@pytest.mark.parametrize(
+    ("recorded", "wanted"),
+    [
+        (("sensor_temperature_C", *WATER), f"air_temperature_C (a lone thermometer may be named so), {OTHERS}"),
+        (("flow_L_h", *WATER), f"air_temperature_C, {OTHERS}"),
+        (("air_temperature_C", "supply_temperature_C"), "outdoor_temperature_C"),
+        (("air_temperature_C",), "supply_temperature_C and outdoor_temperature_C"),
+        (("air_temperature_C", *WATER), "flow_L_h"),
+    ],
+)
+def test_a_room_that_cannot_be_judged_is_told_with_the_channel_that_it_lacks(
+    recorded: Sequence[str], wanted: str
+) -> None:
+    seen, believed, _ = ready()
+    few = Record(seen.interval_s, 0.0, {name: seen.values[name] for name in recorded})
+    some = Belief({}, believed.room, few.inputs if few.has_inputs else None)
+    told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), segments(few, some), few, some)}
+    assert told["infiltration"] == f"no channel shows the room: record {wanted}"
+    assert told["supply-offset"] == f"no channel shows the emitter: record {wanted}"
+
+
+def test_what_a_room_lacks_is_measured_first_and_settles_emitter_and_room() -> None:
+    seen, believed, _ = ready()
+    names = ("sensor_temperature_C", "control_output", *WATER)
+    few = Record(seen.interval_s, 0.0, {name: seen.values[name] for name in names})
+    lone = replace(few, values={**few.values, "setpoint_C": np.full(len(few), SETPOINT_C)})
+    some = Belief(believed.blocks, believed.room, lone.inputs)
+    cut, stages = segments(lone, some), {name: effect.stage for name, effect in EFFECTS.items()}
+    unseen = list(uncovered(list(EFFECTS.values()), cut, lone, some))
+    first = next(next_measurements(cut, [], unseen, stages, lone))
+    assert (first.what, first.splits) == ("record air_temperature_C", ["emitter", "room"])
+
+
+def test_that_nothing_was_found_says_of_which_stages_where_others_could_not_be_judged() -> None:
+    said = "Of sensor and controller, the record shows no effect that the model lacks; valve, emitter and room"
+    some = Stages(("sensor", "controller"), ("valve", "emitter", "room"))
+    assert summary("none", [], [], [], "", some) == f"{said} could not be judged."
+    assert summary("none", [], [], [], "", Stages(("room",))) == "The record shows no effect that the model lacks."
+    since = summary("none", [], [], [], "the baseline", some)
+    assert since.startswith("Of sensor and controller, nothing changed since the baseline; valve, emitter and room")
 
 
 def test_a_leak_does_not_show_in_a_valve_that_is_never_closed() -> None:

@@ -80,6 +80,33 @@ def test_a_record_without_an_outdoor_temperature_says_what_else_there_is(entry: 
     assert "history of a weather service" in done.stderr
 
 
+def test_only_what_may_be_a_temperature_is_proposed_as_one(entry: Entry) -> None:
+    frame = house().rename(columns={"outdoor_temperature": "north_wall"})
+    frame["north_wall"] += 16.0
+    level = 15.0 + 10.0 * np.sin(np.arange(len(frame)) / 9.0)
+    others = {"Y %": level, "humidity": level + 10.0, "share": (level - 5.0) / 20.0}
+    done = imported(entry, frame.assign(**others), "--yes")
+    refused(done, "may it be north_wall? then say")
+
+
+def test_what_is_no_channel_is_told_and_of_many_names_the_first(entry: Entry) -> None:
+    done = imported(entry, house().assign(**{"Sonne W": 100.0}), "--map", "outdoor_temperature_C=outdoor_temperature")
+    assert "not used: Sonne W (to use it, say --map 'CHANNEL=Sonne W')\n" in done.stdout
+    done = imported(entry, house().assign(**{f"extra {each}": 1000.0 + each for each in range(9)}), "--yes")
+    told = "extra 0, extra 1, extra 2, extra 3, extra 4 and 4 more, listed in dataset.toml (to use one, say --map"
+    assert f"not used: {told} CHANNEL=NAME)\n" in done.stdout
+    assert "not used" not in imported(entry, house(), "--replace").stdout
+
+
+def test_a_lone_thermometer_is_told_to_show_no_room_unless_it_is_named_so(entry: Entry) -> None:
+    done = imported(entry, house())
+    assert "a room is judged by air_temperature_C: room_temperature became sensor_temperature_C" in done.stderr
+    assert "say --map air_temperature_C=room_temperature" in done.stderr
+    done = imported(entry, house(), "--map", "air_temperature_C=room_temperature")
+    assert "a room is judged by" not in done.stderr
+    assert "sensor_temperature_C" not in read(Path("living"))
+
+
 def imported_file(frame: pd.DataFrame) -> str:
     frame.to_csv("again.csv")
     return "again.csv"

@@ -154,6 +154,7 @@ def test_names_that_say_nothing_are_told_by_their_values(record: pd.DataFrame, e
     record.rename(columns=names).to_csv("plain.csv")
     asked = entry("import", "plain.csv", "--out", "plain")
     assert (asked.code, asked.stderr.count("or --yes")) == (3, 7)
+    assert "if a controller asks for it, say --map control_output=S" in asked.stderr
     assert not Path("plain").exists()
     assert entry("import", "plain.csv", "--yes", "--out", "plain").code == 0
     told = tomllib.loads(Path("plain/dataset.toml").read_text())["import"]["channels"]

@@ -125,6 +125,24 @@ def test_units_become_those_of_channels(unit: str, quantity: str, one: float) ->
     assert how.is_counter is (unit in ("10 L", "kWh"))
 
 
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("V l/min", "l/min"), ("Regler %", "%"), ("Vorlauf °C", "°C"), ("Wand W", ""), ("Zone C", ""), ("%", "")],
+)
+def test_a_unit_may_stand_behind_a_blank_unless_it_is_one_letter(name: str, unit: str) -> None:
+    ns, values = np.arange(COUNT) * MINUTE_NS, course("share")
+    (found,) = seen([Logged(name, "a.csv", ns, values, np.arange(COUNT), "", False, False)], {})
+    assert (found.unit, found.entity) == (unit, name)
+
+
+@pytest.mark.parametrize(("name", "channel"), [("Regler %", "control_output"), ("X %", "heating_signal")])
+def test_a_switch_in_per_cent_is_the_output_where_its_name_says_controller(name: str, channel: str) -> None:
+    ns, values = np.arange(COUNT) * MINUTE_NS, 100.0 * course("valve")
+    found = matched(seen([Logged(name, "a.csv", ns, values, np.arange(COUNT), "", False, False)], {}), {}, "")
+    assert list(found) == [channel]
+    assert found[channel].is_sure is (channel == "control_output")
+
+
 def test_names_that_begin_as_a_number_goes_on_are_names() -> None:
     """Of T1 and E2 all letters may be in a stamp or a number."""
     frame = pd.DataFrame({"time": pd.date_range("2026-01-01", periods=6, freq="min"), "name": ["T1", "E2"] * 3})

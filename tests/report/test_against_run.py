@@ -22,6 +22,7 @@ from waxstudy.report.input_differences import differences
 from waxstudy.report.other_run import OtherRun, Step
 from waxstudy.report.page import as_html
 from waxstudy.report.render import all_notes, as_csv, as_json, as_markdown, as_terminal, tables
+from waxstudy.report.score import Cell
 from waxstudy.results.run import Run
 
 STUDY = """
@@ -101,6 +102,12 @@ def test_what_was_changed_is_resolved_and_what_was_not_is_no_difference(base: Co
     score = next(score for score in against.scores if score.column == "mae_K")
     assert score.rmse == pytest.approx(found["rough", "mae_K"].difference * np.sqrt(2.0 / 3.0))
     assert score.within_range == 1
+
+
+def test_what_is_called_resolved_is_written_as_no_zero() -> None:
+    one, two, other = (estimate(np.array(values)) for values in ([1.0, 1.001], [1.004, 1.005], [0.0, 2.0]))
+    assert f"{Cell('a', 'w', 'heat', one, 2, two, 2):.2f}".startswith("-0.004 ± 0.00")
+    assert f"{Cell('a', 'w', 'heat', one, 2, other, 2):.2f}".startswith("0.00 ± ")
 
 
 def test_steps_whose_heat_changes_the_other_way_are_named(base: Content, changed: Run) -> None:

@@ -28,12 +28,13 @@ from tests.report.diagnoses import (
     PIECES_W,
     ROOM,
     STUCK,
+    TOGETHER,
     UNKNOWN,
     UNTESTABLE,
     VALVE,
 )
 from tests.report.test_page import Page, needs_browser, scroll_width
-from waxstudy.diagnosis.result import Diagnosis, Lack, Measurement, Tried, Untestable
+from waxstudy.diagnosis.result import Diagnosis, Lack, Measurement, Tried, Untestable, When
 from waxstudy.diagnosis.sentences import group_sentence
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.figures.missing_heat import figure_missing_heat
@@ -43,7 +44,7 @@ from waxstudy.report.diagnosis.figures.traces import course
 from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
 from waxstudy.report.diagnosis.page import as_html
 from waxstudy.report.diagnosis.summary import VERDICTS as VERDICT_WORDS
-from waxstudy.report.diagnosis.summary import as_terminal, impact_words, lines
+from waxstudy.report.diagnosis.summary import as_terminal, how_sure, impact_words, lines
 from waxstudy.report.figures.plot import Lacking
 from waxstudy.results.json_text import json_text
 
@@ -230,6 +231,15 @@ def test_members_of_a_group_are_told_as_such() -> None:
     rows = [tuple(row) for row in Page(page_of(GROUP)).texts]
     assert ("stuck-open", "opening", "0.0321") in rows
     assert "only of let-by intervals were looked for" in page_text(page_of(GROUP))
+
+
+def test_a_probability_of_a_group_is_not_one_of_its_first_member() -> None:
+    group = replace(TOGETHER, probability=0.999, when=When("always", ()))
+    assert how_sure(group) == "Together over 99 % probable; always."
+    assert how_sure(replace(group, group=("let-by",))) == "Probability over 99 %; always."
+    shown = as_html(replace(EFFECT, effects=(group,)))
+    assert "Together over 99 % probable; always." in page_text(shown)
+    assert "over 99 % together" in page_text(shown)
 
 
 def test_every_member_of_a_group_has_its_say_and_of_a_long_one_the_first_three() -> None:

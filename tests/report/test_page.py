@@ -24,7 +24,7 @@ from waxstudy.report.diagnosis.page import as_html as diagnosis_as_html
 from waxstudy.report.figures import PAPER_FIGURES
 from waxstudy.report.figures.overview import figure_overview
 from waxstudy.report.page import as_html
-from waxstudy.report.render import tables
+from waxstudy.report.render import as_json, as_markdown, as_terminal, tables
 from waxstudy.report.score import cells, scores
 
 VOID = {"meta", "br", "hr", "img", "link", "input"}
@@ -265,7 +265,7 @@ def test_the_legend_says_in_words_what_each_case_adds(text: str) -> None:
     rows = {row[0]: row[1:] for row in reversed(Page(text).texts) if row and row[0] in ("rough", "precise", "pulsed")}
     assert rows["rough"][0] == "first"
     assert rows["precise"] == ["rough", "controller: dead_band_K = 0.5 instead of 2"]
-    assert rows["pulsed"][1].startswith("modulator “pwm”: hourly pulse-width modulation")
+    assert rows["pulsed"][1].startswith("modulator “pwm”: pulse-width modulation")
 
 
 def test_cases_that_are_the_same_run_are_told(small: Content) -> None:
@@ -274,7 +274,12 @@ def test_cases_that_are_the_same_run_are_told(small: Content) -> None:
     twin = kpis[kpis["case"] == "usual"].assign(case="pulsed")
     run = copy(small.run)
     run.kpis = pd.concat([kpis[kpis["case"] != "pulsed"], twin])  # type: ignore[misc]
-    assert told_same(run) == ["usual and pulsed are the same run: what the later one adds changes nothing here."]
+    told = "usual and pulsed are the same run: what the later one adds changes nothing here"
+    assert told_same(run) == [told]
+    twins = replace(small, run=run)
+    for text in (as_terminal(twins, 200, colour=False), as_markdown(twins), as_html(twins)):
+        assert text.count(told) == 1
+    assert told in json.loads(as_json(twins))["notes"]
 
 
 def test_findings_are_sentences_with_a_figure_and_the_rest_is_folded(against_text: str) -> None:

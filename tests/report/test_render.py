@@ -117,6 +117,6 @@ def test_titles_say_what_counts_by_the_week_and_the_study_s_actuators_are_marked
     assert len(actuators) > 1
 
 
-@pytest.mark.parametrize(("module", "examples"), [(formats, 2), (words, 5)], ids=["formats", "words"])
+@pytest.mark.parametrize(("module", "examples"), [(formats, 2), (words, 6)], ids=["formats", "words"])
 def test_the_examples_of_how_texts_are_written_hold(module: ModuleType, examples: int) -> None:
     assert doctest.testmod(module) == (0, examples)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -25,6 +26,7 @@ TIME_FORMAT = "Format of the stamps, such as '%d/%m/%Y %H:%M'.  [default: found]
 HOLD = "How long a value is held that is logged when it changes."
 INTERVAL = "Interval of the dataset.  [default: the finest of the readings, else 1 min]"
 YES = "Take what is proposed, and ask nothing."
+MOST_TOLD = 5  # names that are not used
 REPLACE = "Take the place of another import in DIR."
 
 
@@ -131,4 +133,14 @@ def _told(imported: Imported) -> str:
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     time = imported.values.index
     span = f"{time[0]} to {time[-1]}, every {imported.interval_s:g} s"
-    return "\n".join([*lines, "", span, *imported.assumptions]) + "\n"
+    return "\n".join([*lines, "", span, *imported.assumptions, *_unused(imported.unused)]) + "\n"
+
+
+def _unused(names: Sequence[str]) -> list[str]:
+    """Return the line of what is no channel; of many the first few."""
+    if not names:
+        return []
+    if len(names) == 1:
+        return [f"not used: {names[0]} (to use it, say {shlex.join(['--map', f'CHANNEL={names[0]}'])})"]
+    more = f" and {len(names) - MOST_TOLD} more, listed in dataset.toml" if len(names) > MOST_TOLD else ""
+    return [f"not used: {', '.join(names[:MOST_TOLD])}{more} (to use one, say --map CHANNEL=NAME)"]

@@ -13,6 +13,7 @@ from waxstudy.plugin import FloatArray
 
 FINER = 0.67  # of the interval: stamps nearer to each other are several to an interval
 COARSER = 1.5  # of the interval: without any stamps nearer than that, the interval is not the file's
+UNEVEN = 0.01  # of the rows in an interval: fewer or more by less are stamps that are not exact
 FEW = 10  # rows from which the distance of stamps says nothing
 LONGEST = 20_000_000  # intervals
 NS = 1_000_000_000
@@ -86,9 +87,20 @@ def _nearest(rows: pd.DataFrame, off_s: FloatArray, notes: Notes) -> pd.DataFram
     return kept
 
 
+def _tell_uneven(interval_s: float, usual_s: float, notes: Notes) -> None:
+    """Warn where intervals hold a row more or less in turn, and their last values lie at different times."""
+    rows = interval_s / usual_s
+    if abs(rows - round(rows)) > UNEVEN * rows:
+        nearest = f"{np.floor(rows) * usual_s:g} or {np.ceil(rows) * usual_s:g}"
+        said = f"interval_s = {interval_s:g} is no multiple of the {usual_s:g} s between the file's rows"
+        holds = f"samples hold {np.floor(rows):g} or {np.ceil(rows):g} rows in turn, which no instrument did"
+        notes.warn(f"{said}: {holds}; take interval_s = {nearest}")
+
+
 def _means(rows: pd.DataFrame, interval_s: float, usual_s: float, notes: Notes) -> pd.DataFrame:
     """Return means over the interval for channels that are means, and the last value for all others."""
     places = rows.groupby(level=0, sort=True)
+    _tell_uneven(interval_s, usual_s, notes)
     sentence = f"The file's rows are {usual_s:g} s apart: over {interval_s:g} s, flow and gains are averaged"
     notes.assume(f"{sentence}; of all else the last value of the interval is taken.")
     gridded = places.last()

@@ -49,7 +49,7 @@ from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.select.stated import stated
 from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import slight, stage_of, unexplained
-from waxstudy.diagnosis.sentences import filled_in, logged, needless, summary, warned, why_not
+from waxstudy.diagnosis.sentences import Stages, filled_in, logged, needless, summary, warned, why_not
 from waxstudy.plugin import STAGES, Belief
 
 
@@ -98,10 +98,11 @@ def assembled(
     untestable = list(_untestable(work, cut, short, selections))
     verdict = _verdict(found, remains, selections, untestable)
     stages = {effect.name: effect.stage for effect in work.effects}
+    since = "the baseline" if work.calibration else ""
     return Diagnosis(
         dataset=work.dataset.name,
         verdict=verdict,
-        summary=summary(verdict, found, remains, untestable, since="the baseline" if work.calibration else ""),
+        summary=summary(verdict, found, remains, untestable, since, _judged(selections, untestable, stages)),
         stages=[stage for link in linked for stage in _stages(work, *link, selections)],
         effects=found,
         unexplained=remains,
@@ -243,7 +244,9 @@ def _autocorrelation(error: np.ndarray) -> float:
 
 def _tried(selection: Selection, effects: Sequence[FoundEffect]) -> Iterator[Tried]:
     named = {name for effect in effects for name in effect.group}
-    for each in sorted(selection.tried, key=lambda c: -c.evidence.gain):
+    # one that was weighed at certain hours, too, is told once, as it gains most
+    once = {each.effect.name: each for each in sorted(selection.tried, key=lambda c: c.evidence.gain)}
+    for each in sorted(once.values(), key=lambda c: -c.evidence.gain):
         evidence = each.evidence
         figures = evidence.gain, evidence.p, evidence.share
         why = "" if each.effect.name in named else why_not(selection, each)
@@ -277,9 +280,20 @@ def _verdict(
         return "group"
     if any(each.is_finding for each in remains):
         return "unknown"
+    return "none" if _tested(selections, untestable) else "untestable"
+
+
+def _tested(selections: Sequence[Selection], untestable: Sequence[Untestable]) -> set[str]:
+    """Return the effects that the record could show."""
     looked_at = [each for each in selections if not each.segment.is_supply]
-    tested = {each.effect.name for selection in looked_at for each in selection.tried}
-    return "none" if tested - {each.name for each in untestable} else "untestable"
+    tried = {each.effect.name for selection in looked_at for each in selection.tried}
+    return tried - {each.name for each in untestable}
+
+
+def _judged(selections: Sequence[Selection], untestable: Sequence[Untestable], stages: Mapping[str, str]) -> Stages:
+    judged = {stages[name] for name in _tested(selections, untestable)}
+    others = {stages[each.name] for each in untestable} - judged
+    return Stages(*([stage for stage in STAGES if stage in some] for some in (judged, others)))
 
 
 def _believed(work: Work, selections: Sequence[Selection], with_effects: bool) -> Belief:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,10 +14,12 @@ from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Unexplained, Untestable, Verdict
 from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.diagnosis.select.search import Selection, Withdrawn
+from waxstudy.diagnosis.select.testability import in_words
 from waxstudy.plugin import LinearRoom, Role
 
 HELD = ("outdoor_temperature_C", "supply_temperature_C", SUN, GAINS)
 LONG_GAP_H = 1.0
+NOTHING = "the record shows no effect that the model lacks"
 MOST_TOLD = 3  # sentences of a group; the others by name
 
 
@@ -26,6 +29,7 @@ def summary(
     remains: Sequence[Unexplained],
     untestable: Sequence[Untestable],
     since: str = "",
+    stages: Stages | None = None,
 ) -> str:
     """Return a diagnosis in one sentence; `since`: what the record was compared with, if it was."""
     if verdict in ("effect", "group"):
@@ -35,7 +39,22 @@ def summary(
         return f"Something that no known effect explains lies at: {places}."
     if verdict == "untestable":
         return f"This record cannot be judged: {_main_reason(untestable)}."
-    return f"Nothing changed since {since}." if since else "The record shows no effect that the model lacks."
+    return _nothing(f"nothing changed since {since}" if since else NOTHING, stages or Stages())
+
+
+@dataclass(frozen=True)
+class Stages:
+    """Stages that were judged, and those of which no effect could be."""
+
+    judged: Sequence[str] = ()
+    not_judged: Sequence[str] = ()
+
+
+def _nothing(said: str, stages: Stages) -> str:
+    """Return that nothing was found, and of what, where that is not the whole loop."""
+    if not stages.not_judged:
+        return f"{said[:1].upper()}{said[1:]}."
+    return f"Of {in_words(stages.judged)}, {said}; {in_words(stages.not_judged)} could not be judged."
 
 
 def _main_reason(untestable: Sequence[Untestable]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from zoneinfo import available_timezones
@@ -12,8 +13,9 @@ from waxstudy.dataset.zones import zone_hint
 from waxstudy.importing.asking import NONE, Ask, Question
 from waxstudy.importing.channels import channels_of
 from waxstudy.importing.layouts import joined, readings_of
+from waxstudy.importing.limits import FRACTION
 from waxstudy.importing.matching import Match, matched
-from waxstudy.importing.names import is_of_room, rooms_of
+from waxstudy.importing.names import CHANNEL_NAMES, OTHERS, is_of_room, plain, rooms_of, says
 from waxstudy.importing.reading import Logged, Readings, Table, problem, refusal
 from waxstudy.importing.request import Imported, Request
 from waxstudy.importing.seen import Seen, is_plausible, seen
@@ -24,6 +26,7 @@ from waxstudy.plugin.registry import hint, nearest
 from waxstudy.study.problems import StudyError, listed
 
 OUTDOORS = "outdoor_temperature_C"
+SHOW_ROOM = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C")
 NAMED = 12  # entities that a message lists
 NO_OUTDOORS = (
     "no outdoor temperature was found: without it nothing can be said of a room. A history of a weather service does "
@@ -50,6 +53,7 @@ def bring(request: Request, ask: Ask) -> Imported:
     request, matches = _decided(request, entities, ask, notes)
     if OUTDOORS not in matches and OUTDOORS not in request.entities:
         raise _no_outdoors(request, entities, matches)
+    _tell_lone_thermometer(matches, notes)
     imported = channels_of(request, matches, entities, notes, ask)
     taken = [places[match.seen.entity] for match in matches.values() if match.seen.entity in places]
     return replace(imported, place=taken[0]) if taken else imported
@@ -194,10 +198,27 @@ def _answered(match: Match, entities: Sequence[Seen], ask: Ask, notes: Notes) ->
         text = f"{_some(fitting)} fit {match.channel} equally well. Which one"
     else:
         text = f"Is {match.seen.entity} {match.channel}? Sure by {match.confidence:.0%}: {match.why}. Which one"
+        text += _or_output(match)
     choices = [*fitting, *(each.entity for each in entities if each.entity not in fitting), NONE]
     proposal = None if match.rivals else match.seen.entity
     answer = ask(Question(text, choices, proposal, option, match.seen.logged.where, fitting[0]))
     return "" if answer == NONE else answer
+
+
+def _tell_lone_thermometer(matches: Mapping[str, Match], notes: Notes) -> None:
+    """Say that what a controller reads shows no room, where nothing else does."""
+    lone = matches.get("sensor_temperature_C")
+    if lone and not set(SHOW_ROOM) & set(matches):
+        option = shlex.join(["--map", f"{SHOW_ROOM[0]}={lone.seen.entity}"])
+        also = f"{lone.seen.entity} became sensor_temperature_C, what the controller reads"
+        notes.warn(f"a room is judged by {SHOW_ROOM[0]}: {also}; if it is all that shows the room, say {option}")
+
+
+def _or_output(match: Match) -> str:
+    """Say what else a signal may be that nothing but its values tells."""
+    if match.channel != "heating_signal" or not match.why.startswith("values alone"):
+        return ""
+    return f" (if a controller asks for it, say {shlex.join(['--map', f'control_output={match.seen.entity}'])})"
 
 
 def _no_outdoors(request: Request, entities: Sequence[Seen], matches: Mapping[str, Match]) -> StudyError:
@@ -209,4 +230,12 @@ def _no_outdoors(request: Request, entities: Sequence[Seen], matches: Mapping[st
 
 
 def _may_be_outdoors(each: Seen) -> bool:
-    return bool(is_plausible(each, CHANNELS[OUTDOORS].quantity)) and each.distinct > 2
+    is_like = is_plausible(each, CHANNELS[OUTDOORS].quantity) and each.distinct > 2
+    is_share = each.low >= 0.0 and each.high <= FRACTION
+    return bool(is_like) and not is_share and not _names_no_temperature(plain(each.entity))
+
+
+def _names_no_temperature(name: str) -> bool:
+    """Whether a name says clearly that an entity is something else than a temperature."""
+    others = [words.clear for channel, words in CHANNEL_NAMES.items() if not channel.endswith("_C")]
+    return any(says(name, words) for words in (*others, OTHERS)) and not says(name, "temp\\w*")

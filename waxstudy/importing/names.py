@@ -40,7 +40,10 @@ CHANNEL_NAMES = {
     "air_temperature_C": Names("air|luft|lufttemp\\w*|indoor air", never=f"{OTHER_AIR}|{SET}|operative|globe|water"),
     "operative_temperature_C": Names("operative|globe|empfunden\\w*"),
     "setpoint_C": Names(SET, never="flow|supply|vorlauf|outdoor"),
-    "control_output": Names("output|demand|pwm|duty|stellgroesse|controller out\\w*|anforderung", "control|percentage"),
+    "control_output": Names(
+        "output|demand|pwm|duty|stellgroesse|stellsignal|stellwert|reglerausgang|controller out\\w*|anforderung",
+        "control|controller|regler|percentage",
+    ),
     "heating_signal": Names(
         "valve|relay|actuator|heating|heat|hvac action|ventil|stellantrieb|heating signal|call|heizung|signal",
         "switch|state|on|status|pump",

@@ -51,7 +51,7 @@ def same_runs(run: Run) -> list[Sequence[str]]:
 def told_same(run: Run) -> list[str]:
     """Return a sentence for each group of such cases."""
     return [
-        f"{' and '.join(cases)} are the same run: what the later one adds changes nothing here."
+        f"{' and '.join(cases)} are the same run: what the later one adds changes nothing here"
         for cases in same_runs(run)
     ]
 

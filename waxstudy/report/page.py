@@ -11,7 +11,7 @@ from waxstudy.report.figures.months import figure_months
 from waxstudy.report.figures.overview import figure_overview
 from waxstudy.report.figures.plot import plots
 from waxstudy.report.html import filled, provenance
-from waxstudy.report.render import activation_tables, all_notes, comparison_tables, season_tables
+from waxstudy.report.render import activation_tables, comparison_tables, other_notes, season_tables
 from waxstudy.report.words import counted
 
 
@@ -36,7 +36,7 @@ def as_html(content: Content, told: Callable[[float], None] = lambda share: None
         starts={ladder.cases[0] for ladder in content.run.ladders},
         figures=plots(PAPER_FIGURES, content, told),
         provenance=provenance(content.run),
-        notes=all_notes(content),
+        notes=other_notes(content),
     )
 
 

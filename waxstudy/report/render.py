@@ -11,6 +11,7 @@ from typing import Any
 
 from waxstudy.report.activation import Activation
 from waxstudy.report.against import Against
+from waxstudy.report.cases import told_same
 from waxstudy.report.comparison import CORRECTED_FIGURES, FIGURES, Row
 from waxstudy.report.content import Content, Starts
 from waxstudy.report.formats import csv_text, markdown, terminal
@@ -271,5 +272,10 @@ def as_terminal(content: Content, width: int, colour: bool) -> str:
 
 
 def all_notes(content: Content) -> list[str]:
+    """Which cases are one run, then the other notes."""
+    return [*told_same(content.run), *other_notes(content)]
+
+
+def other_notes(content: Content) -> list[str]:
     """The notes of a report, then why the other side's figures are missing."""
     return [*content.notes, *(content.against.notes if content.against else ())]

@@ -19,7 +19,7 @@ from waxstudy.report.comparison import (
     Row,
     unpaired_interval,
 )
-from waxstudy.report.words import with_spread
+from waxstudy.report.words import telling, with_spread
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,10 @@ class Cell:
         return unpaired_interval(self.ours, self.members, self.theirs, self.their_members)
 
     def __format__(self, form: str) -> str:
-        """The difference and half its interval, each as the form says."""
+        """The difference and half its interval, each as the form says; no zero is called resolved."""
         low, high = self.interval
+        if self.resolved:
+            form = telling(self.difference, form)
         return with_spread(self.difference, (high - low) / 2.0, form)
 
     @property

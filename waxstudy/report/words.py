@@ -6,6 +6,7 @@ import math
 
 # the two levels at which a run can tell something
 MEAN_DECIDES, SINGLE_RUN = "the mean decides", "single run"
+MORE_DIGITS = 3
 
 
 def counted(n: int, noun: str) -> str:
@@ -38,6 +39,17 @@ def percent(share: float) -> str:
     ('88 %', '')
     """
     return "" if math.isnan(share) else f"{100.0 * share:.0f} %"
+
+
+def telling(value: float, form: str) -> str:
+    """Return a form with as many digits more, at most three, as keep what is not zero from being written as zero.
+
+    >>> telling(0.004, ".2f"), telling(0.05, ".2f"), telling(1e-9, ".2f")
+    ('.3f', '.2f', '.5f')
+    """
+    places = int(form.strip(".f"))
+    more = (each for each in range(places, places + MORE_DIGITS) if float(f"{value:.{each}f}"))
+    return f".{next(more, places + MORE_DIGITS)}f"
 
 
 def with_spread(value: float, spread: float, form: str) -> str:

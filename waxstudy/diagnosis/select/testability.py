@@ -20,7 +20,8 @@ CLEAR = 4  # noticeable steps from neutral that a record should show
 LEVELS = ("control_output", "displacement")
 SPARSE_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
-NEEDS = {"emitter": "supply and outdoor temperatures and the flow", "room": "supply and outdoor temperatures"}
+DRIVES = ("supply_temperature_C", "outdoor_temperature_C")
+SHOWS_ROOM = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C")
 
 
 def too_short(segment: Segment, record: Record, belief: Belief) -> str:
@@ -96,12 +97,29 @@ def uncovered(
 
 def needed(stage: str, record: Record) -> str:
     """Return what to record to judge a stage, of what is not recorded yet."""
-    if stage in NEEDS:
-        return NEEDS[stage]
+    if stage in ROOM_STAGES:
+        lacking = in_words(lacking_of_room(record))
+        alone = " (a lone thermometer may be named so)" if record.has(SHOWN["sensor"]) else ""
+        others = f"{alone}, {' or '.join(SHOWS_ROOM[1:])}"
+        return lacking + (others if lacking.endswith(SHOWS_ROOM[0]) else "")
     if not record.has(SHOWN[stage]):
         return f"{SHOWN[stage]} and what drives it"
     before = "setpoint_C" if stage in ("sensor", "controller") else SHOWN[CHAIN[CHAIN.index(stage) - 1]]
     return before if not record.has(before) else "what comes behind it, as control_output"
+
+
+def lacking_of_room(record: Record) -> list[str]:
+    """Return the channels to record to judge a room: a thermometer that the controller reads shows none."""
+    lacking = [channel for channel in DRIVES if not record.has(channel)]
+    if not (record.sensed_channel and any(map(record.has, SHOWS_ROOM))):
+        lacking.append(SHOWS_ROOM[0])
+    return lacking or [SHOWN["valve"]]
+
+
+def in_words(names: Sequence[str]) -> str:
+    """Return names with commas, and an "and" before the last."""
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Untestable]:
@@ -177,12 +195,16 @@ def next_measurements(
     stages: Mapping[str, str],
     record: Record,
 ) -> Iterator[Measurement]:
-    """Yield what to measure next: missing drives, what splits groups, separates merged stages, was never shown.
+    """Yield what to measure next: what shows the room, its drives, what splits groups and stages, was never shown.
 
     `stages` are those of the effects by name.
     """
-    for channel in record.stand_ins:
-        yield Measurement(f"record {channel}", [segment.name for segment in segments if segment.with_room])
+    unseen = {stages.get(each.name) for each in untestable if each.lack is Lack.NOT_RECORDED}
+    if hidden := [stage for stage in ROOM_STAGES if stage in unseen]:
+        yield Measurement(f"record {in_words(lacking_of_room(record))}", hidden)
+    of_room = [segment.name for segment in segments if segment.with_room]
+    for channel in record.stand_ins if of_room else ():
+        yield Measurement(f"record {channel}", of_room)
     for effect in found:
         if len(effect.group) > 1:
             within = {stages[name] for name in effect.group if name in stages}

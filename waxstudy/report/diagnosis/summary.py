@@ -169,9 +169,10 @@ def alternatives(effect: FoundEffect) -> list[str]:
 
 
 def how_sure(effect: FoundEffect) -> str:
-    told = f"Probability {chance(effect.probability)}."
     if math.isfinite(effect.probability):
-        return f"Probability {chance(effect.probability)}; {effect.when.pattern}." if effect.when else told
+        sure = chance(effect.probability)
+        told = f"Together {sure} probable" if len(effect.group) > 1 else f"Probability {sure}"
+        return f"{told}; {effect.when.pattern}." if effect.when else f"{told}."
     found = f"{percent(effect.inclusion)} of resampled records" if math.isfinite(effect.inclusion) else ""
     return f"Found again in {found}; p = {probability(effect.p)}." if found else f"p = {probability(effect.p)}."
 

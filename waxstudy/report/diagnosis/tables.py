@@ -46,6 +46,12 @@ def _found_again(effect: FoundEffect) -> str:
     return "" if isfinite(effect.probability) else words.percent(effect.inclusion)
 
 
+def _of_group(effect: FoundEffect) -> str:
+    """How probable it is that an effect, or one that cannot be told from it, is there."""
+    told = PROBABILITY.text(effect)
+    return f"{told} together" if len(effect.group) > 1 and isfinite(effect.probability) else told
+
+
 def stages(diagnosis: Diagnosis) -> Table[StageGap]:
     """The gap of each judged channel."""
     columns: list[Column[StageGap]] = [
@@ -100,7 +106,7 @@ def found(diagnosis: Diagnosis) -> Table[FoundEffect]:
         Column("noise floor", lambda effect: quantity(effect.noise_floor, unit_of(diagnosis, effect))),
         Column("shrinks by", lambda effect: words.percent_interval(effect.shrink)),
         *([Column("found again", _found_again)] if any(map(_found_again, diagnosis.effects)) else []),
-        PROBABILITY,
+        Column("probability", _of_group),
     ]
     title = f"found effects: gaps over the whole record, shrinkage {held_out(diagnosis.effects)}"
     return Table(title, columns, diagnosis.effects)
