@@ -23,13 +23,13 @@ PARTS = re.compile(r"^(?P<what>.*?)(?: Default: (?P<default>.*?)\.)?(?: Source: 
 
 def study_keys() -> str:
     """Return the page of a study file's keys."""
-    intro = "Every key of a study file. [Write a study](../study-file.md) says how they go together.\n\n"
+    intro = "Every key of a study file. [The study file](../study-file.md) says how they go together.\n\n"
     return "# Keys of a study\n\n" + intro + "\n".join(_tables(schema(installed())["properties"]))
 
 
 def dataset_keys() -> str:
     """Return the page of the keys of dataset.toml."""
-    intro = "Every key of `dataset.toml`. [Record and check data](../datasets.md) says how they go together.\n\n"
+    intro = "Every key of `dataset.toml`. [Datasets](../datasets.md) says how they go together.\n\n"
     tables = "\n".join(_tables(dataset_schema(installed())["properties"]))
     return f"# Keys of a dataset\n\n{intro}{tables}\n{_spreads()}"
 

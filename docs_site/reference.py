@@ -20,7 +20,7 @@ def python() -> str:
         place = getattr(import_module(_PLACES[name]), name)
         if hasattr(place, "__qualname__"):  # `hookimpl` is pluggy's
             entries.append(f"::: {place.__module__}.{place.__qualname__}\n")
-    intro = "Each name that `import waxstudy as wx` gives. [Work from Python](../python.md) shows them at work.\n\n"
+    intro = "Each name that `import waxstudy as wx` gives. [waxstudy from Python](../python.md) shows them at work.\n\n"
     return "# Python\n\n" + intro + "\n".join(entries)
 
 

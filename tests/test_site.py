@@ -18,6 +18,7 @@ import waxstudy as wx
 from docs_site import links, order, tables
 from docs_site.components import components
 from docs_site.folders import about, folders
+from docs_site.reference import PAGES
 from tests.conftest import ROOT
 from tests.report.test_page import browse, needs_browser
 from waxstudy.cli import COMMANDS
@@ -53,6 +54,13 @@ def test_every_folder_of_the_code_says_what_it_holds_and_has_its_row() -> None:
         for package in (path.parent for path in (ROOT / place).glob("*/__init__.py")):
             assert f"| `{package.name}` | " in page, f"{package}: no layer of [tool.importlinter] names it"
             assert about(package), f"{package}: no docstring"
+
+
+def test_the_generated_pages_call_others_by_their_titles() -> None:
+    for name, written in PAGES.items():
+        for words, page in re.findall(r"\[([A-Z][\w ]+|waxstudy [\w ]+)\]\(\.\./([\w-]+\.md)", written()):
+            title = (ROOT / "docs" / page).read_text(encoding="utf-8").partition("\n")[0]
+            assert title.startswith(f"# {words}"), f"{name}: {words}"
 
 
 def test_the_reference_has_every_key_of_a_component_with_its_unit_also_of_tables_inside() -> None:

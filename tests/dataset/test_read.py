@@ -174,6 +174,19 @@ def test_the_example_of_the_page_is_understood(good: Path) -> None:
         np.testing.assert_allclose(read.values[name], ours.values[name], atol=0.01)
 
 
+def test_the_dataset_that_the_page_writes_by_hand_is_read_without_a_doubt(good: Path) -> None:
+    page = (ROOT / "docs" / "datasets.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    drives = ["heating_signal", "supply_temperature_C", "outdoor_temperature_C", "solar_gain_W"]
+    data = data_of(good)[["time", "air_temperature_C", *drives]].rename(columns={"air_temperature_C": "T_room"})
+    data.iloc[4::5].to_csv(good / "data.csv", index=False)
+    (good / "dataset.toml").write_text(example, encoding="utf-8")
+    read = read_dataset(good)
+    assert (set(read.values), read.warnings) == ({"air_temperature_C", *drives}, ())
+    assert (read.interval_s, read.setpoint_C, dict(read.spreads)) == (300.0, 21.0, {"internal_gain_W": 0.7})
+    assert list(read.nominal) == ["controller", "actuator", "valve"]
+
+
 @pytest.mark.parametrize("minutes", [":00", "00", ""])
 def test_offsets_from_utc_become_standard_time(good: Path, minutes: str) -> None:
     ours = read_dataset(good)

@@ -11,6 +11,7 @@ import tomli_w
 
 from docs_site.keys import study_keys
 from waxstudy.plugin.registry import Registry, installed
+from waxstudy.results.kpis import TRACE_CHANNELS
 from waxstudy.study.model import Case, Comfort, Ensemble, Output, Study, StudyTable
 from waxstudy.study.read import StudyError, read_study
 
@@ -203,6 +204,11 @@ def test_the_reference_page_names_the_components_that_come_along() -> None:
     for (kind, name), entry in installed().components.items():
         if entry.package == "waxstudy" and kind not in ("effect", "reference"):
             assert re.search(rf"^\| {kind} \|.*`{name}`", page, re.MULTILINE), (kind, name)
+
+
+def test_the_page_of_traces_names_every_channel_of_them() -> None:
+    page = (ROOT / "docs" / "study-problems.md").read_text(encoding="utf-8")
+    assert [name for name in TRACE_CHANNELS if f"`{name}`" not in page] == []
 
 
 def test_the_study_on_the_reference_page_reads(tmp_path: Path) -> None:
