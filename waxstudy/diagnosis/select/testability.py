@@ -98,10 +98,10 @@ def uncovered(
 def needed(stage: str, record: Record) -> str:
     """Return what to record to judge a stage, of what is not recorded yet."""
     if stage in ROOM_STAGES:
-        lacking = in_words(lacking_of_room(record))
+        lacking = lacking_of_room(record)
         alone = " (a lone thermometer may be named so)" if record.has(SHOWN["sensor"]) else ""
         others = f"{alone}, {' or '.join(SHOWS_ROOM[1:])}"
-        return lacking + (others if lacking.endswith(SHOWS_ROOM[0]) else "")
+        return in_words(lacking) + (others if SHOWS_ROOM[0] in lacking else "")
     if not record.has(SHOWN[stage]):
         return f"{SHOWN[stage]} and what drives it"
     before = "setpoint_C" if stage in ("sensor", "controller") else SHOWN[CHAIN[CHAIN.index(stage) - 1]]
