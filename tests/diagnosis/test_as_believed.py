@@ -88,6 +88,18 @@ def test_what_noise_makes_of_what_is_believed_is_usual() -> None:
     assert found.healthy.had_it([(EFFECTS["slow-actuator"], {"factor": 1.4})])[0] == 0.0
 
 
+def test_noise_is_as_usual_where_a_motor_moves_as_where_it_rests() -> None:
+    """What the form of the believed motor misses is most at the edges of its strokes, and no noise tells it."""
+    found = weighing(effects(slow_actuator={"factor": 2.0}))
+    slow = found.weighed()[1].fitted
+    missed, (left,) = found.none.residuals[0], slow.residuals
+    acts = found.healthy.acts(missed, left)
+    assert np.ptp(acts[missed.judged]) == 0.0
+    assert acts[missed.judged][0] > 0.0
+    assert not acts[~missed.judged].any()
+    assert found.healthy.usual_where(missed, slow.effects, ()) == found.healthy.usual(missed)
+
+
 @pytest.mark.parametrize(("factor", "strays"), [(1.04, True), (2.0, False)])
 def test_what_real_motors_stray_by_has_no_name_and_is_no_misfit(factor: float, strays: bool) -> None:
     found = weighing(effects(slow_actuator={"factor": factor}))

@@ -248,6 +248,7 @@ def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weig
         tolerated_travel=0.0,
         usual=lambda residual: usual.usual(made.healthy, residual),
         usual_where=lambda residual, effects, given: usual.usual(made.healthy, residual),
+        acts=partial(usual.acts, None),
     )
     made.share = {}
     weighing: Weighing = made

@@ -1,0 +1,49 @@
+"""Claims about where fits begin."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tests.diagnosis.realities import EFFECTS, study
+from waxstudy.diagnosis.estimate.start_points import SCANNED, StartPoints
+from waxstudy.diagnosis.model.conventions import PLAIN
+from waxstudy.plugin import Belief
+
+pytestmark = pytest.mark.quick
+
+
+def score(values: dict[str, float]) -> float:
+    """A slight setback at night, beside a hollow where a deep one at noon looks nearly as good."""
+    is_slight = abs(values["offset_K"]) < 0.2
+    from_h, to_h = (21.0, 6.0) if is_slight else (5.0, 14.0)
+    off = abs(values["from_h"] - from_h) + abs(values["to_h"] - to_h)
+    return off + (0.0 if is_slight else 1.0) + (100.0 if is_slight and values["offset_K"] > 0.0 else 0.0)
+
+
+def test_little_of_an_effect_is_looked_for_at_every_hour_as_well() -> None:
+    """No way leads from much of it at wrong hours to little at the right ones."""
+    problem: Any = SimpleNamespace(
+        edited=lambda effects, departures: None,
+        at=lambda effects, departures, convention: dict(effects[-1][1]),
+    )
+    given: Any = SimpleNamespace(effects=(), departures=())
+    shift = EFFECTS["setpoint-offset"]
+    look: Any = StartPoints(problem, lambda made, parts: score(made), shift, given, (), None, 1.0)
+    deep = {"offset_K": -1.9, "from_h": 4.0, "to_h": 13.0}
+    found = list(look.scanned(score(deep), deep, PLAIN))
+    assert [each[1]["offset_K"] for each in found] == [-1.9, -0.05, 0.05]
+    assert found[0][1] == {**deep, "from_h": 5.0, "to_h": 14.0}
+    best = min(found, key=lambda each: each[0])
+    assert best[0] <= 24.0 / SCANNED
+    assert best[1] == {"offset_K": -0.05, "from_h": 21.0, "to_h": 6.0}
+
+
+def test_an_effect_without_hours_begins_where_it_looked_best() -> None:
+    believed = Belief(study().cases["REAL"].blocks, study().room)
+    problem: Any = SimpleNamespace(edited=lambda effects, departures: believed)
+    given: Any = SimpleNamespace(effects=(), departures=())
+    look = StartPoints(problem, lambda made, parts: 0.0, EFFECTS["slow-actuator"], given, (), None, 1.0)
+    assert list(look.scanned(3.0, {"factor": 1.6}, PLAIN)) == [(3.0, {"factor": 1.6}, PLAIN)]
