@@ -97,7 +97,7 @@ def test_noise_is_as_usual_where_a_motor_moves_as_where_it_rests() -> None:
     assert np.ptp(acts[missed.judged]) == 0.0
     assert acts[missed.judged][0] > 0.0
     assert not acts[~missed.judged].any()
-    assert found.healthy.usual_where(missed, slow.effects, ()) == found.healthy.usual(missed)
+    assert found.healthy.usual_where(missed, slow.effects, ()) == (found.healthy.usual(missed), np.inf)
 
 
 @pytest.mark.parametrize(("factor", "strays"), [(1.04, True), (2.0, False)])

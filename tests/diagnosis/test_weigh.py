@@ -157,6 +157,10 @@ def test_with_the_spread_of_the_best_one_others_come_near_it_and_do_not_outdo_it
     assert told[1] - steady.price == pytest.approx(told[2] - erratic.price)
     far = _gains([NOTHING, steady, replace(erratic, gain=15.0)], steady)
     assert far[2] == pytest.approx(15.0 / 1.5 - 2.0)
+    # nor with something unknown beside it, which excuses what it leaves
+    amiss = replace(erratic, gain=60.0, misfit=5.0)
+    found = posterior([NOTHING, steady, amiss], unseen=0.0)
+    assert found["extra-heat"] + found["extra-heat+unknown"] <= found["infiltration"]
 
 
 def test_what_looks_like_an_effect_is_something_unknown_the_rather_the_more_that_leaves() -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from tests.diagnosis.realities import EFFECTS, Effects, belief, dataset, effects, rows
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
-from waxstudy.diagnosis.calibration.healthy import Healthy, HealthyLeft
+from waxstudy.diagnosis.calibration.healthy import Healthy, HealthyLeft, UsualWhere
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.as_built import Knob
@@ -116,8 +116,10 @@ def test_what_is_missed_stands_out_where_an_effect_acts_over_what_healthy_record
     change = missed.judged * (missed.whitened - only(slow).whitened) ** 2
     per_cycle = np.array([np.bincount(missed.block, each) for each in (change * missed.whitened**2, change)])
     lasts, whole = np.delete(per_cycle, np.argmax(per_cycle[0]), axis=1).sum(axis=1)
-    usual = weighing.healthy.usual_where(missed, slow.fitted.effects, ())
-    assert slow.stands == pytest.approx(np.log(np.sqrt(lasts / whole) / usual) / WEIGHTS.scatter)
+    usual, cycles = weighing.healthy.usual_where(missed, slow.fitted.effects, ())
+    assert slow.stands == pytest.approx(
+        np.log(np.sqrt(lasts / whole) / usual) / np.hypot(WEIGHTS.scatter, (0.5 / cycles) ** 0.5)
+    )
 
 
 def test_what_is_usual_where_an_effect_acts_is_of_the_samples_that_it_changes() -> None:
@@ -129,11 +131,13 @@ def test_what_is_usual_where_an_effect_acts_is_of_the_samples_that_it_changes() 
     assert made
     change = still.judged * (made.residual_of("displacement").whitened - still.whitened) ** 2
     expected = np.sqrt(np.sum(change * still.whitened**2) / change.sum())
-    assert healthy.usual_where(missed, slow.fitted.effects, ()) == pytest.approx(max(expected, WEIGHTS.least_left))
+    found = healthy.usual_where(missed, slow.fitted.effects, ())
+    assert found.whitened == pytest.approx(max(expected, WEIGHTS.least_left))
+    assert 2.0 < found.cycles <= len(np.unique(still.block))
     # what changes nothing has no place of its own, and a channel that was not recorded then none at all
-    assert healthy.usual_where(missed, slow.fitted.effects, slow.fitted.effects) == healthy.usual(missed)
+    assert healthy.usual_where(missed, slow.fitted.effects, slow.fitted.effects) == (healthy.usual(missed), np.inf)
     unknown = replace(missed, channel="flow_L_h")
-    assert healthy.usual_where(unknown, slow.fitted.effects, ()) == WEIGHTS.least_left
+    assert healthy.usual_where(unknown, slow.fitted.effects, ()) == (WEIGHTS.least_left, np.inf)
 
 
 def test_a_misfit_is_told_in_standard_deviations_of_what_cycles_tell() -> None:
@@ -247,7 +251,7 @@ def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weig
         scatter=partial(usual.scatter, None),
         tolerated_travel=0.0,
         usual=lambda residual: usual.usual(made.healthy, residual),
-        usual_where=lambda residual, effects, given: usual.usual(made.healthy, residual),
+        usual_where=lambda residual, effects, given: UsualWhere(usual.usual(made.healthy, residual)),
         acts=partial(usual.acts, None),
     )
     made.share = {}
@@ -277,7 +281,7 @@ def test_beside_an_effect_what_its_form_may_leave_is_no_second_one(
     _, (first, *_) = of(NOTHING, NOTHING)
     first = replace(first, gain=gain, ease=ease)
     both = replace(first, gain=gain + 10.0)
-    monkeypatch.setattr(Weighing, "of", lambda self, fitted, given=None: both)
+    monkeypatch.setattr(Weighing, "of", lambda self, fitted, given=None, pattern=None: both)
     monkeypatch.setattr(Weighing, "_spread", lambda self, fitted, given=None: (1.0, np.inf))
     more = bare(is_room)._beside(first, both.fitted).gain - gain
     assert more == pytest.approx(10.0 - form**2 * (max(0.0, gain) + max(0.0, ease)))

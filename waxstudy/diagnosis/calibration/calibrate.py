@@ -204,8 +204,8 @@ def _shared(whitened: Sequence[FloatArray]) -> float:
 def _covariance(problem: SegmentProblem, fitted: Hypothesis) -> FloatArray:
     """Return the posterior covariance of the departures (k, k), by slopes at the best fit (Laplace).
 
-    It is wider along what errors of six hours move together by more than independent ones would (White 1980,
-    doi:10.2307/1912934); less is luck.
+    It is wider along what errors of six hours move together by more than independent ones do (White 1980,
+    doi:10.2307/1912934). Up to the most that chance makes of so few such hours (Marchenko and Pastur 1967) is luck.
     """
     slopes, root = Estimator(problem).slopes_at(fitted), problem.prior / problem.sd
     values, ways = np.linalg.eigh(slopes.T @ slopes + root.T @ root)
@@ -215,5 +215,6 @@ def _covariance(problem: SegmentProblem, fitted: Hypothesis) -> FloatArray:
     pull -= pull.mean(axis=0)
     moved = half.T @ (pull.T @ pull + root.T @ root) @ half
     more, turned = np.linalg.eigh(moved)
-    wide = half @ turned * np.maximum(1.0, more) ** 0.5
+    luck = (1.0 + (len(more) / len(pull)) ** 0.5) ** 2
+    wide = half @ turned * np.maximum(1.0, more / luck) ** 0.5
     return np.asarray(wide @ wide.T)

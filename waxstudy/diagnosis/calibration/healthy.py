@@ -28,6 +28,13 @@ class HealthyLeft(NamedTuple):
     cycles: int
 
 
+class UsualWhere(NamedTuple):
+    """What is usual where something acts, and how many cycles of the healthy record tell it."""
+
+    whitened: float
+    cycles: float = np.inf
+
+
 @dataclass(frozen=True)
 class Healthy:
     """A link of the healthy record, with nothing but what was so from the start."""
@@ -79,26 +86,24 @@ class Healthy:
     def usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample of a channel, over what it is weighed by; less is luck."""
         healthy = self.left(residual.channel)
-        least = WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left
-        return max(healthy.whitened, least) if healthy else least
+        return max(healthy.whitened, _least(residual)) if healthy else _least(residual)
 
     def acts(self, given: Residual, other: Residual) -> FloatArray:
         """Return how much another hypothesis changes each sample of a channel (m,), beside a given one."""
         judged = given.judged if given.judged.any() else True
         return np.asarray(judged * (given.whitened - other.whitened) ** 2)
 
-    def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> float:
+    def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> UsualWhere:
         """Return what nothing amiss leaves of the samples that effects change beside given ones, as far as they do."""
         healthy = next((each for each in self.fitted.residuals if each.channel == residual.channel), None)
         pair = [self.problem.at(each, self.fitted.departures, self.fitted.convention) for each in (given, effects)]
         made = [each.residual_of(residual.channel) for each in pair if each] if healthy else []
-        if healthy is None or len(made) < len(pair) or not healthy.judged.any():
-            return self.usual(residual)
-        acts = self.acts(*made)
-        if not acts.any():
-            return self.usual(residual)
+        acts = self.acts(*made) if len(made) == len(pair) else np.zeros(1)
+        if healthy is None or not acts.any():
+            return UsualWhere(self.usual(residual))
         left = float(np.sqrt(acts @ healthy.whitened**2 / acts.sum())) / self.scale.get(residual.channel, 1.0)
-        return max(left, WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left)
+        power = np.bincount(healthy.block - healthy.block.min(), acts)
+        return UsualWhere(max(left, _least(residual)), float(power.sum() ** 2 / (power @ power)))
 
     def usual_loss(self, residual: Residual) -> float:
         """Return what is missed of a later record's channel where nothing changed."""
@@ -129,6 +134,10 @@ class Healthy:
         step = np.linalg.lstsq(ways, -both, rcond=None)[0] if len(sd) else np.zeros(0)
         left = both + ways @ step if len(sd) else both
         return -0.5 * float(left @ left), step
+
+
+def _least(residual: Residual) -> float:
+    return WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left
 
 
 def together(residual: Residual) -> float:
@@ -181,9 +190,9 @@ class AsBelieved(Healthy):
             return acts
         return np.where(given.judged, acts[given.judged].mean(), 0.0)
 
-    def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> float:
+    def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> UsualWhere:
         """Return what is usual of a channel anywhere: noise is the same all over it."""
-        return self.usual(residual)
+        return UsualWhere(self.usual(residual))
 
     def had_it(self, effects: Edits) -> tuple[float, FloatArray]:
         """Return that nothing was there from the start: all is compared with what is believed."""

@@ -22,12 +22,11 @@ from waxstudy.diagnosis.estimate.parameter_space import (
     valued,
 )
 from waxstudy.diagnosis.estimate.solver import LITTLE, MOST_SD, LeastSquares
-from waxstudy.diagnosis.estimate.start_points import Screen, StartPoints
+from waxstudy.diagnosis.estimate.start_points import IMPOSSIBLE, Screen, StartPoints
 from waxstudy.diagnosis.model.conventions import PLAIN, Convention
 from waxstudy.diagnosis.observations.partition import ALL, BOTH, FIT, SELECT, SHRINK
 from waxstudy.plugin import FloatArray
 
-IMPOSSIBLE = 1e12  # loss of a belief that cannot be
 REFINE = {1: 30, 2: 60, 3: 110}
 REFINE_MORE = 160
 STEPS = 25  # of Gauss and Newton

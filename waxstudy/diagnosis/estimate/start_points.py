@@ -14,6 +14,7 @@ from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.plugin import FloatArray
 
+IMPOSSIBLE = 1e12  # score of a belief that cannot be
 STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
@@ -132,10 +133,12 @@ class StartPoints:
             yield score, values, convention
             return
         yield *self._scanned(score, values, hours, convention), convention
-        for name, still in neutral.items():
-            for way in (-1, 1):
-                little = {**values, **neutral, name: stepped(self.effect.priors[name], still, way)}
-                yield *self._scanned(np.inf, little, hours, convention), convention
+        steps = [(name, stepped(self.effect.priors[name], neutral[name], way)) for name in neutral for way in (-1, 1)]
+        little = [{**values, **neutral, name: value} for name, value in steps if value != neutral[name]]
+        found = [self._scanned(IMPOSSIBLE, each, hours, convention) for each in little]
+        best = min(found, key=itemgetter(0), default=(IMPOSSIBLE, values))
+        if best[0] < IMPOSSIBLE:
+            yield *best, convention
 
     def _scanned(
         self, score: float, values: Values, hours: Sequence[str], convention: Convention

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -108,14 +108,19 @@ def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
 
 
 def _told(each: Weighed, best: Weighed) -> float:
-    """Return what a gain tells, by the spread of the best hypothesis; no more speaks for another one then than for it.
-
-    By their own spread all others did not outdo it.
+    """Return what a gain tells, by the spread of the best hypothesis: so another comes near it, but outdoes it only
+    where it does by its own spread.
     """
+    own = each.gain / each.spread + each.ease
     if not best.names:
-        return each.gain / each.spread + each.ease
-    level = score(best) - score(replace(each, gain=0.0, ease=0.0))
-    return min(each.gain / best.spread + each.ease, level)
+        return own
+    level = _in_all(best, best.gain / best.spread + best.ease) - _in_all(each, 0.0)
+    return min(each.gain / best.spread + each.ease, max(own, level))
+
+
+def _in_all(each: Weighed, gain: float) -> float:
+    """Return what speaks for a hypothesis with this gain, with something unknown beside it where that excuses more."""
+    return gain - max(0.0, each.always) - each.price - min(0.5 * each.misfit**2, WEIGHTS.unknown_price)
 
 
 def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]:
@@ -125,10 +130,12 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     """
     singles = [place for place, each in enumerate(found) if _is_peer(each)]
     most = max((gains[place] for place in singles), default=0.0)
-    told = most - WEIGHTS.form**2 * max(0.0, most)
-    least = {place: most - WEIGHTS.unknown_price - WEIGHTS.sure * found[place].misfit ** 2 for place in singles}
-    near = {place: most - max(0.0, told - gains[place]) for place in singles}
-    return [max(gain, least.get(place, gain), near.get(place, gain)) for place, gain in enumerate(gains)]
+    form = WEIGHTS.form**2 * max(0.0, most)
+    least = dict.fromkeys(range(len(found)), -np.inf)
+    for place in singles:
+        short = min(WEIGHTS.unknown_price, max(0.0, most - form - gains[place]))
+        least[place] = most - short - WEIGHTS.sure * found[place].misfit ** 2
+    return [max(gain, least[place]) for place, gain in enumerate(gains)]
 
 
 def _is_peer(each: Weighed) -> bool:

@@ -101,14 +101,14 @@ class Weighing:
         """
         if self.problem.segment.with_room:
             return
-        tried = sum(1 for _ in patterns(self.problem.record))
-        for each in self._open(best):
+        possible = self._open(best)
+        tried = sum(1 for _ in patterns(self.problem.record)) if possible else 0
+        for each in possible:
             # one after the other: of a long record all of them would not lie in memory
             made = ((self._with_pattern(each.fitted, pattern), pattern) for pattern in patterns(self.problem.record))
             fitted, pattern = min(made, key=lambda pair: self._loss(pair[0]))
-            weighed = self.of(fitted)
-            price = weighed.price + WEIGHTS.price + float(np.log(tried))
-            yield replace(weighed, price=price, pattern=pattern)
+            weighed = self.of(fitted, pattern=pattern)
+            yield replace(weighed, price=weighed.price + WEIGHTS.price + float(np.log(tried)))
 
     def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> Hypothesis:
         """Return a hypothesis whose effect has a course, at the strength that suits the record best."""
@@ -142,7 +142,7 @@ class Weighing:
         spread, most = self._spread(fitted, given.fitted)
         return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
 
-    def of(self, fitted: Hypothesis, given: Hypothesis | None = None) -> Weighed:
+    def of(self, fitted: Hypothesis, given: Hypothesis | None = None, pattern: Pattern | None = None) -> Weighed:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
         parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
@@ -165,7 +165,8 @@ class Weighing:
             unlike=self._unlike(fitted, moved) if always > 0.0 else 0.0,
             left=self._left(fitted),
             is_of_room=self.problem.segment.with_room,
-            stands=self._stands(fitted, given or nothing),
+            stands=self._stands(fitted, given or nothing, pattern),
+            pattern=pattern,
         )
 
     def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
@@ -201,21 +202,24 @@ class Weighing:
         elsewhere = np.concatenate((moved[:count], np.zeros(len(sd) - count)))
         return 0.5 * max(0.0, loss(elsewhere) - loss(np.zeros(len(sd))))
 
-    def _stands(self, fitted: Hypothesis, given: Hypothesis) -> float:
+    def _stands(self, fitted: Hypothesis, given: Hypothesis, pattern: Pattern | None = None) -> float:
         """Return how far what another hypothesis leaves of a chain stands out where this one changes it.
 
         The cycle that stands out most is left out: what happened once may be chance.
         """
         if self.problem.segment.with_room:
             return np.inf
-        weights, missed = list[FloatArray](), list[FloatArray]()
+        weights, missed, cycles = list[FloatArray](), list[FloatArray](), np.inf
         for old, new in zip(given.residuals, fitted.residuals, strict=True):
             weights.append(self.healthy.acts(old, new))
-            usual = self.healthy.usual_where(old, fitted.effects, given.effects)
-            missed.append(weights[-1] * (old.whitened / usual) ** 2)
+            # the healthy record has no such times as a pattern has
+            where = self.healthy.usual_where(old, () if pattern else fitted.effects, given.effects)
+            missed.append(weights[-1] * (old.whitened / where.whitened) ** 2)
+            cycles = min(cycles, where.cycles)
         block = np.concatenate([self._block(each) for each in given.residuals])
         over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
-        return 0.5 * float(np.log(max(1.0, over))) / self.healthy.stands_scatter
+        scatter = float(np.hypot(self.healthy.stands_scatter, (0.5 / cycles) ** 0.5))
+        return 0.5 * float(np.log(max(1.0, over))) / scatter
 
     def _left(self, fitted: Hypothesis) -> float:
         """Return which share of what is missed of a chain beyond what nothing amiss leaves a hypothesis leaves."""
