@@ -57,10 +57,12 @@ def test_every_folder_of_the_code_says_what_it_holds_and_has_its_row() -> None:
 
 
 def test_the_generated_pages_call_others_by_their_titles() -> None:
-    for name, written in PAGES.items():
-        for words, page in re.findall(r"\[([A-Z][\w ]+|waxstudy [\w ]+)\]\(\.\./([\w-]+\.md)", written()):
-            title = (ROOT / "docs" / page).read_text(encoding="utf-8").partition("\n")[0]
-            assert title.startswith(f"# {words}"), f"{name}: {words}"
+    pattern = re.compile(r"\[([A-Z][\w ]+|waxstudy [\w ]+)\]\(\.\./([\w-]+\.md)")
+    calls = [(name, *call) for name, written in PAGES.items() for call in pattern.findall(written())]
+    assert calls
+    for name, words, page in calls:
+        title = (ROOT / "docs" / page).read_text(encoding="utf-8").partition("\n")[0]
+        assert title.partition(":")[0] == f"# {words}", f"{name}: {words}"
 
 
 def test_the_reference_has_every_key_of_a_component_with_its_unit_also_of_tables_inside() -> None:

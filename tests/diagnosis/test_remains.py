@@ -261,11 +261,12 @@ OTHERS = "operative_temperature_C or floor_surface_temperature_C"
 @pytest.mark.parametrize(
     ("recorded", "wanted"),
     [
-        (("sensor_temperature_C", *WATER), f"air_temperature_C (a lone thermometer may be named so), {OTHERS}"),
-        (("flow_L_h", *WATER), f"air_temperature_C, {OTHERS}"),
+        (("sensor_temperature_C", *WATER), f"air_temperature_C (a lone thermometer may be named so), or else {OTHERS}"),
+        (("flow_L_h", *WATER), f"air_temperature_C, or else {OTHERS}"),
         (("air_temperature_C", "supply_temperature_C"), "outdoor_temperature_C"),
         (("air_temperature_C",), "supply_temperature_C and outdoor_temperature_C"),
         (("air_temperature_C", *WATER), "flow_L_h"),
+        (("floor_surface_temperature_C", "flow_L_h", *WATER), "air_temperature_C, or else operative_temperature_C"),
     ],
 )
 def test_a_room_that_cannot_be_judged_is_told_with_the_channel_that_it_lacks(
@@ -277,6 +278,13 @@ def test_a_room_that_cannot_be_judged_is_told_with_the_channel_that_it_lacks(
     told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), segments(few, some), few, some)}
     assert told["infiltration"] == f"no channel shows the room: record {wanted}"
     assert told["supply-offset"] == f"no channel shows the emitter: record {wanted}"
+
+
+def test_where_no_room_is_believed_that_is_what_is_missing() -> None:
+    seen, believed, _ = ready()
+    roomless = Belief(believed.blocks, None, seen.inputs)
+    told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), [], seen, roomless)}
+    assert told["supply-offset"] == "no room is believed: tell it in [building] or [room]"
 
 
 def test_what_a_room_lacks_is_measured_first_and_settles_emitter_and_room() -> None:

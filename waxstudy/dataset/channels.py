@@ -34,6 +34,8 @@ class Channel:
         return UNITS[self.quantity]
 
 
+# each shows what a room does, where its drives are recorded; the first is what most people log
+SHOW_ROOM = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C")
 # noise and resolution are chosen: thermistors in the room and on pipes, a small water meter, a displacement probe
 CHANNELS = {
     channel.name: channel

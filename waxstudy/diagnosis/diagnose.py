@@ -32,15 +32,14 @@ from waxstudy.diagnosis.select.changed import changed
 from waxstudy.diagnosis.select.exact_room import with_exact_room
 from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
-from waxstudy.diagnosis.select.testability import too_short
+from waxstudy.diagnosis.select.testability import DRIVES, too_short
 from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.plugin import Belief, Effect
 from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
-DRIVES = ("outdoor_temperature_C", "supply_temperature_C")
-OUTDOOR = DRIVES[0]
+OUTDOOR = "outdoor_temperature_C"
 QUICK = 0.35  # of the fits' effort
 Tell = Callable[[str, float], None]
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from zoneinfo import available_timezones
 
-from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.channels import CHANNELS, SHOW_ROOM
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.zones import zone_hint
 from waxstudy.importing.asking import NONE, Ask, Question
@@ -26,7 +26,6 @@ from waxstudy.plugin.registry import hint, nearest
 from waxstudy.study.problems import StudyError, listed
 
 OUTDOORS = "outdoor_temperature_C"
-SHOW_ROOM = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C")
 NAMED = 12  # entities that a message lists
 NO_OUTDOORS = (
     "no outdoor temperature was found: without it nothing can be said of a room. A history of a weather service does "
@@ -208,7 +207,7 @@ def _answered(match: Match, entities: Sequence[Seen], ask: Ask, notes: Notes) ->
 def _tell_lone_thermometer(matches: Mapping[str, Match], notes: Notes) -> None:
     """Say that what a controller reads shows no room, where nothing else does."""
     lone = matches.get("sensor_temperature_C")
-    if lone and not set(SHOW_ROOM) & set(matches):
+    if lone and not set(SHOW_ROOM) & set(matches) and not {"flow_L_h", "return_temperature_C"} <= set(matches):
         option = shlex.join(["--map", f"{SHOW_ROOM[0]}={lone.seen.entity}"])
         also = f"{lone.seen.entity} became sensor_temperature_C, what the controller reads"
         notes.warn(f"a room is judged by {SHOW_ROOM[0]}: {also}; if it is all that shows the room, say {option}")
@@ -232,7 +231,7 @@ def _no_outdoors(request: Request, entities: Sequence[Seen], matches: Mapping[st
 def _may_be_outdoors(each: Seen) -> bool:
     is_like = is_plausible(each, CHANNELS[OUTDOORS].quantity) and each.distinct > 2
     is_share = each.low >= 0.0 and each.high <= FRACTION
-    return bool(is_like) and not is_share and not _names_no_temperature(plain(each.entity))
+    return bool(is_like) and (each.is_unit_written or not (is_share or _names_no_temperature(plain(each.entity))))
 
 
 def _names_no_temperature(name: str) -> bool:

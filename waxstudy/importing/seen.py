@@ -119,16 +119,17 @@ IN_NAMES = {
 }  # fmt: skip
 
 
-# behind a blank; no single letters, which may name a room or the west
+# behind a blank; no letters alone, which may name a room or the west, but as they are written as a unit
 BEHIND = (
-    "%", "°c", "°f", "℃", "℉", "degc", "degf", "l/h", "l/min", "l/s", "m3/h", "m³/h", "lpm", "gpm", "m3", "m³",
-    "kw", "wh", "kwh", "mwh", "w/m2", "w/m²",
+    "%", "°c", "°f", "℃", "℉", "degc", "degf", "l/h", "l/min", "l/s", "m3/h", "m³/h", "lpm", "gpm", "m³",
+    "kwh", "mwh", "w/m2", "w/m²",
 )  # fmt: skip
+AS_WRITTEN = ("kW", "Wh", "m3")
 
 
 def _in_name(entity: str) -> str:
     before, _, last = entity.rpartition(" ")
-    if before and last.lower() in BEHIND:
+    if before and (last.lower() in BEHIND or last in AS_WRITTEN):
         return last
     return next((unit for end, unit in IN_NAMES.items() if entity.endswith(end)), "")
 

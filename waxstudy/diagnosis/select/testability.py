@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.channels import CHANNELS, SHOW_ROOM
 from waxstudy.diagnosis.criteria import ROOM_STAGES, Question, limit
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, stepped
 from waxstudy.diagnosis.model.segments import SHOWN, Segment
@@ -21,7 +21,6 @@ LEVELS = ("control_output", "displacement")
 SPARSE_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
 DRIVES = ("supply_temperature_C", "outdoor_temperature_C")
-SHOWS_ROOM = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C")
 
 
 def too_short(segment: Segment, record: Record, belief: Belief) -> str:
@@ -92,6 +91,8 @@ def uncovered(
         is_lacking = belief.room is not None and belief.inputs is None and effect.stage in ROOM_STAGES
         if effect.stage not in covered and (is_lacking or not effect.hindrance(belief)):
             reason = f"no channel shows the {effect.stage}: record {needed(effect.stage, record)}"
+            if belief.room is None and effect.stage in ROOM_STAGES:
+                reason = "no room is believed: tell it in [building] or [room]"
             yield Untestable(effect.name, reason, Lack.NOT_RECORDED)
 
 
@@ -100,8 +101,8 @@ def needed(stage: str, record: Record) -> str:
     if stage in ROOM_STAGES:
         lacking = lacking_of_room(record)
         alone = " (a lone thermometer may be named so)" if record.has(SHOWN["sensor"]) else ""
-        others = f"{alone}, {' or '.join(SHOWS_ROOM[1:])}"
-        return in_words(lacking) + (others if SHOWS_ROOM[0] in lacking else "")
+        others = in_words([each for each in SHOW_ROOM[1:] if not record.has(each)], "or")
+        return in_words(lacking) + (f"{alone}, or else {others}" if SHOW_ROOM[0] in lacking and others else "")
     if not record.has(SHOWN[stage]):
         return f"{SHOWN[stage]} and what drives it"
     before = "setpoint_C" if stage in ("sensor", "controller") else SHOWN[CHAIN[CHAIN.index(stage) - 1]]
@@ -111,15 +112,14 @@ def needed(stage: str, record: Record) -> str:
 def lacking_of_room(record: Record) -> list[str]:
     """Return the channels to record to judge a room: a thermometer that the controller reads shows none."""
     lacking = [channel for channel in DRIVES if not record.has(channel)]
-    if not (record.sensed_channel and any(map(record.has, SHOWS_ROOM))):
-        lacking.append(SHOWS_ROOM[0])
+    if not (record.sensed_channel and any(map(record.has, SHOW_ROOM))):
+        lacking.append(SHOW_ROOM[0])
     return lacking or [SHOWN["valve"]]
 
 
-def in_words(names: Sequence[str]) -> str:
-    """Return names with commas, and an "and" before the last."""
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
+def in_words(names: Sequence[str], conjunction: str = "and") -> str:
+    """Return names with commas, and a conjunction before the last."""
+    return f" {conjunction} ".join(part for part in (", ".join(names[:-1]), *names[-1:]) if part)
 
 
 def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Untestable]:
