@@ -243,8 +243,8 @@ def test_the_page_s_study_and_record_run_as_written(
     monkeypatch.chdir(tmp_path)
     Path("studies").mkdir()
     Path("studies/table5.toml").write_text(SMALL)
-    in_degF = frame.assign(T_room=frame["sensor_temperature_C"] * 1.8 + 32.0)
-    in_degF.drop(columns="sensor_temperature_C").to_parquet("living.parquet")
+    in_degF = frame.assign(T_room=frame["air_temperature_C"] * 1.8 + 32.0)
+    in_degF.drop(columns=["air_temperature_C", "sensor_temperature_C"]).to_parquet("living.parquet")
     names: dict[str, object] = {}
     exec(code_of_the_page("A study") + code_of_the_page("A record"), names)
     assert isinstance(names["run"], wx.Results)
