@@ -147,10 +147,10 @@ def test_nothing_is_outdone_by_no_more_than_days_can_tell_nor_by_more_than_stand
     assert _gains([NOTHING, near, pair], NOTHING)[1] == pytest.approx(150.0 - 9.0 * WEIGHTS.sure)
 
 
-def test_with_the_spread_of_the_best_one_others_come_near_it_and_do_not_outdo_it() -> None:
-    steady = replace(LEAK, gain=20.0, spread=1.5, most=50.0)
+def test_in_a_room_others_come_near_the_best_one_by_its_spread_and_do_not_outdo_it() -> None:
+    steady = replace(LEAK, gain=20.0, spread=1.5, most=50.0, is_of_room=True)
     erratic = replace(
-        LEAK, fitted=_of("extra-heat"), names=("extra-heat",), gain=32.0, spread=6.0, ease=-2.0, price=8.0
+        steady, fitted=_of("extra-heat"), names=("extra-heat",), gain=32.0, spread=6.0, ease=-2.0, price=8.0
     )
     assert score(steady) > score(erratic)
     told = _gains([NOTHING, steady, erratic], steady)

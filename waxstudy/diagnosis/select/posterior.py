@@ -108,14 +108,17 @@ def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
 
 
 def _told(each: Weighed, best: Weighed) -> float:
-    """Return what a gain tells, by the spread of the best hypothesis: so another comes near it, but outdoes it only
-    where it does by its own spread.
+    """Return what a gain tells, by the spread of the best hypothesis.
+
+    In a room another one comes near the best so, but outdoes it only where it does by its own spread.
     """
-    own = each.gain / each.spread + each.ease
     if not best.names:
-        return own
+        return each.gain / each.spread + each.ease
+    told = each.gain / best.spread + each.ease
+    if not each.is_of_room:
+        return told
     level = _in_all(best, best.gain / best.spread + best.ease) - _in_all(each, 0.0)
-    return min(each.gain / best.spread + each.ease, max(own, level))
+    return min(told, max(each.gain / each.spread + each.ease, level))
 
 
 def _in_all(each: Weighed, gain: float) -> float:
@@ -126,14 +129,13 @@ def _in_all(each: Weighed, gain: float) -> float:
 def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]:
     """Return what speaks for each: of single effects of a chain one that leaves nothing amiss is outdone by little.
 
-    A finer name must be earned: real motors have no form of the library exactly, and what form may leave tells nothing.
+    A finer name must be earned: real motors have no form of the library exactly.
     """
     singles = [place for place, each in enumerate(found) if _is_peer(each)]
     most = max((gains[place] for place in singles), default=0.0)
-    form = WEIGHTS.form**2 * max(0.0, most)
     least = dict.fromkeys(range(len(found)), -np.inf)
     for place in singles:
-        short = min(WEIGHTS.unknown_price, max(0.0, most - form - gains[place]))
+        short = min(WEIGHTS.unknown_price, most - gains[place])
         least[place] = most - short - WEIGHTS.sure * found[place].misfit ** 2
     return [max(gain, least[place]) for place, gain in enumerate(gains)]
 
