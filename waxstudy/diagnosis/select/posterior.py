@@ -133,11 +133,8 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     """
     singles = [place for place, each in enumerate(found) if _is_peer(each)]
     most = max((gains[place] for place in singles), default=0.0)
-    least = dict.fromkeys(range(len(found)), -np.inf)
-    for place in singles:
-        short = min(WEIGHTS.unknown_price, most - gains[place])
-        least[place] = most - short - WEIGHTS.sure * found[place].misfit ** 2
-    return [max(gain, least[place]) for place, gain in enumerate(gains)]
+    least = {place: most - WEIGHTS.unknown_price - WEIGHTS.sure * found[place].misfit ** 2 for place in singles}
+    return [max(gain, least.get(place, gain)) for place, gain in enumerate(gains)]
 
 
 def _is_peer(each: Weighed) -> bool:
