@@ -26,6 +26,7 @@ def ended(folder: Path, *command: str, before: Callable[[], None] | None = None,
     process = subprocess.Popen(
         words,
         cwd=folder,
+        env=_without_bytecode() if before else None,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -45,6 +46,11 @@ def ended(folder: Path, *command: str, before: Callable[[], None] | None = None,
             process.communicate()
         return Ended(None, "", "")
     return Ended(process.returncode, out, err)
+
+
+def _without_bytecode() -> dict[str, str]:
+    """Python keeps bytecode whose writing was cut short, and fails of it at every later import."""
+    return {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
 
 
 def small_files(most_bytes: int) -> Callable[[], None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import random
 import resource
 import signal
@@ -10,11 +11,13 @@ import subprocess
 import time
 from pathlib import Path
 
+import click
 import pytest
 
 from tests.cli.conftest import Entry
 from tests.cli.folders import contents, finished_cases, results
 from tests.conftest import SMALL, WAXSTUDY, Waxstudy
+from waxstudy.cli.errors import exit_code
 
 FAILED, INTERRUPTED = 6, 130
 KILLS = 2
@@ -179,7 +182,8 @@ def test_a_disk_that_takes_no_more_fails_the_run_and_leaves_earlier_results(
     def full() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-    done = waxstudy("run", "small.toml", "--out", "run", preexec_fn=full)
+    # bytecode whose writing is cut short fails at every later import
+    done = waxstudy("run", "small.toml", "--out", "run", preexec_fn=full, env={"PYTHONDONTWRITEBYTECODE": "1"})
     assert (done.returncode, done.stdout) == (FAILED, "")
     assert done.stderr == "error: run: the results cannot be written: File too large\n"
     assert results(small_run) == before
@@ -198,3 +202,12 @@ def test_a_full_output_is_told_and_a_reader_that_has_seen_enough_is_not(small_ru
     done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
     os.close(writer)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_file_that_ends_too_early_is_not_told_as_an_interruption() -> None:
+    @click.command()
+    def reads() -> None:
+        pickle.loads(b"")
+
+    with pytest.raises(EOFError):
+        exit_code(lambda: reads.main([], standalone_mode=False))

@@ -48,7 +48,9 @@ def exit_code(command: Callable[[], Any]) -> int:
         error.show(shown)
         say(shown.getvalue().rstrip("\n"))
         return USAGE
-    except (KeyboardInterrupt, click.Abort):
+    except (KeyboardInterrupt, click.Abort) as error:
+        if isinstance(error.__cause__, EOFError):  # of a damaged file; click takes it for a terminal that was closed
+            raise error.__cause__ from None
         say("interrupted")
         return INTERRUPTED
     except CommandError as error:
