@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
+from functools import cached_property
 from itertools import takewhile
 from typing import Any
 
@@ -19,7 +21,7 @@ from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
-from waxstudy.diagnosis.residuals.judge import Judge
+from waxstudy.diagnosis.residuals.judge import Judge, perturbed_by_noise
 from waxstudy.plugin import Belief, FloatArray
 
 
@@ -46,7 +48,7 @@ class SegmentProblem:
         self.conventions: Sequence[Convention] = [known] if known else segment.conventions
         shared: Prediction | None = alike.predicted if alike else None
         self.predicted: Prediction = shared or Prediction(segment, record, belief, is_exact_room)
-        self.judge = Judge(segment, record, belief, holds_out, is_exact_room, as_built, parts)
+        self._parts = parts
         self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
         self.prior = self._prior()
@@ -77,6 +79,22 @@ class SegmentProblem:
     def exact(self) -> SegmentProblem:
         """Return the same with the room exactly as believed."""
         return SegmentProblem(self.segment, self.record, self.belief, self.room_tolerance, self.holds_out, True)
+
+    @cached_property
+    def judge(self) -> Judge:
+        return self._judge()
+
+    def _judge(self, perturbed: Iterator[Predicted] | None = None) -> Judge:
+        about = self.holds_out, self.is_exact_room, self.as_built, self._parts
+        return Judge(self.segment, self.record, self.belief, *about, perturbed)
+
+    def timed_by(self, fitted: Hypothesis | None) -> SegmentProblem:
+        """Return the same, its switches weighed by what noise does to them under a hypothesis, or by sampling alone."""
+        other = copy(self)
+        read = (self.belief_of(fitted), fitted.convention) if fitted else None
+        other.judge = self._judge(perturbed_by_noise(self.segment, self.record, *read) if read else iter(()))
+        other._seen = self.record.memory(arrays=4)
+        return other
 
     def edited(self, effects: Edits, departures: FloatArray) -> Belief:
         belief = self._departed(departures, frozenset(name for effect, _ in effects for name in effect.absorbs))

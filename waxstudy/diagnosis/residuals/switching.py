@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -24,14 +24,35 @@ class Switching:
         segment: Segment,
         record: Record,
         parts: np.ndarray,
-        perturbed: Sequence[Predicted],
+        still: Predicted | None,
         more: float = 1.0,
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
+        self.still, self.more = still, more
         self.measured = record.filled(channel)
         self.windows = _windows(record, channel)  # (n,) number of the measured switch that is nearest
-        self.scale_s = more * self._scale_s(perturbed)  # of each of them
+        self._squares, self._draws = np.zeros(self.windows.max() + 1), 0
         self.known = ~record.is_gap(channel) & ~record.is_gap(segment.driven_by) & record.settled
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether noise of the drive counts."""
+        return True
+
+    def see(self, moved: Predicted) -> None:
+        """Take one draw more of what noise of the drive does."""
+        assert self.still
+        self._squares += self._off_s(np.abs(moved[self.channel] - self.still[self.channel])) ** 2
+        self._draws += 1
+
+    @cached_property
+    def scale_s(self) -> FloatArray:
+        """What each measured switch is weighed by (switches,).
+
+        One that no draw moved may be moved yet: all of them together count as one draw more of each.
+        """
+        squares = (self._squares + self._squares.mean() / max(1, self._draws)) / (self._draws + 1)
+        return np.asarray(self.more * np.maximum(np.sqrt(squares), self.record.interval_s * 12.0**-0.5))
 
     @property
     def typical_s(self) -> float:
@@ -49,16 +70,6 @@ class Switching:
         off_s = np.where(judged, off_s, 0.0)
         whitened = softened(off_s / self.scale_s)
         return Residual(self.channel, "s", off_s, whitened, judged, record.cycle[middle], self.parts[middle], middle)
-
-    def _scale_s(self, perturbed: Sequence[Predicted]) -> FloatArray:
-        least_s = self.record.interval_s * 12.0**-0.5
-        if not perturbed:
-            return np.full(self.windows.max() + 1, least_s)
-        still = perturbed[0][self.channel]
-        off = [self._off_s(np.abs(each[self.channel] - still)) for each in perturbed[1:]]
-        own_s = np.sqrt(np.mean(np.square(off), axis=0))
-        typical_s = float(np.sqrt(np.mean(np.minimum(own_s, np.quantile(own_s, 0.9)) ** 2)))
-        return np.asarray(np.maximum(own_s, max(least_s, typical_s)))
 
     def _off_s(self, differs: FloatArray) -> FloatArray:
         return np.asarray(np.bincount(self.windows, weights=differs) * self.record.interval_s)
