@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from statistics import NormalDist
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import FloatArray
 
+NEAR = 0.8  # share of draws of noise that tell how far a switch is moved; what the others do is an exception
 SOFT = 3.0  # standard deviations beyond which an error of a switch counts straight
 
 
@@ -31,7 +33,7 @@ class Switching:
         self.still, self.more = still, more
         self.measured = record.filled(channel)
         self.windows = _windows(record, channel)  # (n,) number of the measured switch that is nearest
-        self._squares, self._draws = np.zeros(self.windows.max() + 1), 0
+        self._moved_s: list[FloatArray] = []  # how far each draw of noise moves each switch
         self.known = ~record.is_gap(channel) & ~record.is_gap(segment.driven_by) & record.settled
 
     @property
@@ -42,17 +44,18 @@ class Switching:
     def see(self, moved: Predicted) -> None:
         """Take one draw more of what noise of the drive does."""
         assert self.still
-        self._squares += self._off_s(np.abs(moved[self.channel] - self.still[self.channel])) ** 2
-        self._draws += 1
+        self._moved_s.append(self._off_s(np.abs(moved[self.channel] - self.still[self.channel])))
 
     @cached_property
     def scale_s(self) -> FloatArray:
-        """What each measured switch is weighed by (switches,).
+        """Standard deviation of what each measured switch is missed by with nothing amiss (switches,).
 
-        One that no draw moved may be moved yet: all of them together count as one draw more of each.
+        From a quantile, as a draw may throw a switch at quite another time; at least what the draws show of most.
         """
-        squares = (self._squares + self._squares.mean() / max(1, self._draws)) / (self._draws + 1)
-        return np.asarray(self.more * np.maximum(np.sqrt(squares), self.record.interval_s * 12.0**-0.5))
+        count, least_s = self.windows.max() + 1, self.record.interval_s * 12.0**-0.5
+        moved_s = np.array(self._moved_s) if self._moved_s else np.zeros((1, count))
+        own_s = np.quantile(moved_s, NEAR, axis=0) / NormalDist().inv_cdf(0.5 + 0.5 * NEAR)
+        return np.asarray(self.more * np.maximum(own_s, max(least_s, float(np.median(own_s)))))
 
     @property
     def typical_s(self) -> float:
@@ -61,15 +64,30 @@ class Switching:
 
     def residual(self, predicted: Predicted) -> Residual:
         """Return how long, around each measured switch, the prediction differs from the record [s]."""
-        record, windows = self.record, self.windows
-        off_s = self._off_s(np.abs(predicted[self.channel] - self.measured) * self.known)
-        count = np.bincount(windows)
-        judged = np.bincount(windows, weights=self.known) > 0.5 * count
-        ends = np.searchsorted(windows, np.arange(len(count) + 1))
-        middle = (ends[:-1] + ends[1:] - 1) // 2
-        off_s = np.where(judged, off_s, 0.0)
+        off_s = np.where(self.judged, self._off_s(np.abs(predicted[self.channel] - self.measured) * self.known), 0.0)
         whitened = softened(off_s / self.scale_s)
-        return Residual(self.channel, "s", off_s, whitened, judged, record.cycle[middle], self.parts[middle], middle)
+        where = self.record.cycle[self.middle], self.parts[self.middle], self.middle
+        return Residual(self.channel, "s", off_s, whitened, self.judged, *where)
+
+    def likelihood(self, off_s: FloatArray) -> float:
+        """Return the logarithm of how likely switches are missed so far (switches,): by noise, or exceptions anywhere.
+
+        How far, in seconds, is half a normal distribution; of an exception all that is nearest to it is as likely.
+        """
+        window_s = np.bincount(self.windows) * self.record.interval_s
+        near = np.sqrt(2.0 / np.pi) / self.scale_s * np.exp(-0.5 * (off_s / self.scale_s) ** 2)
+        return float(np.log(NEAR * near + (1.0 - NEAR) / window_s)[self.judged].sum())
+
+    @cached_property
+    def judged(self) -> np.ndarray:
+        """Whether most of the samples that are nearest to a measured switch are known (switches,)."""
+        return np.asarray(np.bincount(self.windows, weights=self.known) > 0.5 * np.bincount(self.windows))
+
+    @cached_property
+    def middle(self) -> np.ndarray:
+        """Place of the sample that stands for each measured switch (switches,)."""
+        ends = np.searchsorted(self.windows, np.arange(self.windows.max() + 2))
+        return np.asarray((ends[:-1] + ends[1:] - 1) // 2)
 
     def _off_s(self, differs: FloatArray) -> FloatArray:
         return np.asarray(np.bincount(self.windows, weights=differs) * self.record.interval_s)

@@ -43,5 +43,4 @@ def _likelihood(problem: SegmentProblem, fitted: Hypothesis) -> float:
     if seen is None:
         return -np.inf
     ways = [way for way in own.judge.ways.values() if isinstance(way, Switching)]
-    loss = sum(seen.residual_of(way.channel).loss() for way in ways)
-    return -0.5 * loss - sum(float(np.log(way.scale_s).sum()) for way in ways)
+    return sum(way.likelihood(seen.residual_of(way.channel).error) for way in ways)

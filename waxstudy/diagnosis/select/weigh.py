@@ -135,12 +135,21 @@ class Weighing:
     def _beside(self, given: Weighed, fitted: Hypothesis) -> Weighed:
         """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
         weighed = self.of(fitted, given.fitted)
-        # what the form of the first effect may leave is no second one
-        told = max(0.0, given.gain) + max(0.0, given.ease)
-        form = WEIGHTS.form_of_room if self.problem.segment.with_room else WEIGHTS.form
-        more = weighed.gain - given.gain - form**2 * told
+        more = weighed.gain - given.gain - self._form_may_tell(given, fitted)
         spread, most = self._spread(fitted, given.fitted)
         return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
+
+    def _form_may_tell(self, given: Weighed, fitted: Hypothesis) -> float:
+        """Return how much of what a second effect gains the form of the first one may leave.
+
+        That is a share of what the first one told: of a chain by channel, and no more than is gained there.
+        """
+        if self.problem.segment.with_room:
+            return WEIGHTS.form_of_room**2 * (max(0.0, given.gain) + max(0.0, given.ease))
+        steps = self._nothing(given.fitted), given.fitted, fitted
+        lost = np.array([list(self._losses(each).values()) for each in steps])  # (3, channels)
+        told, gained = np.maximum(0.0, -0.5 * np.diff(lost, axis=0))
+        return float(np.minimum(WEIGHTS.form**2 * told, gained).sum())
 
     def of(self, fitted: Hypothesis, given: Hypothesis | None = None, pattern: Pattern | None = None) -> Weighed:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
@@ -248,9 +257,12 @@ class Weighing:
         strain = self.estimator.strain(fitted)
         if self.problem.segment.with_room:
             return self.healthy.room_loss(fitted) + strain
-        pairs = ((each.loss(), self.healthy.usual_loss(each)) for each in fitted.residuals)
-        shares = (self.share.get(each.channel, 1.0) for each in fitted.residuals)
-        return strain + sum(max(pair) / share for pair, share in zip(pairs, shares, strict=True))
+        return strain + sum(self._losses(fitted).values())
+
+    def _losses(self, fitted: Hypothesis) -> dict[str, float]:
+        """Return the same of each channel of a chain."""
+        pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.residuals}
+        return {channel: loss / self.share.get(channel, 1.0) for channel, loss in pairs.items()}
 
     def _missed(self, fitted: Hypothesis) -> FloatArray:
         """Return whitened residuals (m,), weighed by how many of them count as one."""
