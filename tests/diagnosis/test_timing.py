@@ -34,33 +34,35 @@ def switches(judged: SegmentProblem) -> Switching:
     return way
 
 
+def typical_s(judged: SegmentProblem) -> float:
+    return float(np.median(switches(judged).scale_s))
+
+
 @pytest.mark.parametrize(("dead_band_K", "as_believed_s"), [(0.46, 1732.0), (0.35, 17.3)])
 def test_switches_are_weighed_by_what_noise_does_where_they_are_thrown(
     dead_band_K: float, as_believed_s: float
 ) -> None:
     """Of peaks that barely reach a wrong threshold noise decides for hours; one that none reaches no noise moves."""
     believed = problem(effects(dead_band={"dead_band_K": dead_band_K}))
-    best = best_timed(believed, LIBRARY, 1.0)
-    assert best
+    best, *_ = best_timed(believed, LIBRARY, 1.0)
     ((effect, values),) = best.effects
     assert effect.name == "dead-band"
     assert values["dead_band_K"] == pytest.approx(dead_band_K, abs=0.01)
-    assert switches(believed).typical_s == pytest.approx(as_believed_s, rel=0.1)
-    assert switches(believed.timed_by(best)).typical_s == pytest.approx(137.0, rel=0.15)
+    assert typical_s(believed) == pytest.approx(as_believed_s, rel=0.1)
+    assert typical_s(believed.timed_by([best])) == pytest.approx(137.0, rel=0.15)
 
 
 def test_a_loop_as_believed_is_weighed_as_it_is_believed() -> None:
     believed = problem()
-    best = best_timed(believed, LIBRARY, 1.0)
-    assert best
-    assert switches(believed.timed_by(best)).typical_s == pytest.approx(switches(believed).typical_s, rel=0.15)
+    best, *_ = best_timed(believed, LIBRARY, 1.0)
+    assert typical_s(believed.timed_by([best])) == pytest.approx(typical_s(believed), rel=0.15)
 
 
 def test_what_a_switch_drives_and_a_room_have_no_times_to_be_weighed_by() -> None:
     seen = problem().record
     for place, segment in enumerate(segments(seen, problem().belief)):
         if OUTPUT not in segment.judged:
-            assert best_timed(problem(stage=place), LIBRARY, 1.0) is None
+            assert best_timed(problem(stage=place), LIBRARY, 1.0) == []
 
 
 def drawn(off_s: list[float]) -> Switching:

@@ -108,7 +108,7 @@ def _whole(work: Work, segment: Segment) -> tuple[SegmentProblem, SegmentProblem
     problem = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, alike=whole)
     _base(work, Estimator(whole, work.thorough))
     timed = best_timed(whole, of_segment(segment, work.effects), work.thorough)
-    return (whole.timed_by(timed), problem.timed_by(timed)) if timed else (whole, problem)
+    return whole.timed_by(timed), problem.timed_by(timed)
 
 
 def _is_weighed(work: Work, segment: Segment) -> bool:
@@ -118,7 +118,8 @@ def _is_weighed(work: Work, segment: Segment) -> bool:
 
 def _healthy(work: Work, whole: SegmentProblem) -> Healthy:
     """Return what nothing amiss leaves of a link: what a healthy record shows, else what noise makes."""
-    return work.healthy.get(whole.segment.name) or AsBelieved.of(whole, _base(work, Estimator(whole, work.thorough)))
+    healthy = work.healthy.get(whole.segment.name)
+    return healthy or AsBelieved.of(whole, whole.timed or _base(work, Estimator(whole, work.thorough)))
 
 
 def _with_neighbours(diagnosis: Diagnosis, dataset: Dataset, tick: Tell) -> Diagnosis:

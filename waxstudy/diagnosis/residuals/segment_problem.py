@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import Edits
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
 from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
@@ -49,6 +49,8 @@ class SegmentProblem:
         shared: Prediction | None = alike.predicted if alike else None
         self.predicted: Prediction = shared or Prediction(segment, record, belief, is_exact_room)
         self._parts = parts
+        self.timed: Hypothesis | None = None  # under which switches are weighed, where that is not what is believed
+        self.near: Mapping[EffectType, Values] = {}  # where fits of effects may begin
         self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
         self.prior = self._prior()
@@ -88,11 +90,15 @@ class SegmentProblem:
         about = self.holds_out, self.is_exact_room, self.as_built, self._parts
         return Judge(self.segment, self.record, self.belief, *about, perturbed)
 
-    def timed_by(self, fitted: Hypothesis | None) -> SegmentProblem:
-        """Return the same, its switches weighed by what noise does to them under a hypothesis, or by sampling alone."""
+    def timed_by(self, fits: Sequence[Hypothesis]) -> SegmentProblem:
+        """Return the same, near these fits, its switches weighed by what noise does to them under the first one."""
+        if not fits:
+            return self
         other = copy(self)
-        read = (self.belief_of(fitted), fitted.convention) if fitted else None
-        other.judge = self._judge(perturbed_by_noise(self.segment, self.record, *read) if read else iter(()))
+        other.timed = fits[0]
+        read = self.belief_of(fits[0]), fits[0].convention
+        other.judge = self._judge(perturbed_by_noise(self.segment, self.record, *read))
+        other.near = {effect: values for each in fits for effect, values in each.effects}
         other._seen = self.record.memory(arrays=4)
         return other
 

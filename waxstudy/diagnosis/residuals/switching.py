@@ -52,15 +52,23 @@ class Switching:
 
         From a quantile, as a draw may throw a switch at quite another time; at least what the draws show of most.
         """
-        count, least_s = self.windows.max() + 1, self.record.interval_s * 12.0**-0.5
-        moved_s = np.array(self._moved_s) if self._moved_s else np.zeros((1, count))
-        own_s = np.quantile(moved_s, NEAR, axis=0) / NormalDist().inv_cdf(0.5 + 0.5 * NEAR)
-        return np.asarray(self.more * np.maximum(own_s, max(least_s, float(np.median(own_s)))))
+        own_s = np.quantile(self.moved_s, NEAR, axis=0) / NormalDist().inv_cdf(0.5 + 0.5 * NEAR)
+        return np.asarray(self.more * np.maximum(own_s, max(self.least_s, float(np.median(own_s)))))
+
+    @property
+    def moved_s(self) -> FloatArray:
+        """How far each draw of noise moves each measured switch (draws, switches)."""
+        return np.array(self._moved_s) if self._moved_s else np.zeros((1, self.windows.max() + 1))
+
+    @property
+    def least_s(self) -> float:
+        """How far sampling alone moves a switch."""
+        return float(self.record.interval_s * 12.0**-0.5)
 
     @property
     def typical_s(self) -> float:
-        """How far noise alone moves a switch, typically: the floor."""
-        return float(np.sqrt(np.median(self.scale_s**2)))
+        """How far noise moves switches as a root mean square, with its exceptions: the floor."""
+        return self.more * max(self.least_s, float(np.sqrt(np.mean(self.moved_s**2))))
 
     def residual(self, predicted: Predicted) -> Residual:
         """Return how long, around each measured switch, the prediction differs from the record [s]."""

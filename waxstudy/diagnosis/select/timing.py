@@ -5,7 +5,7 @@ A wrong one may be about to throw a switch for hours, which noise then decides; 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -17,28 +17,24 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
 
 
-def best_timed(problem: SegmentProblem, effects: Sequence[EffectType], thorough: float) -> Hypothesis | None:
-    """Return the hypothesis of at most one effect under which the switches are likeliest; None where none is driven.
+def best_timed(problem: SegmentProblem, effects: Sequence[EffectType], thorough: float) -> Sequence[Hypothesis]:
+    """Return hypotheses of at most one effect, the one under which the switches are likeliest first.
 
-    Each is fitted to their times as if only sampling blurred them, then weighed by what noise does under itself.
+    Each is fitted as switches are weighed under what is believed, then weighed by what noise does under itself. None
+    where nothing that runs on drives a switch.
     """
     segment, binary = problem.segment, problem.record.binary
     if segment.with_room or segment.driven_by in binary or not any(each in binary for each in segment.judged):
-        return None
-    return max(_tried(problem, effects, thorough), key=lambda each: _likelihood(problem, each))
-
-
-def _tried(problem: SegmentProblem, effects: Sequence[EffectType], thorough: float) -> Iterator[Hypothesis]:
-    estimator = Estimator(problem.timed_by(None), thorough)
-    yield estimator.base
-    for effect in effects:
-        if not effect.hindrance(problem.belief) and (fitted := estimator.fit(effect, estimator.base, ALL)):
-            yield fitted
+        return []
+    estimator = Estimator(problem, thorough)
+    possible = [each for each in effects if not each.hindrance(problem.belief)]
+    fits = [fitted for each in possible if (fitted := estimator.fit(each, estimator.base, ALL))]
+    return sorted([estimator.base, *fits], key=lambda each: -_likelihood(problem, each))
 
 
 def _likelihood(problem: SegmentProblem, fitted: Hypothesis) -> float:
     """Return the logarithm of how likely the switches are under a hypothesis, by its own noise."""
-    own = problem.timed_by(fitted)
+    own = problem.timed_by([fitted])
     seen = own.at(fitted.effects, fitted.departures, fitted.convention)
     if seen is None:
         return -np.inf

@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
@@ -27,6 +27,7 @@ from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, FloatArray
 
 DEEPER = 3  # hypotheses that others are tried beside
+HOURS = ("from_h", "to_h")
 Tick = Callable[[str], None]
 
 
@@ -42,7 +43,7 @@ class Weighing:
         tick: Tick,
     ) -> None:
         self.problem, self.tick, self.healthy = problem, tick, healthy
-        self.estimator = Estimator(problem, thorough, keeps=True)
+        self.estimator = Estimator(problem, thorough, keeps=True, near=problem.near)
         self.effects = [effect for effect in effects if not effect.hindrance(problem.belief)]
         self.share = self._shares()
         if problem.segment.with_room:
@@ -153,7 +154,7 @@ class Weighing:
 
     def of(self, fitted: Hypothesis, given: Hypothesis | None = None, pattern: Pattern | None = None) -> Weighed:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
-        parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
+        parameters = sum(_told(effect, values) for effect, values in fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
         nothing = self._nothing(fitted)
         gain = 0.5 * (self._loss(nothing) - self._loss(fitted)) - ease
@@ -319,6 +320,12 @@ class Weighing:
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
         scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / healthy.samples)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
+
+
+def _told(effect: EffectType, values: Values) -> int:
+    """Return how many parameters of an effect say anything: of what acts always its hours are none."""
+    acts_always = effect.hours(effect.Parameters(**values)) is None
+    return len(effect.priors.keys() - (HOURS if acts_always else ()))
 
 
 def _lasting(missed: FloatArray, power: FloatArray, block: np.ndarray) -> float:
