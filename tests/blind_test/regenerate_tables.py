@@ -37,7 +37,7 @@ SUMMARY_PAGE = ROOT / "docs" / "blind_test_table.md"
 SUMMARY_INTRO = """\
 # The newest judged run
 
-This page has the marks of the newest [judged run](../results/blind_test/README.md) of the [blind
+This page has the marks of the newest [judged runs](../results/blind_test/README.md) of the [blind
 test](blind_test.md), beside a list of rules and a diagnoser that guesses. It is written by `make golden`. Shares have
 their 95 % intervals, or are counts of few; \\* falls short of its goal.
 """
@@ -62,18 +62,23 @@ def judged(score: Score) -> list[str]:
 def pages() -> dict[Path, str]:
     """Every page that shows figures of judged runs, as it should be."""
     every = scores()
-    newest = list(every.values())[-1]
     wanted = {
         RUNS / name / "README.md": [_run(score, where) for where in judged(score)] for name, score in every.items()
     }
-    wanted[RUNS / "README.md"] = [_over_runs(every, where) for where in judged(newest)]
+    wanted[RUNS / "README.md"] = [_over_runs(every, where) for where in WHERE]
     every_page = {page: _with(page.read_text(encoding="utf-8"), tables) for page, tables in wanted.items()}
-    return every_page | {SUMMARY_PAGE: SUMMARY_INTRO + _answered(newest) + _summaries(newest)}
+    return every_page | {SUMMARY_PAGE: f"{SUMMARY_INTRO}\n{_summaries(every)}"}
 
 
-def _answered(score: Score) -> str:
+def newest(every: Mapping[str, Score], where: str) -> str:
+    """Return the newest run with records of a place: not all runs draw from all."""
+    return [run for run, score in every.items() if where in judged(score)][-1]
+
+
+def _answered(every: Mapping[str, Score], run: str) -> str:
+    score = every[run]
     told = [f"{name} answered {of['answered']}" for name, of in score["diagnosers"].items()]
-    return f"Of {score['records']} records {', '.join(told)}.\n\n"
+    return f"Run {run}: of {score['records']} records {', '.join(told)}.\n\n"
 
 
 def _with(text: str, tables: Iterable[str]) -> str:
@@ -107,14 +112,13 @@ def _over_runs(every: Mapping[str, Score], where: str) -> str:
     return _table(rows)
 
 
-def _summaries(score: Score) -> str:
-    """The newest run: ours with intervals beside baselines, the fast room and other physics, then houses as built."""
-    together = [(where, names) for where, names in zip(WHERE, _names(), strict=True) if where != BUILT]
-    tables = [_summary(score, together, ("rules", "random"))]
-    if BUILT in judged(score):
-        beside = tuple(name for name in BASELINES if name in score["diagnosers"])
-        tables.append(_summary(score, [(BUILT, list(_names())[-1])], beside))
-    return "\n".join(tables)
+def _summaries(every: Mapping[str, Score]) -> str:
+    """The newest runs: ours with intervals beside baselines, the fast room and other physics, then houses as built."""
+    *drawn, built = zip(WHERE, _names(), strict=True)
+    run, of_built = newest(every, WHERE[0]), newest(every, BUILT)
+    beside = tuple(name for name in BASELINES if name in every[of_built]["diagnosers"])
+    tables = _summary(every[run], drawn, ("rules", "random")), _summary(every[of_built], [built], beside)
+    return "\n".join(_answered(every, each) + table for each, table in zip((run, of_built), tables, strict=True))
 
 
 def _names() -> Iterable[Sequence[str]]:
@@ -181,7 +185,7 @@ def _table(rows: Sequence[Sequence[str]]) -> str:
     return "".join(f"{line}\n" for line in [lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
 
 
-def draw(score: Score) -> None:
+def draw(every: Mapping[str, Score]) -> None:
     """Draw the README's figure: shares with their intervals, goals as ticks."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -191,11 +195,10 @@ def draw(score: Score) -> None:
     mpl.rcParams["svg.hashsalt"] = "waxstudy"
     with mpl.rc_context({"svg.fonttype": "none", "font.size": 9, "font.family": "sans-serif"}):
         figure = Figure(figsize=(7.2, 2.6), layout="constrained")
-        places = judged(score)
-        panels = figure.subplots(1, len(places), sharey=True)
-        for place, (panel, where) in enumerate(zip(panels, places, strict=True)):
-            goals = _goals(score, "ours", where)
-            guess = _goals(score, "random", where)
+        panels = figure.subplots(1, len(WHERE), sharey=True)
+        for place, (panel, where) in enumerate(zip(panels, WHERE, strict=True)):
+            score = every[newest(every, where)]
+            goals, guess = (_goals(score, diagnoser, where) for diagnoser in ("ours", "random"))
             for row, name in enumerate(SHOWN):
                 goal = goals[name]
                 panel.plot([goal["low"], goal["high"]], [row, row], color=GREY, linewidth=5, alpha=0.5)
@@ -215,4 +218,4 @@ def draw(score: Score) -> None:
 if __name__ == "__main__":
     for page, text in pages().items():
         page.write_text(text, encoding="utf-8", newline="\n")
-    draw(list(scores().values())[-1])
+    draw(scores())

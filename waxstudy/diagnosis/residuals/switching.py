@@ -11,9 +11,9 @@ from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
-NEAR = 0.8  # share of draws of noise that tell how far a switch is moved; what the others do is an exception
 SOFT = 3.0  # standard deviations beyond which an error of a switch counts straight
 
 
@@ -52,7 +52,7 @@ class Switching:
 
         From a quantile, as a draw may throw a switch at quite another time; at least what the draws show of most.
         """
-        own_s = np.quantile(self.moved_s, NEAR, axis=0) / NormalDist().inv_cdf(0.5 + 0.5 * NEAR)
+        own_s = np.quantile(self.moved_s, WEIGHTS.near, axis=0) / NormalDist().inv_cdf(0.5 + 0.5 * WEIGHTS.near)
         return np.asarray(self.more * np.maximum(own_s, max(self.least_s, float(np.median(own_s)))))
 
     @property
@@ -84,7 +84,7 @@ class Switching:
         """
         window_s = np.bincount(self.windows) * self.record.interval_s
         near = np.sqrt(2.0 / np.pi) / self.scale_s * np.exp(-0.5 * (off_s / self.scale_s) ** 2)
-        return float(np.log(NEAR * near + (1.0 - NEAR) / window_s)[self.judged].sum())
+        return float(np.log(WEIGHTS.near * near + (1.0 - WEIGHTS.near) / window_s)[self.judged].sum())
 
     @cached_property
     def judged(self) -> np.ndarray:
