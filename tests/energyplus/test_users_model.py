@@ -281,8 +281,8 @@ def test_what_energyplus_finds_wrong_ends_the_run_with_its_own_words(written: Ca
 
 
 def test_an_engine_that_is_silent_too_long_is_ended(written: Callable[..., Path]) -> None:
-    with pytest.raises(EnergyPlusError, match=r"silent for longest_silence_s = 0.01 s before the first step"):
-        simulated(written(house()), 0.5, longest_silence_s=0.01)
+    with pytest.raises(EnergyPlusError, match=r"silent for longest_silence_s = 1e-09 s before the first step"):
+        simulated(written(house()), 0.5, longest_silence_s=1e-9)
 
 
 STUDY = """\
@@ -309,7 +309,7 @@ def an_unknown_construction(model: Model) -> None:
         (of_another_version, 'zone = "Living"', 3, "IDFVersionUpdater"),
         (lambda model: None, 'zone = "Livign"', 3, "did you mean 'Living'?"),
         (an_unknown_construction, 'zone = "Living"', 6, "EnergyPlus gave up with code 1"),
-        (lambda model: None, 'zone = "Living", longest_silence_s = 0.01', 6, "silent for longest_silence_s"),
+        (lambda model: None, 'zone = "Living", longest_silence_s = 1e-9', 6, "silent for longest_silence_s"),
     ],
 )
 def test_the_command_says_what_is_wrong_with_a_model_and_leaves_nothing_behind(
