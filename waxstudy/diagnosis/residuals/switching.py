@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from statistics import NormalDist
 
 import numpy as np
 
@@ -50,9 +49,9 @@ class Switching:
     def scale_s(self) -> FloatArray:
         """Standard deviation of what each measured switch is missed by with nothing amiss (switches,).
 
-        From a quantile, as a draw may throw a switch at quite another time; at least what the draws show of most.
+        As a root mean square over draws of noise, and none is surer than most.
         """
-        own_s = np.quantile(self.moved_s, WEIGHTS.near, axis=0) / NormalDist().inv_cdf(0.5 + 0.5 * WEIGHTS.near)
+        own_s = np.sqrt(np.mean(self.moved_s**2, axis=0))
         return np.asarray(self.more * np.maximum(own_s, max(self.least_s, float(np.median(own_s)))))
 
     @property
