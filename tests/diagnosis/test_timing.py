@@ -13,7 +13,7 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
-from waxstudy.diagnosis.select.timing import best_timed
+from waxstudy.diagnosis.select.timing import best_timed, has_times
 
 LIBRARY = [EFFECTS[name] for name in ("dead-band", "sensor-delay")]
 OUTPUT = "control_output"
@@ -58,10 +58,10 @@ def test_a_loop_as_believed_is_weighed_as_it_is_believed() -> None:
 
 
 def test_what_a_switch_drives_and_a_room_have_no_times_to_be_weighed_by() -> None:
-    seen = problem().record
-    for place, segment in enumerate(segments(seen, problem().belief)):
-        if OUTPUT not in segment.judged:
-            assert best_timed(problem(stage=place), LIBRARY, 1.0) == []
+    links = segments(problem().record, problem().belief)
+    timed = {link.name: has_times(problem(stage=place)) for place, link in enumerate(links)}
+    assert [name for name, has in timed.items() if has] == [problem().name]
+    assert len(timed) > 3
 
 
 def drawn(off_s: list[float]) -> Switching:

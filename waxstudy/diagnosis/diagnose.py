@@ -33,7 +33,7 @@ from waxstudy.diagnosis.select.exact_room import with_exact_room
 from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
 from waxstudy.diagnosis.select.testability import DRIVES, too_short
-from waxstudy.diagnosis.select.timing import best_timed
+from waxstudy.diagnosis.select.timing import best_timed, has_times
 from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.plugin import Belief, Effect
 from waxstudy.plugin.registry import installed
@@ -106,9 +106,11 @@ def _whole(work: Work, segment: Segment) -> tuple[SegmentProblem, SegmentProblem
     parts = np.full(len(work.record), FIT)
     whole = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, parts=parts)
     problem = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, alike=whole)
+    if not has_times(whole):
+        return whole, problem
     _base(work, Estimator(whole, work.thorough))
-    timed = best_timed(whole, of_segment(segment, work.effects), work.thorough)
-    return whole.timed_by(timed), problem.timed_by(timed)
+    fits = best_timed(whole, of_segment(segment, work.effects), work.thorough)
+    return whole.timed_by(fits), problem.timed_by(fits)
 
 
 def _is_weighed(work: Work, segment: Segment) -> bool:

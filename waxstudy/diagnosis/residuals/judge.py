@@ -19,7 +19,8 @@ from waxstudy.diagnosis.residuals.room_means import RoomMeans
 from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.plugin import Belief, SimulationError
 
-PERTURBATIONS = 32  # of a drive, to see what its noise does to the timing of switches
+PERTURBATIONS = 4, 32  # of a drive, to see what its noise does to the timing of switches: fewest, and most
+DRAWN = 32 * 14 * 1440  # samples of all of them, so that two weeks of minutes have the most
 ONLY_OF_ROOM = ("floor_surface_temperature_C", "return_temperature_C")
 
 
@@ -80,8 +81,9 @@ def perturbed_by_noise(
     if segment.with_room:
         return
     plain = [each for each in segment.conventions if not each.is_handicapped][-1]
-    tried = [STILL, *(Perturbation(np.random.default_rng(seed)) for seed in range(PERTURBATIONS))]
-    for each in tried:
+    fewest, most = PERTURBATIONS
+    draws = max(fewest, min(most, DRAWN // len(record)))
+    for each in (STILL, *(Perturbation(np.random.default_rng(seed)) for seed in range(draws))):
         try:
             yield segment.predict(record, belief, convention or plain, each)
         except (SimulationError, ValueError):

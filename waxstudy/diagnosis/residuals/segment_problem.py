@@ -92,8 +92,6 @@ class SegmentProblem:
 
     def timed_by(self, fits: Sequence[Hypothesis]) -> SegmentProblem:
         """Return the same, near these fits, its switches weighed by what noise does to them under the first one."""
-        if not fits:
-            return self
         other = copy(self)
         other.timed = fits[0]
         read = self.belief_of(fits[0]), fits[0].convention

@@ -17,15 +17,17 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
 
 
+def has_times(problem: SegmentProblem) -> bool:
+    """Whether something that runs on throws switches of a link."""
+    segment, binary = problem.segment, problem.record.binary
+    return not segment.with_room and segment.driven_by not in binary and any(each in binary for each in segment.judged)
+
+
 def best_timed(problem: SegmentProblem, effects: Sequence[EffectType], thorough: float) -> Sequence[Hypothesis]:
     """Return hypotheses of at most one effect, the one under which the switches are likeliest first.
 
-    Each is fitted as switches are weighed under what is believed, then weighed by what noise does under itself. None
-    where nothing that runs on drives a switch.
+    Each is fitted as switches are weighed under what is believed, then weighed by what noise does under itself.
     """
-    segment, binary = problem.segment, problem.record.binary
-    if segment.with_room or segment.driven_by in binary or not any(each in binary for each in segment.judged):
-        return []
     estimator = Estimator(problem, thorough)
     possible = [each for each in effects if not each.hindrance(problem.belief)]
     fits = [fitted for each in possible if (fitted := estimator.fit(each, estimator.base, ALL))]
