@@ -48,6 +48,9 @@ ONE_CASE = SMALL.replace('"O_WM"\n', '"O_0"\n').partition("steps = [")[0]
 
 ATTACK_SEED = "ATTACK_SEED"
 
+# Python keeps bytecode whose writing was cut short, and fails at every later import of it
+NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}
+
 Waxstudy = Callable[..., "subprocess.CompletedProcess[str]"]
 
 

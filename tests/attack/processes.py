@@ -13,6 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from tests.attack.verdict import Ended
+from tests.conftest import NO_BYTECODE
 from waxstudy.results.atomic import PARTIAL
 
 WAXSTUDY = Path(sys.executable).with_name("waxstudy")
@@ -26,7 +27,7 @@ def ended(folder: Path, *command: str, before: Callable[[], None] | None = None,
     process = subprocess.Popen(
         words,
         cwd=folder,
-        env=_without_bytecode() if before else None,
+        env={**os.environ, **NO_BYTECODE} if before else None,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -46,11 +47,6 @@ def ended(folder: Path, *command: str, before: Callable[[], None] | None = None,
             process.communicate()
         return Ended(None, "", "")
     return Ended(process.returncode, out, err)
-
-
-def _without_bytecode() -> dict[str, str]:
-    """Python keeps bytecode whose writing was cut short, and fails of it at every later import."""
-    return {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
 
 
 def small_files(most_bytes: int) -> Callable[[], None]:

@@ -35,7 +35,7 @@ SUMMARY = (
 
 SUMMARY_PAGE = ROOT / "docs" / "blind_test_table.md"
 SUMMARY_INTRO = """\
-# The newest judged run
+# The newest judged runs
 
 This page has the marks of the newest [judged runs](../results/blind_test/README.md) of the [blind
 test](blind_test.md), beside a list of rules and a diagnoser that guesses. It is written by `make golden`. Shares have

@@ -16,7 +16,7 @@ import pytest
 
 from tests.cli.conftest import Entry
 from tests.cli.folders import contents, finished_cases, results
-from tests.conftest import SMALL, WAXSTUDY, Waxstudy
+from tests.conftest import NO_BYTECODE, SMALL, WAXSTUDY, Waxstudy
 from waxstudy.cli.errors import exit_code
 
 FAILED, INTERRUPTED = 6, 130
@@ -182,8 +182,7 @@ def test_a_disk_that_takes_no_more_fails_the_run_and_leaves_earlier_results(
     def full() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-    # bytecode whose writing is cut short fails at every later import
-    done = waxstudy("run", "small.toml", "--out", "run", preexec_fn=full, env={"PYTHONDONTWRITEBYTECODE": "1"})
+    done = waxstudy("run", "small.toml", "--out", "run", preexec_fn=full, env=NO_BYTECODE)
     assert (done.returncode, done.stdout) == (FAILED, "")
     assert done.stderr == "error: run: the results cannot be written: File too large\n"
     assert results(small_run) == before

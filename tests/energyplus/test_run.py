@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.conftest import NO_BYTECODE
 from tests.energyplus import drivers
 from waxstudy.plugin import SimulationError, Stopped, WeatherRecord
 from waxstudy.simulation.advance import ChainAdvance
@@ -41,6 +42,7 @@ ASKING = """\
 import sys
 from pathlib import Path
 import numpy as np
+from tests.conftest import NO_BYTECODE
 from tests.energyplus import drivers
 from waxstudy.plugin import SimulationError, Stopped, WeatherRecord
 from waxstudy_energyplus.run import simulate
@@ -236,7 +238,8 @@ def test_a_full_disk_is_told_and_leaves_nothing(
     room: RoomDescription, a_day: ADay, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")  # cut short, it fails at every later import
+    for name, value in NO_BYTECODE.items():
+        monkeypatch.setenv(name, value)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, before[1]))
