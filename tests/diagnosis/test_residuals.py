@@ -126,7 +126,7 @@ def test_a_sample_belongs_to_the_switch_that_is_nearest_to_it() -> None:
     seen = plain({"control_output": signal, "heating_signal": signal, "setpoint_C": np.full(DAY, 21.0)})
     late = np.zeros(DAY)
     late[603:660] = late[800:910] = 1.0
-    judge = Switching("heating_signal", SWITCH, seen, np.zeros(DAY), [])
+    judge = Switching("heating_signal", SWITCH, seen, np.zeros(DAY), None)
     residual = judge.residual(Predicted({"heating_signal": late}))
     # between the switches they end at 630, 730 and 850; of each the sample in the middle stands for it
     assert residual.sample.tolist() == [314, 679, 789, 1144]
@@ -295,7 +295,11 @@ def metered() -> tuple[Record, np.ndarray]:
 def judged_of(
     channel: str, record: Record, driven_by: str = "heating_signal", perturbed: Sequence[Predicted] = ()
 ) -> Continuous:
-    return Continuous(channel, Segment(("valve",), driven_by, (channel,)), record, np.zeros(len(record)), perturbed)
+    still, *moved = perturbed or (None,)
+    way = Continuous(channel, Segment(("valve",), driven_by, (channel,)), record, np.zeros(len(record)), still)
+    for each in moved if way.is_moved else ():
+        way.see(each)
+    return way
 
 
 def test_noise_is_what_a_channel_shows_less_where_it_is_cut_off_and_none_where_a_meter_stands() -> None:
@@ -398,7 +402,8 @@ def test_noise_of_a_drive_moves_no_temperature_and_a_switch_has_none() -> None:
     seen, _ = metered()
     moved = [Predicted({name: seen.values[name] + off for name in seen.values}) for off in (0.0, 2.0)]
     for channel, driven_by in (("flow_L_h", "heating_signal"), ("return_temperature_C", "displacement")):
-        assert (judged_of(channel, seen, driven_by, moved).driven == 0.0).all()
+        still, noisy = (judged_of(channel, seen, driven_by, each).scale for each in (moved[:1], moved))
+        assert np.array_equal(still, noisy)
 
 
 def test_an_error_counts_in_standard_deviations_of_its_noise() -> None:

@@ -13,9 +13,10 @@ from tests.diagnosis.realities import EFFECTS, study
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.select.gain_spread import gain_spread
+from waxstudy.diagnosis.select.gain_spread import gain_spread, told_apart
 from waxstudy.diagnosis.select.patterns import concentrated, patterns
 from waxstudy.diagnosis.select.posterior import (
+    UNKNOWN,
     Weighed,
     _gains,
     _is_within,
@@ -39,6 +40,7 @@ NOTHING = Weighed(
     price=0.0,
     spread=1.0,
     most=0.0,
+    by_cycle=np.ones(9),
 )
 LEAK = replace(
     NOTHING,
@@ -50,6 +52,7 @@ LEAK = replace(
     always=-20.0,
     left=0.05,
 )
+SLOW = replace(LEAK, stands=20.0, most=200.0)  # an effect of a chain
 
 
 # --- how far a gain is one of all cycles -------------------------------------------------------------
@@ -106,6 +109,32 @@ def test_a_gain_of_one_day_among_many_is_no_effect_s() -> None:
     assert most < 0.2 * always_most
 
 
+# --- how far cycles tell two effects apart -----------------------------------------------------------
+
+
+def test_cycles_tell_two_effects_apart_as_far_as_their_difference_stands_out_of_its_scatter() -> None:
+    """Each cycle prefers one by 2, and by 1 more or less: t squared is 4 times the degrees of freedom, 16 less 1."""
+    worse = 1.0 + np.array([6.0, 2.0] * 8)
+    assert told_apart(np.ones(16), worse) == pytest.approx(0.5 * 16 * np.log1p(4.0))
+
+
+def test_cycles_of_which_each_prefers_another_effect_tell_nothing_however_much_they_differ() -> None:
+    assert told_apart(np.array([0.0, 50.0, 0.0, 50.0]), np.array([50.0, 0.0, 50.0, 0.5])) < 1e-3
+
+
+def test_one_cycle_among_many_does_not_tell_two_effects_apart() -> None:
+    worse = np.zeros(50)
+    worse[7] = 1e4
+    assert told_apart(np.zeros(50), worse) == pytest.approx(0.5, abs=0.02)
+    assert told_apart(worse, np.zeros(50)) == 0.0
+
+
+def test_cycles_that_all_say_the_same_set_no_limit_and_a_single_one_tells_nothing() -> None:
+    assert told_apart(np.zeros(3), np.ones(3)) == np.inf
+    assert told_apart(np.ones(3), np.zeros(3)) == 0.0
+    assert told_apart(np.zeros(1), np.ones(1)) == 0.0
+
+
 # --- probabilities -----------------------------------------------------------------------------------
 
 
@@ -114,7 +143,7 @@ def _of(*names: str) -> Hypothesis:
 
 
 def test_an_effect_of_a_chain_that_leaves_something_amiss_is_outdone_by_the_square_of_that() -> None:
-    first, second = (replace(LEAK, stands=1.0, misfit=misfit) for misfit in (0.0, 3.0))
+    first, second = (replace(SLOW, misfit=misfit, by_cycle=np.full(9, misfit)) for misfit in (0.0, 3.0))
     told = _with_peers([NOTHING, first, second], [0.0, 100.0, 10.0])
     assert told == pytest.approx([0.0, 100.0, 100.0 - WEIGHTS.unknown_price - 9.0 * WEIGHTS.sure])
     of_room = [NOTHING, *(replace(each, stands=np.inf) for each in (first, second))]
@@ -126,9 +155,33 @@ def test_only_an_effect_of_a_chain_that_takes_half_of_the_squares_away_is_outdon
     left: float, is_peer: bool
 ) -> None:
     """One that hardly explains anything is no coarse name of what explains all."""
-    first, second = (replace(LEAK, stands=1.0, left=each) for each in (0.05, left))
+    first, second = (replace(SLOW, left=each, by_cycle=np.full(9, each)) for each in (0.01, left))
     told = _with_peers([NOTHING, first, second], [0.0, 100.0, 10.0])
     assert told == pytest.approx([0.0, 100.0, 100.0 - WEIGHTS.unknown_price if is_peer else 10.0])
+
+
+def test_an_effect_of_a_chain_outdoes_another_only_as_far_as_cycles_tell_them_apart() -> None:
+    """Both leave much amiss, and cycles prefer the one or the other in turn."""
+    scattered = (np.array([0.0, 5.0] * 4 + [0.0]), np.array([5.0, 0.0] * 4 + [5.0]))
+    first, second = (replace(SLOW, misfit=9.0, left=0.9, by_cycle=each) for each in scattered)
+    most = told_apart(*scattered)
+    assert 0.0 < most < 0.2
+    assert _with_peers([NOTHING, first, second], [0.0, 100.0, 90.0]) == pytest.approx([0.0, 100.0, 100.0 - most])
+    assert _with_peers([NOTHING, first, second], [0.0, 100.0, 99.95]) == [0.0, 100.0, 99.95]
+
+
+def test_an_effect_that_cycles_do_not_tell_from_a_better_one_must_stand_out_by_itself() -> None:
+    """Else nothing is left of it, nor does it make something unknown likelier that looks like it."""
+    scattered = (np.array([0.0, 5.0] * 4 + [0.0]), np.array([5.0, 0.0] * 4 + [5.0]))
+    best, other = (replace(SLOW, gain=gain, by_cycle=each) for gain, each in zip((100.0, 9.0), scattered, strict=True))
+    faint = replace(other, fitted=_of("solar-factor"), names=("solar-factor",), left=0.9)
+    seen, *unseen = (
+        posterior([NOTHING, best, replace(faint, **kept)]) for kept in ({}, {"stands": 2.0}, {"most": 5.0})
+    )
+    assert seen["solar-factor"] == pytest.approx(seen["infiltration"], rel=0.1)
+    for each in unseen:
+        assert each["solar-factor"] < 1e-9
+        assert each[UNKNOWN] / each["infiltration"] == pytest.approx(seen[UNKNOWN] / seen["infiltration"])
 
 
 def test_what_speaks_for_a_hypothesis_by_itself_is_a_sum_of_logarithms() -> None:
@@ -240,7 +293,8 @@ def test_of_two_that_leave_nothing_the_finer_name_must_be_earned() -> None:
     coarse = replace(LEAK, names=("coarse",), gain=20.0, price=6.0, stands=5.0)
     fine = replace(LEAK, names=("fine",), gain=24.0, price=12.0, stands=5.0)
     assert posterior([NOTHING, coarse, fine])["coarse"] > 0.5
-    assert posterior([NOTHING, replace(coarse, misfit=4.0), fine])["fine"] > 0.6
+    amiss = replace(coarse, misfit=4.0, by_cycle=np.full(9, 4.0))
+    assert posterior([NOTHING, amiss, fine])["fine"] > 0.6
 
 
 def test_what_no_more_than_noise_stands_out_for_is_no_effect() -> None:

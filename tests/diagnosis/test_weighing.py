@@ -216,12 +216,30 @@ def test_a_second_effect_gains_what_it_adds_beyond_the_form_of_the_first() -> No
         pair = weighing._beside(given, both)
         counted = [only(each).whitened / weighing.share["displacement"] ** 0.5 for each in (given, pair)]
         spread, most = gain_spread(counted[0], counted[1], weighing.problem.record.cycle)
-        more = weighing.of(pair.fitted).gain - given.gain - WEIGHTS.form**2 * given.gain
+        gained = weighing.of(pair.fitted).gain - given.gain
+        more = gained - min(WEIGHTS.form**2 * given.gain, max(0.0, gained))
         assert pair.gain == pytest.approx(given.gain + min(more / spread, most))
         assert pair.spread == given.spread
         assert pair.fitted.names == ("slow-actuator", "stuck-open")
     assert found[3].misfit < WEIGHTS.open < found[1].misfit  # so none is looked for beside that since day 3
     assert not any(each.most == found[3].most for each in found[4:])
+
+
+def test_what_a_first_effect_told_of_one_channel_is_no_excuse_in_another() -> None:
+    """A sensor's bias tells much of the sensor, and nothing of when its controller has another setpoint."""
+    weighing = bare(is_room=False)
+    weighing.problem.sd = np.zeros(0)
+    losses = {"none": (80_000.0, 400.0), "bias": (2_000.0, 390.0), "both": (1_990.0, 40.0), "little": (1_990.0, 386.0)}
+    made: Any = {name: SimpleNamespace(losses=dict(zip("sc", each, strict=True))) for name, each in losses.items()}
+    rest: Any = weighing
+    rest._losses, rest._nothing = attrgetter("losses"), lambda fitted: made["none"]
+    bias: Any = SimpleNamespace(fitted=made["bias"])
+    share = WEIGHTS.form**2
+    # of the sensor all that is gained, 5; of the output a share of what the bias told there, 5, or all of 2
+    assert weighing._form_may_tell(bias, made["both"]) == pytest.approx(5.0 + share * 5.0)
+    assert weighing._form_may_tell(bias, made["little"]) == pytest.approx(5.0 + share * 5.0)
+    less: Any = SimpleNamespace(losses={"s": 2_000.0, "c": 389.96})
+    assert weighing._form_may_tell(bias, less) == pytest.approx(0.02)
 
 
 def test_what_the_healthy_record_says_for_an_effect_varies_over_cycles_as_its_gain_does() -> None:
@@ -272,10 +290,9 @@ def leaving(*residuals: Residual, departures: FloatArray | None = None) -> Hypot
     return Hypothesis((), PLAIN, np.zeros(0) if departures is None else departures, residuals)
 
 
-@pytest.mark.parametrize(("is_room", "form"), [(True, 0.2), (False, 0.1)])
 @pytest.mark.parametrize(("gain", "ease"), [(100.0, 0.0), (60.0, 40.0), (100.0, -30.0), (-20.0, 30.0)])
-def test_beside_an_effect_what_its_form_may_leave_is_no_second_one(
-    is_room: bool, form: float, gain: float, ease: float, monkeypatch: pytest.MonkeyPatch
+def test_beside_an_effect_of_a_room_what_its_form_may_leave_is_no_second_one(
+    gain: float, ease: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A share of all that speaks for the first: what it explains, and what the room need not depart."""
     _, (first, *_) = of(NOTHING, NOTHING)
@@ -283,8 +300,8 @@ def test_beside_an_effect_what_its_form_may_leave_is_no_second_one(
     both = replace(first, gain=gain + 10.0)
     monkeypatch.setattr(Weighing, "of", lambda self, fitted, given=None, pattern=None: both)
     monkeypatch.setattr(Weighing, "_spread", lambda self, fitted, given=None: (1.0, np.inf))
-    more = bare(is_room)._beside(first, both.fitted).gain - gain
-    assert more == pytest.approx(10.0 - form**2 * (max(0.0, gain) + max(0.0, ease)))
+    more = bare(is_room=True)._beside(first, both.fitted).gain - gain
+    assert more == pytest.approx(10.0 - 0.2**2 * (max(0.0, gain) + max(0.0, ease)))
 
 
 @pytest.mark.parametrize("moved", [0.0, 0.5, -2.0, -0.2])

@@ -33,6 +33,7 @@ from waxstudy.diagnosis.select.exact_room import with_exact_room
 from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
 from waxstudy.diagnosis.select.testability import DRIVES, too_short
+from waxstudy.diagnosis.select.timing import best_timed, has_times
 from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.plugin import Belief, Effect
 from waxstudy.plugin.registry import installed
@@ -72,7 +73,7 @@ def weighed_links(dataset: Dataset, baseline: Dataset | None) -> Iterator[tuple[
     cut, short = _cut(work)
     for segment in (each for each in cut if each not in short):
         if _is_weighed(work, segment):
-            effects, whole = of_segment(segment, work.effects), _whole(work, segment)
+            effects, (whole, _) = of_segment(segment, work.effects), _whole(work, segment)
             yield segment, Weighing(whole, effects, _healthy(work, whole), work.thorough, lambda name: None).weighed()
 
 
@@ -100,10 +101,16 @@ def _cut(work: Work) -> tuple[list[Segment], dict[Segment, str]]:
     return cut, {each: reason for each in cut if (reason := too_short(each, work.record, work.belief))}
 
 
-def _whole(work: Work, segment: Segment) -> SegmentProblem:
-    """Return a link with all its days to fit."""
+def _whole(work: Work, segment: Segment) -> tuple[SegmentProblem, SegmentProblem]:
+    """Return a link with all its days to fit, and with days held out."""
     parts = np.full(len(work.record), FIT)
-    return SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, parts=parts)
+    whole = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, parts=parts)
+    problem = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, alike=whole)
+    if not has_times(whole):
+        return whole, problem
+    _base(work, Estimator(whole, work.thorough))
+    fits = best_timed(whole, of_segment(segment, work.effects), work.thorough)
+    return whole.timed_by(fits), problem.timed_by(fits)
 
 
 def _is_weighed(work: Work, segment: Segment) -> bool:
@@ -113,7 +120,8 @@ def _is_weighed(work: Work, segment: Segment) -> bool:
 
 def _healthy(work: Work, whole: SegmentProblem) -> Healthy:
     """Return what nothing amiss leaves of a link: what a healthy record shows, else what noise makes."""
-    return work.healthy.get(whole.segment.name) or AsBelieved.of(whole, _base(work, Estimator(whole, work.thorough)))
+    healthy = work.healthy.get(whole.segment.name)
+    return healthy or AsBelieved.of(whole, whole.timed or _base(work, Estimator(whole, work.thorough)))
 
 
 def _with_neighbours(diagnosis: Diagnosis, dataset: Dataset, tick: Tell) -> Diagnosis:
@@ -220,8 +228,7 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
 
 def _changed(work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
     """Return what is otherwise at a link than in the healthy record, or than believed."""
-    whole = _whole(work, segment)
-    problem = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, alike=whole)
+    whole, problem = _whole(work, segment)
     estimator = Estimator(problem, work.thorough, keeps=True)
     search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
     return changed(search, _healthy(work, whole), whole, tick)

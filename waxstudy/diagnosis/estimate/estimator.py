@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
@@ -18,6 +18,7 @@ from waxstudy.diagnosis.estimate.parameter_space import (
     Edits,
     EffectType,
     Space,
+    Values,
     descend,
     valued,
 )
@@ -52,11 +53,18 @@ class Estimator(Generic[P]):
     """Fits hypotheses to one problem, always from the same belief. `thorough` below 1 looks at less.
 
     One that `keeps` slopes takes those of the nuisances at its base, or has them from a fit that came `before`, and
-    keeps them for all else: a room answers nearly in a straight line.
+    keeps them for all else: a room answers nearly in a straight line. Fits also begin `near` what is given of effects.
     """
 
-    def __init__(self, problem: P, thorough: float = 1.0, keeps: bool = False, before: Followed | None = None) -> None:
-        self.problem, self.thorough, self.is_quick = problem, thorough, thorough < 1.0
+    def __init__(
+        self,
+        problem: P,
+        thorough: float = 1.0,
+        keeps: bool = False,
+        before: Followed | None = None,
+        near: Mapping[EffectType, Values] | None = None,
+    ) -> None:
+        self.problem, self.thorough, self.is_quick, self.near = problem, thorough, thorough < 1.0, near or {}
         self.keeps, self.before = keeps, before
         self.has_nuisances = len(problem.sd) > 0
         self.other = limit(Question.CONVENTION, "gain", PLAIN)  # loss by which another convention must be better
@@ -190,7 +198,9 @@ class Estimator(Generic[P]):
         found = [(*look.best(convention), convention) for convention in self.conventions]
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         possible = [*look.scanned(*possible[0]), *possible[1:]] if possible else []
-        if look.promised and look.is_hopeless:
+        near = self._near(effect, given, parts)
+        possible = sorted([*possible, *near], key=itemgetter(0))
+        if look.promised and look.is_hopeless and not near:
             _, values, convention = look.promised
             return self.problem.at((*given.effects, (effect, values)), given.departures, convention)
         if self.has_nuisances:
@@ -209,6 +219,18 @@ class Estimator(Generic[P]):
         if best and self.has_nuisances and self.score(best, parts) < self.score(given, parts) - promising:
             return self.refined(best.effects, best.departures, best.convention, parts, is_rough=self.is_quick)
         return best
+
+    def _near(
+        self, effect: EffectType, given: Hypothesis, parts: Sequence[int]
+    ) -> list[tuple[float, Values, Convention]]:
+        """Return where a fit of an effect may begin beside the points of a first look, if that is any better."""
+        if effect not in self.near:
+            return []
+        values = self.near[effect]
+        reached = self.score(
+            self.problem.at((*given.effects, (effect, values)), given.departures, given.convention), parts
+        )
+        return [(reached, values, given.convention)] if reached < self.score(given, parts) else []
 
     def straight(self, parts: tuple[int, ...]) -> tuple[FloatArray, FloatArray, np.ndarray]:
         """Return how the room follows at the base: slopes, what solves for the departures, which residuals are fitted.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -17,6 +17,7 @@ CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4  # of an opening within a sample: nobody knows when, nor what flowed meanwhile
 RESTS, LONE = 0.05, 0.1  # of full scale: a drive that does not move, a sample that stands alone
+MOVED = ("control_output", "flow_L_h")  # which noise of the drive moves
 SMOOTHED = ("sensor_temperature_C", "control_output")  # as the segment's drive: what is linear misses nothing by it
 RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
 STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it went on between them
@@ -32,17 +33,33 @@ class Continuous:
         segment: Segment,
         record: Record,
         parts: np.ndarray,
-        perturbed: Sequence[Predicted],
+        still: Predicted | None,
         more: float = 1.0,
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
+        self.still, self.more = still, more
         filled = record.filled(channel)
         self.sample = np.arange(len(record))
         self.measured = record.smooth(filled) if channel in SMOOTHED else filled
         self.known = self._known()
-        self.driven = self._driven(perturbed)
-        believed = float(np.max(perturbed[0][channel])) if perturbed else 1.0
-        self.scale = more * self._scale(float(np.nanmax(record.values[channel])) or believed)
+        self._squares, self._draws = np.zeros(len(record)), 0
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether noise of the drive counts: of what a switch drives it does not."""
+        return self.channel in MOVED and self.segment.driven_by not in self.record.binary
+
+    def see(self, moved: Predicted) -> None:
+        """Take one draw more of what noise of the drive does."""
+        assert self.still
+        self._squares += (moved[self.channel] - self.still[self.channel]) ** 2
+        self._draws += 1
+
+    @cached_property
+    def scale(self) -> FloatArray:
+        """Standard deviation to weigh errors by (n,)."""
+        believed = float(np.max(self.still[self.channel])) if self.still else 1.0
+        return self.more * self._scale(float(np.nanmax(self.record.values[self.channel])) or believed)
 
     @property
     def noise(self) -> FloatArray:
@@ -74,12 +91,12 @@ class Continuous:
             known &= ~is_lone(record.filled(self.channel), record.filled(driven_by))
         return known
 
-    def _driven(self, perturbed: Sequence[Predicted]) -> FloatArray:
+    @property
+    def driven(self) -> FloatArray:
         """Return how far noise of the drive moves an output or a flow (n,), smoothed where the loop is slow."""
-        is_moved = self.channel in ("control_output", "flow_L_h")
-        if not is_moved or not perturbed or self.segment.driven_by in self.record.binary:
+        if not self._draws:
             return np.zeros(len(self.record))
-        moved = np.mean([(each[self.channel] - perturbed[0][self.channel]) ** 2 for each in perturbed[1:]], axis=0)
+        moved = self._squares / self._draws
         if self.channel == "flow_L_h":
             return np.asarray(np.sqrt(moved))
         width = max(1, round(3600.0 / self.record.interval_s))

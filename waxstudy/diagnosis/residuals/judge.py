@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.as_built import AsBuilt
+from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
 from waxstudy.diagnosis.model.room_response import OF_ROOM, Predicted, error_of
 from waxstudy.diagnosis.model.segments import Segment
@@ -16,7 +19,8 @@ from waxstudy.diagnosis.residuals.room_means import RoomMeans
 from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.plugin import Belief, SimulationError
 
-PERTURBATIONS = 4  # of a drive, to see what its noise does to the timing of switches
+PERTURBATIONS = 4, 32  # of a drive, to see what its noise does to the timing of switches: fewest, and most
+DRAWN = 32 * 14 * 1440  # samples of all of them, so that two weeks of minutes have the most
 ONLY_OF_ROOM = ("floor_surface_temperature_C", "return_temperature_C")
 
 
@@ -32,19 +36,30 @@ class Judge:
         is_exact_room: bool = False,
         as_built: AsBuilt | None = None,
         parts: np.ndarray | None = None,
+        perturbed: Iterator[Predicted] | None = None,  # what noise of the drive does; None: to what is believed
     ) -> None:
         self.segment, self.record, self.is_exact_room = segment, record, is_exact_room
         self.parts = parts_of(record, days_in_turn=segment.with_room, holds_out=holds_out) if parts is None else parts
-        self._as_built = as_built
-        self._belief, self._perturbed = belief, self._perturb(belief)
+        self._as_built, self._belief = as_built, belief
+        drawn = perturbed_by_noise(segment, record, belief, self._known) if perturbed is None else perturbed
+        self._still = next(drawn, None)
         self.ways = {channel: self._way(channel) for channel in segment.judged}
+        driven = [way for way in self.ways.values() if not isinstance(way, RoomMeans) and way.is_moved]
+        for moved in drawn if driven else ():
+            for way in driven:
+                way.see(moved)
+
+    @property
+    def _known(self) -> Convention | None:
+        """In which way the healthy record was read."""
+        return self._as_built.conventions.get(self.segment.name) if self._as_built else None
 
     def residuals(self, predicted: Predicted) -> list[Residual]:
         """Return what a prediction misses of each judged channel."""
         return [way.residual(predicted) for way in self.ways.values()]
 
     def _way(self, channel: str) -> Switching | Continuous | RoomMeans:
-        common = channel, self.segment, self.record, self.parts, self._perturbed
+        common = channel, self.segment, self.record, self.parts, self._still
         left = self._as_built.left.get(channel) if self._as_built else None
         more = max(1.0, left.whitened) if left else 1.0
         if channel in self.record.binary:
@@ -55,14 +70,21 @@ class Judge:
             return RoomMeans(channel, self.record, self.parts, error, self.is_exact_room, known)
         return Continuous(*common, more)
 
-    def _perturb(self, belief: Belief) -> list[Predicted]:
-        """Return what a belief predicts, then that with its drive perturbed; nothing where it cannot run."""
-        if self.segment.with_room:
-            return []
-        known = self._as_built.conventions.get(self.segment.name) if self._as_built else None
-        plain = known or [each for each in self.segment.conventions if not (each.is_raw or each.is_late)][-1]
-        tried = [STILL, *(Perturbation(np.random.default_rng(seed)) for seed in range(PERTURBATIONS))]
+
+def perturbed_by_noise(
+    segment: Segment, record: Record, belief: Belief, convention: Convention | None = None
+) -> Iterator[Predicted]:
+    """Yield what a belief predicts, then that with its drive perturbed; nothing of a room, or where it cannot run.
+
+    The record is read in the way of a convention; without one, as the instruments are believed to have logged it.
+    """
+    if segment.with_room:
+        return
+    plain = [each for each in segment.conventions if not each.is_handicapped][-1]
+    fewest, most = PERTURBATIONS
+    draws = max(fewest, min(most, DRAWN // len(record)))
+    for each in (STILL, *(Perturbation(np.random.default_rng(seed)) for seed in range(draws))):
         try:
-            return [self.segment.predict(self.record, belief, plain, each) for each in tried]
+            yield segment.predict(record, belief, convention or plain, each)
         except (SimulationError, ValueError):
-            return []
+            return

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
+from functools import cached_property
 from itertools import takewhile
 from typing import Any
 
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import Edits
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
 from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
@@ -19,7 +21,7 @@ from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
-from waxstudy.diagnosis.residuals.judge import Judge
+from waxstudy.diagnosis.residuals.judge import Judge, perturbed_by_noise
 from waxstudy.plugin import Belief, FloatArray
 
 
@@ -46,7 +48,9 @@ class SegmentProblem:
         self.conventions: Sequence[Convention] = [known] if known else segment.conventions
         shared: Prediction | None = alike.predicted if alike else None
         self.predicted: Prediction = shared or Prediction(segment, record, belief, is_exact_room)
-        self.judge = Judge(segment, record, belief, holds_out, is_exact_room, as_built, parts)
+        self._parts = parts
+        self.timed: Hypothesis | None = None  # under which switches are weighed, where that is not what is believed
+        self.near: Mapping[EffectType, Values] = {}  # where fits of effects may begin
         self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
         self.prior = self._prior()
@@ -77,6 +81,24 @@ class SegmentProblem:
     def exact(self) -> SegmentProblem:
         """Return the same with the room exactly as believed."""
         return SegmentProblem(self.segment, self.record, self.belief, self.room_tolerance, self.holds_out, True)
+
+    @cached_property
+    def judge(self) -> Judge:
+        return self._judge()
+
+    def _judge(self, perturbed: Iterator[Predicted] | None = None) -> Judge:
+        about = self.holds_out, self.is_exact_room, self.as_built, self._parts
+        return Judge(self.segment, self.record, self.belief, *about, perturbed)
+
+    def timed_by(self, fits: Sequence[Hypothesis]) -> SegmentProblem:
+        """Return the same, near these fits, its switches weighed by what noise does to them under the first one."""
+        other = copy(self)
+        other.timed = fits[0]
+        read = self.belief_of(fits[0]), fits[0].convention
+        other.judge = self._judge(perturbed_by_noise(self.segment, self.record, *read))
+        other.near = {effect: values for each in fits for effect, values in each.effects}
+        other._seen = self.record.memory(arrays=4)
+        return other
 
     def edited(self, effects: Edits, departures: FloatArray) -> Belief:
         belief = self._departed(departures, frozenset(name for effect, _ in effects for name in effect.absorbs))

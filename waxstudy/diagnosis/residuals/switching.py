@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 SOFT = 3.0  # standard deviations beyond which an error of a switch counts straight
@@ -24,41 +25,76 @@ class Switching:
         segment: Segment,
         record: Record,
         parts: np.ndarray,
-        perturbed: Sequence[Predicted],
+        still: Predicted | None,
         more: float = 1.0,
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
+        self.still, self.more = still, more
         self.measured = record.filled(channel)
         self.windows = _windows(record, channel)  # (n,) number of the measured switch that is nearest
-        self.scale_s = more * self._scale_s(perturbed)  # of each of them
+        self._moved_s: list[FloatArray] = []  # how far each draw of noise moves each switch
         self.known = ~record.is_gap(channel) & ~record.is_gap(segment.driven_by) & record.settled
 
     @property
+    def is_moved(self) -> bool:
+        """Whether noise of the drive counts."""
+        return True
+
+    def see(self, moved: Predicted) -> None:
+        """Take one draw more of what noise of the drive does."""
+        assert self.still
+        self._moved_s.append(self._off_s(np.abs(moved[self.channel] - self.still[self.channel])))
+
+    @cached_property
+    def scale_s(self) -> FloatArray:
+        """Standard deviation of what each measured switch is missed by with nothing amiss (switches,).
+
+        As a root mean square over draws of noise, and none is surer than most.
+        """
+        own_s = np.sqrt(np.mean(self.moved_s**2, axis=0))
+        return np.asarray(self.more * np.maximum(own_s, max(self.least_s, float(np.median(own_s)))))
+
+    @property
+    def moved_s(self) -> FloatArray:
+        """How far each draw of noise moves each measured switch (draws, switches)."""
+        return np.array(self._moved_s) if self._moved_s else np.zeros((1, self.windows.max() + 1))
+
+    @property
+    def least_s(self) -> float:
+        """How far sampling alone moves a switch."""
+        return float(self.record.interval_s * 12.0**-0.5)
+
+    @property
     def typical_s(self) -> float:
-        """How far noise alone moves a switch, typically: the floor."""
-        return float(np.sqrt(np.median(self.scale_s**2)))
+        """How far noise moves switches as a root mean square, with its exceptions: the floor."""
+        return self.more * max(self.least_s, float(np.sqrt(np.mean(self.moved_s**2))))
 
     def residual(self, predicted: Predicted) -> Residual:
         """Return how long, around each measured switch, the prediction differs from the record [s]."""
-        record, windows = self.record, self.windows
-        off_s = self._off_s(np.abs(predicted[self.channel] - self.measured) * self.known)
-        count = np.bincount(windows)
-        judged = np.bincount(windows, weights=self.known) > 0.5 * count
-        ends = np.searchsorted(windows, np.arange(len(count) + 1))
-        middle = (ends[:-1] + ends[1:] - 1) // 2
-        off_s = np.where(judged, off_s, 0.0)
+        off_s = np.where(self.judged, self._off_s(np.abs(predicted[self.channel] - self.measured) * self.known), 0.0)
         whitened = softened(off_s / self.scale_s)
-        return Residual(self.channel, "s", off_s, whitened, judged, record.cycle[middle], self.parts[middle], middle)
+        where = self.record.cycle[self.middle], self.parts[self.middle], self.middle
+        return Residual(self.channel, "s", off_s, whitened, self.judged, *where)
 
-    def _scale_s(self, perturbed: Sequence[Predicted]) -> FloatArray:
-        least_s = self.record.interval_s * 12.0**-0.5
-        if not perturbed:
-            return np.full(self.windows.max() + 1, least_s)
-        still = perturbed[0][self.channel]
-        off = [self._off_s(np.abs(each[self.channel] - still)) for each in perturbed[1:]]
-        own_s = np.sqrt(np.mean(np.square(off), axis=0))
-        typical_s = float(np.sqrt(np.mean(np.minimum(own_s, np.quantile(own_s, 0.9)) ** 2)))
-        return np.asarray(np.maximum(own_s, max(least_s, typical_s)))
+    def likelihood(self, off_s: FloatArray) -> float:
+        """Return the logarithm of how likely switches are missed so far (switches,): by noise, or exceptions anywhere.
+
+        How far, in seconds, is half a normal distribution; of an exception all that is nearest to it is as likely.
+        """
+        window_s = np.bincount(self.windows) * self.record.interval_s
+        near = np.sqrt(2.0 / np.pi) / self.scale_s * np.exp(-0.5 * (off_s / self.scale_s) ** 2)
+        return float(np.log(WEIGHTS.near * near + (1.0 - WEIGHTS.near) / window_s)[self.judged].sum())
+
+    @cached_property
+    def judged(self) -> np.ndarray:
+        """Whether most of the samples that are nearest to a measured switch are known (switches,)."""
+        return np.asarray(np.bincount(self.windows, weights=self.known) > 0.5 * np.bincount(self.windows))
+
+    @cached_property
+    def middle(self) -> np.ndarray:
+        """Place of the sample that stands for each measured switch (switches,)."""
+        ends = np.searchsorted(self.windows, np.arange(self.windows.max() + 2))
+        return np.asarray((ends[:-1] + ends[1:] - 1) // 2)
 
     def _off_s(self, differs: FloatArray) -> FloatArray:
         return np.asarray(np.bincount(self.windows, weights=differs) * self.record.interval_s)

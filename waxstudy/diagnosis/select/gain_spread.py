@@ -25,3 +25,17 @@ def gain_spread(before: FloatArray, after: FloatArray, block: np.ndarray) -> tup
     spread = max(1.0, float(off @ off) / whole)
     t_2 = float(along.sum()) ** 2 / (spread * whole) * (count - 1) / count
     return spread, 0.5 * count * float(np.log1p(t_2 / (count - 1)))
+
+
+def told_apart(better: FloatArray, worse: FloatArray) -> float:
+    """Return the most that cycles tell between two hypotheses, from the squares that each leaves of them (cycles,).
+
+    Neither holds the other: what tells is how far their difference stands out of its own scatter (Vuong 1989,
+    doi:10.2307/1912557), as the logarithm of Student's t that so many cycles give.
+    """
+    each = 0.5 * (worse - better)
+    count, scatter = len(each), float(np.sum((each - each.mean()) ** 2)) if len(each) else 0.0
+    if not scatter:
+        return np.inf if count > 1 and each[0] > 0.0 else 0.0
+    t_2 = max(0.0, float(each.sum())) ** 2 / scatter * (count - 1) / count
+    return 0.5 * count * float(np.log1p(t_2 / (count - 1)))

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.select.gain_spread import told_apart
 from waxstudy.diagnosis.select.patterns import Pattern
 from waxstudy.diagnosis.weights import WEIGHTS
+from waxstudy.plugin import FloatArray
 
 UNKNOWN = "unknown"
 NONE = "none"
@@ -34,6 +36,8 @@ class Weighed:
     is_of_room: bool = False
     stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
+    # squares that it leaves (cycles,)
+    by_cycle: FloatArray = field(default_factory=lambda: np.zeros(0), compare=False)
 
 
 def score(weighed: Weighed) -> float:
@@ -56,10 +60,10 @@ def posterior(found: Sequence[Weighed], soft: float = WEIGHTS.soft, unseen: floa
     best = max(found, key=score)
     gains = _gains(found, best)
     logs: dict[str, float] = {}
-    for each, gain in zip(found, gains, strict=True):
+    for each, own, gain in zip(found, gains, _with_peers(found, gains), strict=True):
         _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
         if each.fitted.effects:
-            _raise(logs, (UNKNOWN,), _mimicked(each, gain))
+            _raise(logs, (UNKNOWN,), _mimicked(each, own))
         if each.always > 0.0:
             _add(logs, (), gain - each.unlike - each.price, each.misfit)
     most = max(logs.values())
@@ -104,7 +108,7 @@ def _gains(found: Sequence[Weighed], best: Weighed) -> list[float]:
             if _is_within(each.fitted, other.fitted)
         ]
         gains[place] = max([gains[place], *more])
-    return _with_peers(found, gains)
+    return gains
 
 
 def _told(each: Weighed, best: Weighed) -> float:
@@ -127,14 +131,27 @@ def _in_all(each: Weighed, gain: float) -> float:
 
 
 def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]:
-    """Return what speaks for each: of single effects of a chain one that leaves nothing amiss is outdone by little.
+    """Return what speaks for each: a single effect of a chain outdoes another only so far as cycles tell them apart.
 
-    A finer name must be earned: real motors have no form of the library exactly.
+    One that leaves nothing amiss is outdone by little. A finer name must be earned: real motors have no form of the
+    library exactly.
     """
-    singles = [place for place, each in enumerate(found) if _is_peer(each)]
-    most = max((gains[place] for place in singles), default=0.0)
-    least = {place: most - WEIGHTS.unknown_price - WEIGHTS.sure * found[place].misfit ** 2 for place in singles}
-    return [max(gain, least.get(place, gain)) for place, gain in enumerate(gains)]
+    singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and not each.is_of_room]
+    if not singles:
+        return list(gains)
+    best = max(singles, key=lambda place: gains[place])
+    told = list(gains)
+    for place in singles:
+        each = found[place]
+        alone = gains[0] + min(each.most, WEIGHTS.sure * each.stands**2)
+        told[place] = max(gains[place], min(gains[best] - _outdone(each, found[best]), alone))
+    return told
+
+
+def _outdone(each: Weighed, best: Weighed) -> float:
+    """Return by how much the best single effect of a chain may outdo another one."""
+    most = told_apart(best.by_cycle, each.by_cycle)
+    return min(most, WEIGHTS.unknown_price + WEIGHTS.sure * each.misfit**2) if _is_peer(each) else most
 
 
 def _is_peer(each: Weighed) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
@@ -27,6 +27,7 @@ from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, FloatArray
 
 DEEPER = 3  # hypotheses that others are tried beside
+HOURS = ("from_h", "to_h")
 Tick = Callable[[str], None]
 
 
@@ -42,7 +43,7 @@ class Weighing:
         tick: Tick,
     ) -> None:
         self.problem, self.tick, self.healthy = problem, tick, healthy
-        self.estimator = Estimator(problem, thorough, keeps=True)
+        self.estimator = Estimator(problem, thorough, keeps=True, near=problem.near)
         self.effects = [effect for effect in effects if not effect.hindrance(problem.belief)]
         self.share = self._shares()
         if problem.segment.with_room:
@@ -135,16 +136,25 @@ class Weighing:
     def _beside(self, given: Weighed, fitted: Hypothesis) -> Weighed:
         """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
         weighed = self.of(fitted, given.fitted)
-        # what the form of the first effect may leave is no second one
-        told = max(0.0, given.gain) + max(0.0, given.ease)
-        form = WEIGHTS.form_of_room if self.problem.segment.with_room else WEIGHTS.form
-        more = weighed.gain - given.gain - form**2 * told
+        more = weighed.gain - given.gain - self._form_may_tell(given, fitted)
         spread, most = self._spread(fitted, given.fitted)
         return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
 
+    def _form_may_tell(self, given: Weighed, fitted: Hypothesis) -> float:
+        """Return how much of what a second effect gains the form of the first one may leave.
+
+        That is a share of what the first one told: of a chain by channel, and no more than is gained there.
+        """
+        if self.problem.segment.with_room:
+            return WEIGHTS.form_of_room**2 * (max(0.0, given.gain) + max(0.0, given.ease))
+        steps = self._nothing(given.fitted), given.fitted, fitted
+        lost = np.array([list(self._losses(each).values()) for each in steps])  # (3, channels)
+        told, gained = np.maximum(0.0, -0.5 * np.diff(lost, axis=0))
+        return float(np.minimum(WEIGHTS.form**2 * told, gained).sum())
+
     def of(self, fitted: Hypothesis, given: Hypothesis | None = None, pattern: Pattern | None = None) -> Weighed:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
-        parameters = sum(len(effect.priors) for effect, _ in fitted.effects)
+        parameters = sum(_told(effect, values) for effect, values in fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
         nothing = self._nothing(fitted)
         gain = 0.5 * (self._loss(nothing) - self._loss(fitted)) - ease
@@ -167,6 +177,7 @@ class Weighing:
             is_of_room=self.problem.segment.with_room,
             stands=self._stands(fitted, given or nothing, pattern),
             pattern=pattern,
+            by_cycle=self._by_cycle(fitted),
         )
 
     def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
@@ -248,9 +259,12 @@ class Weighing:
         strain = self.estimator.strain(fitted)
         if self.problem.segment.with_room:
             return self.healthy.room_loss(fitted) + strain
-        pairs = ((each.loss(), self.healthy.usual_loss(each)) for each in fitted.residuals)
-        shares = (self.share.get(each.channel, 1.0) for each in fitted.residuals)
-        return strain + sum(max(pair) / share for pair, share in zip(pairs, shares, strict=True))
+        return strain + sum(self._losses(fitted).values())
+
+    def _losses(self, fitted: Hypothesis) -> dict[str, float]:
+        """Return the same of each channel of a chain."""
+        pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.residuals}
+        return {channel: loss / self.share.get(channel, 1.0) for channel, loss in pairs.items()}
 
     def _missed(self, fitted: Hypothesis) -> FloatArray:
         """Return whitened residuals (m,), weighed by how many of them count as one."""
@@ -260,6 +274,12 @@ class Weighing:
         missed = self._missed(given or self._nothing(fitted))
         block = np.concatenate([self._block(each) for each in fitted.residuals])
         return gain_spread(missed, self._missed(fitted), block)
+
+    def _by_cycle(self, fitted: Hypothesis) -> FloatArray:
+        """Return the squares that a hypothesis leaves of each cycle, of a room of each quarter of a day (cycles,)."""
+        block = np.concatenate([self._block(each) for each in fitted.residuals])
+        _, member = np.unique(block, return_inverse=True)
+        return np.asarray(np.bincount(member, self._missed(fitted) ** 2))
 
     def _block(self, residual: Residual) -> np.ndarray:
         """Return the number of the cycle, of a room of the quarter of a day, of each residual."""
@@ -307,6 +327,12 @@ class Weighing:
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
         scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / healthy.samples)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
+
+
+def _told(effect: EffectType, values: Values) -> int:
+    """Return how many parameters of an effect say anything: of what acts always its hours are none."""
+    acts_always = effect.hours(effect.Parameters(**values)) is None
+    return len(effect.priors.keys() - (HOURS if acts_always else ()))
 
 
 def _lasting(missed: FloatArray, power: FloatArray, block: np.ndarray) -> float:
