@@ -30,11 +30,12 @@ from waxstudy.blind_test.box import open_box
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.marks import Mark, Truth
 from waxstudy.dataset.read import read_dataset
-from waxstudy.diagnosis import criteria
+from waxstudy.diagnosis import criteria, diagnose
 from waxstudy.diagnosis.criteria import ONE_IS_ENOUGH, Criterion, Question
-from waxstudy.diagnosis.diagnose import diagnose
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.model.segments import Segment
+from waxstudy.diagnosis.select.search import Selection
 from waxstudy.plugin.trial import engine_of
 from waxstudy.results.atomic import whole_file
 from waxstudy.simulation.threads import use_one_thread
@@ -69,8 +70,17 @@ class Watched:
 
 @contextmanager
 def fits_kept() -> Iterator[None]:
-    """Keep every fit while one record is diagnosed again and again: only which fits are asked for changes."""
+    """Keep every fit while one record is diagnosed again and again: only which fits are asked for changes.
+
+    Links that are weighed are asked no criteria, and are kept whole.
+    """
     found: dict[Any, Hypothesis | None] = {}
+    links: dict[str, Selection] = {}
+
+    def kept_link(work: Any, segment: Segment, *given: Any) -> Selection:
+        if segment.name not in links:
+            links[segment.name] = weighed(work, segment, *given)
+        return links[segment.name]
 
     def kept(name: str, estimator: Estimator[Any], *given: Any, **named: Any) -> Hypothesis | None:
         problem = estimator.problem
@@ -80,12 +90,14 @@ def fits_kept() -> Iterator[None]:
             found[asked] = own[name](estimator, *given, **named)
         return found[asked]
 
-    own = {name: getattr(Estimator, name) for name in FITS}
+    own, weighed = {name: getattr(Estimator, name) for name in FITS}, diagnose._changed
+    diagnose._changed = kept_link
     for name in FITS:
         setattr(Estimator, name, partialmethod(partial(kept, name)))
     try:
         yield
     finally:
+        diagnose._changed = weighed
         for name in FITS:
             setattr(Estimator, name, own[name])
 
@@ -107,7 +119,7 @@ def answered(record: Path, watched: Watched) -> dict[str, Any]:
     """Return what a diagnosis says of a record, as its JSON has it."""
     criteria._of = watched
     try:
-        return json.loads(json.dumps(diagnose(read_dataset(record)).described(), default=str))
+        return json.loads(json.dumps(diagnose.diagnose(read_dataset(record)).described(), default=str))
     finally:
         criteria._of = ASKED
 

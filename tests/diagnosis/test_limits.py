@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.limits import Watched, fits_kept
 from tests.diagnosis.evidences import SOUND
-from waxstudy.diagnosis import criteria
+from waxstudy.diagnosis import criteria, diagnose
 from waxstudy.diagnosis.criteria import Question, failed, limit, limits, meets, meets_one
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
@@ -89,3 +89,16 @@ def test_a_fit_is_made_once_and_any_other_problem_start_or_part_is_another(monke
         assert len(made) == 4
     one.fit(Effect, start, (0,))
     assert len(made) == 5
+
+
+def test_a_link_that_is_weighed_is_weighed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The criteria are not asked there: without a limit it comes to the same."""
+    weighed: list[str] = []
+    monkeypatch.setattr(diagnose, "_changed", lambda work, segment, *given: weighed.append(segment.name) or segment)
+    asked: Any = diagnose
+    links = [SimpleNamespace(name=name) for name in ("valve", "actuator", "valve")]
+    with fits_kept():
+        assert [asked._changed(None, link, (), 1, print).name for link in links] == ["valve", "actuator", "valve"]
+        assert weighed == ["valve", "actuator"]
+    asked._changed(None, links[0], (), 1, print)
+    assert len(weighed) == 3
