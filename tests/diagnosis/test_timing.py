@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, record
+from waxstudy.diagnosis.calibration.healthy import AsBelieved
+from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.parameter_space import Edits
+from waxstudy.diagnosis.estimate.start_points import Screen
+from waxstudy.diagnosis.model.conventions import AFTER, RAW, Convention
 from waxstudy.diagnosis.model.room_response import Predicted
-from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.observations.partition import FIT
+from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.observations.partition import ALL, FIT
+from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals import segment_problem
+from waxstudy.diagnosis.residuals.judge import MOST, perturbed_by_noise
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
+from waxstudy.diagnosis.select.evidence import departure
 from waxstudy.diagnosis.select.timing import best_timed, has_times
+from waxstudy.diagnosis.weights import WEIGHTS
+from waxstudy.plugin import Belief, SimulationError
 
 LIBRARY = [EFFECTS[name] for name in ("dead-band", "sensor-delay")]
 OUTPUT = "control_output"
@@ -54,6 +68,7 @@ def test_switches_are_weighed_by_what_noise_does_where_they_are_thrown(
 def test_a_loop_as_believed_is_weighed_as_it_is_believed() -> None:
     believed = problem()
     best, *_ = best_timed(believed, LIBRARY, 1.0)
+    assert all(departure(effect, values, believed.belief) < WEIGHTS.notable for effect, values in best.effects)
     assert typical_s(believed.timed_by([best])) == pytest.approx(typical_s(believed), rel=0.15)
 
 
@@ -62,6 +77,72 @@ def test_what_a_switch_drives_and_a_room_have_no_times_to_be_weighed_by() -> Non
     timed = {link.name: has_times(problem(stage=place)) for place, link in enumerate(links)}
     assert [name for name, has in timed.items() if has] == [problem().name]
     assert len(timed) > 3
+
+
+def test_what_a_healthy_controller_leaves_is_no_whole_samples_where_another_one_is_believed_to_run_on() -> None:
+    """A PI controller is believed where the record switches: noise moves its output by parts of a sample."""
+    seen = problem().record
+    believed = belief("PI", seen)
+    link = next(each for each in segments(seen, believed) if OUTPUT in each.judged)
+    other = SegmentProblem(link, seen, believed, parts=np.full(len(seen), FIT))
+    usual = AsBelieved.of(other, Estimator(other).base).left(OUTPUT)
+    assert usual
+    assert 0.3 < usual.whitened < 1.5
+
+
+def test_a_fit_begins_where_the_first_look_ended_however_the_record_was_read_there() -> None:
+    """Under a wrong dead band the record is best read as if its noise were the controller's own."""
+    believed = problem(effects(dead_band={"dead_band_K": 0.46}))
+    dead_band = EFFECTS["dead-band"]
+    fits = best_timed(believed, [dead_band], 1.0)
+    found = believed.timed_by(fits)
+    estimator = Estimator(found, near=found.near)
+    assert estimator.base.convention.is_raw
+    fitted = estimator.fit(dead_band, estimator.base, ALL, Screen(WEIGHTS.screened, {}))
+    assert fitted
+    assert not fitted.convention.is_raw
+    assert estimator.score(fitted, ALL) <= estimator.score(found.at(*read(fits[0])), ALL)
+
+
+def read(fitted: Hypothesis) -> tuple[Edits, np.ndarray, Convention]:
+    return fitted.effects, fitted.departures, fitted.convention
+
+
+def test_noise_that_the_controller_is_said_to_have_read_is_not_drawn_twice() -> None:
+    here = problem()
+    raw, plain = (perturbed_by_noise(here.segment, here.record, here.belief, each) for each in (RAW, None))
+    assert all(np.array_equal(one[OUTPUT], other[OUTPUT]) for one, other in zip(raw, plain, strict=True))
+
+
+@pytest.mark.parametrize(("fails", "drawn"), [(0, 0), (1, MOST), (MOST, MOST)])
+def test_a_draw_that_cannot_be_simulated_is_left_out_and_without_the_model_itself_there_is_none(
+    fails: int, drawn: int
+) -> None:
+    """The first is the model without noise."""
+    asked = iter(range(MOST + 1))
+
+    class Failing:
+        with_room, conventions = False, (AFTER,)
+
+        def predict(self, *about: Any) -> int:
+            number = next(asked)
+            if number == fails:
+                raise SimulationError("impossible")
+            return number
+
+    here, link = problem(), Failing()
+    assert len(list(perturbed_by_noise(link, here.record, here.belief))) == drawn  # type: ignore[arg-type]
+
+
+def test_a_hypothesis_whose_noise_cannot_be_drawn_is_not_the_surest(monkeypatch: pytest.MonkeyPatch) -> None:
+    believed = problem(effects(dead_band={"dead_band_K": 0.46}))
+    effects_, drawn_from = [EFFECTS["dead-band"]], perturbed_by_noise
+
+    def only_of_belief(segment: Segment, record: Record, of: Belief, *way: Any) -> Iterator[Predicted]:
+        return drawn_from(segment, record, of, *way) if of == believed.belief else iter(())
+
+    monkeypatch.setattr(segment_problem, "perturbed_by_noise", only_of_belief)
+    assert best_timed(believed, effects_, 1.0)[0].effects == ()
 
 
 def drawn(off_s: list[float]) -> Switching:

@@ -27,7 +27,7 @@ from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
-from waxstudy.diagnosis.select.weigh import Weighing
+from waxstudy.diagnosis.select.weigh import Weighing, _told
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -223,6 +223,20 @@ def test_a_second_effect_gains_what_it_adds_beyond_the_form_of_the_first() -> No
         assert pair.fitted.names == ("slow-actuator", "stuck-open")
     assert found[3].misfit < WEIGHTS.open < found[1].misfit  # so none is looked for beside that since day 3
     assert not any(each.most == found[3].most for each in found[4:])
+
+
+def test_what_each_judged_cycle_is_missed_by_is_the_loss_of_its_samples() -> None:
+    """Cycles of the hours that are not judged are none, and count for nothing."""
+    weighing, found = of(NOTHING, SLOW)
+    for each in found[:2]:
+        missed = only(each)
+        assert each.by_cycle.sum() == pytest.approx(missed.loss() / weighing.share[missed.channel])
+        assert len(each.by_cycle) == len(set(missed.block[missed.judged])) < len(set(missed.block))
+
+
+@pytest.mark.parametrize(("from_h", "to_h", "told"), [(0.0, 24.0, 1), (22.0, 6.0, 3)])
+def test_hours_of_what_acts_always_are_no_parameters(from_h: float, to_h: float, told: int) -> None:
+    assert _told(EFFECTS["setpoint-offset"], {"offset_K": 0.3, "from_h": from_h, "to_h": to_h}) == told
 
 
 def test_what_a_first_effect_told_of_one_channel_is_no_excuse_in_another() -> None:

@@ -73,7 +73,7 @@ def weighed_links(dataset: Dataset, baseline: Dataset | None) -> Iterator[tuple[
     cut, short = _cut(work)
     for segment in (each for each in cut if each not in short):
         if _is_weighed(work, segment):
-            effects, (whole, _) = of_segment(segment, work.effects), _whole(work, segment)
+            effects, (whole, _) = of_segment(segment, work.effects), _problems(work, segment)
             yield segment, Weighing(whole, effects, _healthy(work, whole), work.thorough, lambda name: None).weighed()
 
 
@@ -101,7 +101,7 @@ def _cut(work: Work) -> tuple[list[Segment], dict[Segment, str]]:
     return cut, {each: reason for each in cut if (reason := too_short(each, work.record, work.belief))}
 
 
-def _whole(work: Work, segment: Segment) -> tuple[SegmentProblem, SegmentProblem]:
+def _problems(work: Work, segment: Segment) -> tuple[SegmentProblem, SegmentProblem]:
     """Return a link with all its days to fit, and with days held out."""
     parts = np.full(len(work.record), FIT)
     whole = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, parts=parts)
@@ -228,7 +228,7 @@ def _selections(work: Work, cut: Sequence[Segment], tick: Tell) -> Iterator[Sele
 
 def _changed(work: Work, segment: Segment, effects: Sequence[EffectType], seed: int, tick: Tick) -> Selection:
     """Return what is otherwise at a link than in the healthy record, or than believed."""
-    whole, problem = _whole(work, segment)
+    whole, problem = _problems(work, segment)
     estimator = Estimator(problem, work.thorough, keeps=True)
     search = Search(estimator, effects, np.random.default_rng(seed), lambda name: None)
     return changed(search, _healthy(work, whole), whole, tick)

@@ -34,7 +34,7 @@ class Weights:
     part_scatter: float
     least_left: float
     least_off: float
-    near: float
+    ordinary: float
     surely_off: float
     sure: float
     alike: float

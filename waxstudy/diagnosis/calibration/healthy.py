@@ -158,16 +158,17 @@ def blocks_of_room(residual: Residual, interval_s: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class AsBelieved(Healthy):
-    """A link of the control chain without a healthy record: what noise makes of the believed model."""
+    """A link of the control chain without a healthy record: what noise makes of a model that is taken to be right."""
 
     @classmethod
-    def of(cls, problem: SegmentProblem, believed: Hypothesis) -> AsBelieved:
-        """Return what one draw of noise makes of a link; where none can be simulated, noise as the instruments have it.
+    def of(cls, problem: SegmentProblem, right: Hypothesis) -> AsBelieved:
+        """Return what one draw of noise makes of a link: of what is believed, or of what tells best when it switched.
 
-        Raises `SimulationError` where what is believed cannot be simulated.
+        Where no draw can be simulated, noise is as the instruments have it. Raises `SimulationError` where what is taken
+        to be right cannot be simulated.
         """
-        own = [replace(each, whitened=each.judged.astype(float)) for each in believed.residuals]
-        return cls(problem, replace(believed, residuals=next(of_noise(problem, believed, PERTURBATIONS), own)), {})
+        own = [replace(each, whitened=each.judged.astype(float)) for each in right.residuals]
+        return cls(problem, replace(right, residuals=next(of_noise(problem, right, PERTURBATIONS), own)), {})
 
     @property
     def stands_scatter(self) -> float:

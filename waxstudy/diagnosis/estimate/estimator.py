@@ -194,13 +194,12 @@ class Estimator(Generic[P]):
         if effect.hindrance(self.problem.edited(given.effects, given.departures)):
             return None
         straight = self.straight(tuple(parts)) if self.has_nuisances else None
-        look = StartPoints(self.problem, self.score, effect, given, parts, straight, self.thorough, screen)
+        about = straight, self.thorough, screen, self.near.get(effect)
+        look = StartPoints(self.problem, self.score, effect, given, parts, *about)
         found = [(*look.best(convention), convention) for convention in self.conventions]
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         possible = [*look.scanned(*possible[0]), *possible[1:]] if possible else []
-        near = self._near(effect, given, parts)
-        possible = sorted([*possible, *near], key=itemgetter(0))
-        if look.promised and look.is_hopeless and not near:
+        if look.promised and look.is_hopeless:
             _, values, convention = look.promised
             return self.problem.at((*given.effects, (effect, values)), given.departures, convention)
         if self.has_nuisances:
@@ -219,18 +218,6 @@ class Estimator(Generic[P]):
         if best and self.has_nuisances and self.score(best, parts) < self.score(given, parts) - promising:
             return self.refined(best.effects, best.departures, best.convention, parts, is_rough=self.is_quick)
         return best
-
-    def _near(
-        self, effect: EffectType, given: Hypothesis, parts: Sequence[int]
-    ) -> list[tuple[float, Values, Convention]]:
-        """Return where a fit of an effect may begin beside the points of a first look, if that is any better."""
-        if effect not in self.near:
-            return []
-        values = self.near[effect]
-        reached = self.score(
-            self.problem.at((*given.effects, (effect, values)), given.departures, given.convention), parts
-        )
-        return [(reached, values, given.convention)] if reached < self.score(given, parts) else []
 
     def straight(self, parts: tuple[int, ...]) -> tuple[FloatArray, FloatArray, np.ndarray]:
         """Return how the room follows at the base: slopes, what solves for the departures, which residuals are fitted.

@@ -47,6 +47,7 @@ class StartPoints:
     """Where an effect, added to a hypothesis, may be worth a closer look.
 
     `straight` is how the nuisances follow: slopes, what solves for them, which residuals are fitted; None without any.
+    `near` are values that another look at the record found.
     """
 
     def __init__(
@@ -59,8 +60,10 @@ class StartPoints:
         straight: tuple[FloatArray, FloatArray, np.ndarray] | None,
         thorough: float,
         screen: Screen | None = None,
+        near: Values | None = None,
     ) -> None:
         self.screen = screen
+        self.near = [] if near is None else [near]
         self.promised: tuple[float, Values, Convention] | None = None  # log likelihood, at most, and where
         self.problem, self.score, self.effect, self.given, self.parts = problem, score, effect, given, parts
         self.straight, self.thorough, self.space = straight, thorough, Space(effect)
@@ -73,7 +76,8 @@ class StartPoints:
         still = self._at(given.effects, convention) if self.screen or is_scaled else None
         before = still.missed(self.parts) if still and is_scaled else None
         scored, scaled = list[tuple[float, Values]](), list[tuple[float, Values]]()
-        points = *self.space.points(self.thorough), *self.space.near(neutral), *self.effect.starts(self.problem.belief)
+        found_before = *self.effect.starts(self.problem.belief), *self.near
+        points = *self.space.points(self.thorough), *self.space.near(neutral), *found_before
         for values in points:
             look = self._with(values, convention)  # one at a time: each is several times as long as the record
             self._screened(values, look, still, neutral, convention)

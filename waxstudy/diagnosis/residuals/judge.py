@@ -19,8 +19,8 @@ from waxstudy.diagnosis.residuals.room_means import RoomMeans
 from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.plugin import Belief, SimulationError
 
-PERTURBATIONS = 4, 32  # of a drive, to see what its noise does to the timing of switches: fewest, and most
-DRAWN = 32 * 14 * 1440  # samples of all of them, so that two weeks of minutes have the most
+FEWEST, MOST = 8, 32  # draws of noise of a drive, to see what it does to the timing of switches
+DRAWN = MOST * 14 * 1440  # samples of all of them, so that two weeks of minutes have the most
 ONLY_OF_ROOM = ("floor_surface_temperature_C", "return_temperature_C")
 
 
@@ -76,15 +76,17 @@ def perturbed_by_noise(
 ) -> Iterator[Predicted]:
     """Yield what a belief predicts, then that with its drive perturbed; nothing of a room, or where it cannot run.
 
-    The record is read in the way of a convention; without one, as the instruments are believed to have logged it.
+    The record is read in the way of a convention. Without one, and where it says that the controller read the very
+    noise that was logged, it is read as instruments are believed to log.
     """
     if segment.with_room:
         return
-    plain = [each for each in segment.conventions if not each.is_handicapped][-1]
-    fewest, most = PERTURBATIONS
-    draws = max(fewest, min(most, DRAWN // len(record)))
+    if convention is None or convention.is_raw:
+        convention = [each for each in segment.conventions if not each.is_handicapped][-1]
+    draws = max(FEWEST, min(MOST, DRAWN // len(record)))
     for each in (STILL, *(Perturbation(np.random.default_rng(seed)) for seed in range(draws))):
         try:
-            yield segment.predict(record, belief, convention or plain, each)
-        except (SimulationError, ValueError):
-            return
+            yield segment.predict(record, belief, convention, each)
+        except (SimulationError, ValueError, ArithmeticError):
+            if each is STILL:
+                return

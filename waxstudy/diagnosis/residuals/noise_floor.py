@@ -57,7 +57,7 @@ def _seen(problem: SegmentProblem, still: Predicted, moved: Predicted, random: n
     for channel, value in still.items():
         way = problem.judge.ways[channel]
         if isinstance(way, Switching):
-            seen[channel] = np.where(moved[channel] == value, way.measured, 1.0 - way.measured)
+            seen[channel] = np.abs(way.measured - np.abs(moved[channel] - value))
             continue
         difference = moved[channel] - value
         noise = np.nan_to_num(way.noise) * random.normal(size=len(value))

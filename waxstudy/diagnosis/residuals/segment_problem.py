@@ -94,8 +94,9 @@ class SegmentProblem:
         """Return the same, near these fits, its switches weighed by what noise does to them under the first one."""
         other = copy(self)
         other.timed = fits[0]
-        read = self.belief_of(fits[0]), fits[0].convention
-        other.judge = self._judge(perturbed_by_noise(self.segment, self.record, *read))
+        other.judge = self._judge(
+            perturbed_by_noise(self.segment, self.record, self.belief_of(fits[0]), fits[0].convention)
+        )
         other.near = {effect: values for each in fits for effect, values in each.effects}
         other._seen = self.record.memory(arrays=4)
         return other

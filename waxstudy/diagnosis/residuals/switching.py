@@ -55,6 +55,10 @@ class Switching:
         return np.asarray(self.more * np.maximum(own_s, max(self.least_s, float(np.median(own_s)))))
 
     @property
+    def draws(self) -> int:
+        return len(self._moved_s)
+
+    @property
     def moved_s(self) -> FloatArray:
         """How far each draw of noise moves each measured switch (draws, switches)."""
         return np.array(self._moved_s) if self._moved_s else np.zeros((1, self.windows.max() + 1))
@@ -83,7 +87,7 @@ class Switching:
         """
         window_s = np.bincount(self.windows) * self.record.interval_s
         near = np.sqrt(2.0 / np.pi) / self.scale_s * np.exp(-0.5 * (off_s / self.scale_s) ** 2)
-        return float(np.log(WEIGHTS.near * near + (1.0 - WEIGHTS.near) / window_s)[self.judged].sum())
+        return float(np.log(WEIGHTS.ordinary * near + (1.0 - WEIGHTS.ordinary) / window_s)[self.judged].sum())
 
     @cached_property
     def judged(self) -> np.ndarray:

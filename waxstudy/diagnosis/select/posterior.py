@@ -31,13 +31,12 @@ class Weighed:
     price: float  # of its parameters, and that anything of the kind happens
     spread: float  # variance of the gain from day to day or cycle to cycle, over that which independent errors have
     most: float  # gain that so many days or cycles can tell at all
+    by_cycle: FloatArray = field(compare=False)  # squares that it leaves of each cycle of a chain (cycles,)
     unlike: float = 0.0  # how much less likely the later record is then: the healthy one would have taught otherwise
     left: float = 1.0  # share of what is missed beyond what nothing amiss leaves
     is_of_room: bool = False
     stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
-    # squares that it leaves (cycles,)
-    by_cycle: FloatArray = field(default_factory=lambda: np.zeros(0), compare=False)
 
 
 def score(weighed: Weighed) -> float:
@@ -134,7 +133,7 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     """Return what speaks for each: a single effect of a chain outdoes another only so far as cycles tell them apart.
 
     One that leaves nothing amiss is outdone by little. A finer name must be earned: real motors have no form of the
-    library exactly.
+    library exactly. Neither says more of an effect than stands out of it alone.
     """
     singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and not each.is_of_room]
     if not singles:

@@ -1,6 +1,7 @@
 """What switches are weighed by: what noise does to them under the hypothesis that tells best when they were thrown.
 
-A wrong one may be about to throw a switch for hours, which noise then decides; of a right one seconds are known.
+Under a wrong hypothesis a reading may lie at a threshold for hours, and noise decides when it switches. Under the right
+one the time is known to seconds or minutes.
 """
 
 from __future__ import annotations
@@ -36,9 +37,9 @@ def best_timed(problem: SegmentProblem, effects: Sequence[EffectType], thorough:
 
 def _likelihood(problem: SegmentProblem, fitted: Hypothesis) -> float:
     """Return the logarithm of how likely the switches are under a hypothesis, by its own noise."""
-    own = problem.timed_by([fitted])
-    seen = own.at(fitted.effects, fitted.departures, fitted.convention)
-    if seen is None:
+    judge = problem.timed_by([fitted]).judge
+    ways = [way for way in judge.ways.values() if isinstance(way, Switching)]
+    if not all(way.draws for way in ways):
         return -np.inf
-    ways = [way for way in own.judge.ways.values() if isinstance(way, Switching)]
-    return sum(way.likelihood(seen.residual_of(way.channel).error) for way in ways)
+    errors = {each.channel: each.error for each in fitted.residuals}
+    return sum(way.likelihood(errors[way.channel]) for way in ways) - 0.5 * fitted.convention.handicap

@@ -172,12 +172,12 @@ class Weighing:
             price,
             spread,
             most,
+            self._by_cycle(fitted),
             unlike=self._unlike(fitted, moved) if always > 0.0 else 0.0,
             left=self._left(fitted),
             is_of_room=self.problem.segment.with_room,
             stands=self._stands(fitted, given or nothing, pattern),
             pattern=pattern,
-            by_cycle=self._by_cycle(fitted),
         )
 
     def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
@@ -276,10 +276,12 @@ class Weighing:
         return gain_spread(missed, self._missed(fitted), block)
 
     def _by_cycle(self, fitted: Hypothesis) -> FloatArray:
-        """Return the squares that a hypothesis leaves of each cycle, of a room of each quarter of a day (cycles,)."""
-        block = np.concatenate([self._block(each) for each in fitted.residuals])
-        _, member = np.unique(block, return_inverse=True)
-        return np.asarray(np.bincount(member, self._missed(fitted) ** 2))
+        """Return the squares that a hypothesis leaves of each judged cycle of a chain (cycles,); none of a room."""
+        if self.problem.segment.with_room:
+            return np.zeros(0)
+        judged = np.concatenate([each.judged for each in fitted.residuals])
+        _, member = np.unique(np.concatenate([each.block for each in fitted.residuals])[judged], return_inverse=True)
+        return np.asarray(np.bincount(member, self._missed(fitted)[judged] ** 2))
 
     def _block(self, residual: Residual) -> np.ndarray:
         """Return the number of the cycle, of a room of the quarter of a day, of each residual."""
