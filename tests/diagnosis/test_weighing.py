@@ -27,7 +27,7 @@ from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
-from waxstudy.diagnosis.select.weigh import Weighing, _told
+from waxstudy.diagnosis.select.weigh import Weighing, _of_form, _told
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -152,18 +152,24 @@ def test_a_misfit_is_told_in_standard_deviations_of_what_cycles_tell() -> None:
     assert none.misfit == pytest.approx(np.log(over) / scatter)
 
 
-def test_what_an_effect_leaves_is_excused_by_a_tenth_of_what_it_explains() -> None:
+def test_what_an_effect_leaves_is_excused_as_it_is_stronger_or_weaker_in_each_cycle() -> None:
     weighing, (none, slow, _) = of(NOTHING, SLOW)[0], of(NOTHING, SLOW)[1][:3]
     healthy, missed = weighing.healthy.left("displacement"), only(slow)
     assert healthy
     count = int(missed.judged.sum())
-    explained = (only(none).loss() - missed.loss()) / count
-    cycles = len(np.unique(missed.block[missed.judged]))
+    left = []  # of each cycle, and its samples
+    for cycle in set(missed.block[missed.judged]):
+        here = missed.judged & (missed.block == cycle)
+        after, change = missed.whitened[here], (only(none).whitened - missed.whitened)[here]
+        excused = min((after @ change) ** 2 / max(change @ change, 1e-12), WEIGHTS.form**2 * change @ change)
+        left.append((after @ after - excused, here.sum()))
+    squares, samples = np.array(sorted(left)[:-1]).sum(axis=0)  # the cycle of most is left out
+    cycles = len(left)
     more = max(1.0, (cycles / count) / (healthy.cycles / healthy.samples))
-    usual = np.sqrt(more * healthy.whitened**2 + WEIGHTS.form**2 * explained)
     together = min(weighing.healthy.together("displacement"), count / cycles)
     scatter = np.sqrt(WEIGHTS.scatter**2 + 0.5 * together / count + 0.5 * together / healthy.samples)
-    assert slow.misfit == pytest.approx(np.log(lasting(missed, missed.judged) / usual) / scatter)
+    over = np.sqrt(squares / samples / more) / healthy.whitened
+    assert slow.misfit == pytest.approx(np.log(over) / scatter)
     over = [each.loss() - weighing.healthy.usual_loss(each) for each in (missed, only(none))]
     assert slow.left == pytest.approx(np.sqrt(over[0] / over[1]))
 
@@ -243,17 +249,33 @@ def test_what_a_first_effect_told_of_one_channel_is_no_excuse_in_another() -> No
     """A sensor's bias tells much of the sensor, and nothing of when its controller has another setpoint."""
     weighing = bare(is_room=False)
     weighing.problem.sd = np.zeros(0)
-    losses = {"none": (80_000.0, 400.0), "bias": (2_000.0, 390.0), "both": (1_990.0, 40.0), "little": (1_990.0, 386.0)}
-    made: Any = {name: SimpleNamespace(losses=dict(zip("sc", each, strict=True))) for name, each in losses.items()}
+    made: dict[str, Any] = {
+        name: SimpleNamespace(residuals=[residual(sensor, "s"), residual(output, "c")])
+        for name, sensor, output in (
+            ("none", [100.0] * 20, [4.0, 0.0] * 10),
+            ("bias", [5.0] * 20, [3.0, 0.0] * 10),
+            ("both", [4.0] * 20, [0.0] * 20),
+        )
+    }
     rest: Any = weighing
-    rest._losses, rest._nothing = attrgetter("losses"), lambda fitted: made["none"]
+    rest._losses = lambda fitted: {each.channel: each.loss() for each in fitted.residuals}
+    rest._nothing = lambda fitted: made["none"]
     bias: Any = SimpleNamespace(fitted=made["bias"])
-    share = WEIGHTS.form**2
-    # of the sensor all that is gained, 5; of the output a share of what the bias told there, 5, or all of 2
-    assert weighing._form_may_tell(bias, made["both"]) == pytest.approx(5.0 + share * 5.0)
-    assert weighing._form_may_tell(bias, made["little"]) == pytest.approx(5.0 + share * 5.0)
-    less: Any = SimpleNamespace(losses={"s": 2_000.0, "c": 389.96})
-    assert weighing._form_may_tell(bias, less) == pytest.approx(0.02)
+    # of the sensor all that is gained; of the output a tenth of what the bias changes there, squared
+    of_sensor, of_output = 0.5 * 20 * (25.0 - 16.0), 0.5 * 10 * WEIGHTS.form**2
+    assert weighing._form_may_tell(bias, made["both"]) == pytest.approx(of_sensor + of_output)
+
+
+@pytest.mark.parametrize(("share", "excused"), [(0.05, 0.05**2), (-0.05, 0.05**2), (0.3, WEIGHTS.form**2)])
+def test_form_excuses_an_effect_that_is_stronger_or_weaker_by_a_tenth_and_nothing_across_it(
+    share: float, excused: float
+) -> None:
+    """Each of ten cycles has two samples, which the effect changes alike."""
+    change, across = np.full(20, 10.0), np.array([3.0, -3.0] * 10)
+    after = residual(share * change + across)
+    before = replace(after, whitened=after.whitened + change)
+    assert _of_form(before, after) == pytest.approx(np.full(10, excused * 2.0 * 10.0**2))
+    assert _of_form(after, after) == pytest.approx(np.zeros(10))
 
 
 def test_what_the_healthy_record_says_for_an_effect_varies_over_cycles_as_its_gain_does() -> None:

@@ -164,8 +164,8 @@ class AsBelieved(Healthy):
     def of(cls, problem: SegmentProblem, right: Hypothesis) -> AsBelieved:
         """Return what one draw of noise makes of a link: of what is believed, or of what tells best when it switched.
 
-        Where no draw can be simulated, noise is as the instruments have it. Raises `SimulationError` where what is taken
-        to be right cannot be simulated.
+        Where no draw can be simulated, noise is as the instruments have it. Raises `SimulationError` where the model
+        itself cannot be.
         """
         own = [replace(each, whitened=each.judged.astype(float)) for each in right.residuals]
         return cls(problem, replace(right, residuals=next(of_noise(problem, right, PERTURBATIONS), own)), {})

@@ -28,6 +28,7 @@ from waxstudy.plugin import Belief, FloatArray
 
 DEEPER = 3  # hypotheses that others are tried beside
 HOURS = ("from_h", "to_h")
+TINY = 1e-12
 Tick = Callable[[str], None]
 
 
@@ -143,14 +144,17 @@ class Weighing:
     def _form_may_tell(self, given: Weighed, fitted: Hypothesis) -> float:
         """Return how much of what a second effect gains the form of the first one may leave.
 
-        That is a share of what the first one told: of a chain by channel, and no more than is gained there.
+        Of a room that is a share of what the first one told. Of a chain it is what is left along what the first one
+        changes, by channel, and no more than is gained there.
         """
         if self.problem.segment.with_room:
             return WEIGHTS.form_of_room**2 * (max(0.0, given.gain) + max(0.0, given.ease))
-        steps = self._nothing(given.fitted), given.fitted, fitted
-        lost = np.array([list(self._losses(each).values()) for each in steps])  # (3, channels)
-        told, gained = np.maximum(0.0, -0.5 * np.diff(lost, axis=0))
-        return float(np.minimum(WEIGHTS.form**2 * told, gained).sum())
+        now, then = self._losses(given.fitted), self._losses(fitted)
+        may = 0.0
+        for old, new in zip(self._nothing(given.fitted).residuals, given.fitted.residuals, strict=True):
+            of_form = float(_of_form(old, new).sum()) / self.share.get(old.channel, 1.0)
+            may += 0.5 * min(of_form, max(0.0, now[old.channel] - then[old.channel]))
+        return may
 
     def of(self, fitted: Hypothesis, given: Hypothesis | None = None, pattern: Pattern | None = None) -> Weighed:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
@@ -321,10 +325,10 @@ class Weighing:
         cycles = len(np.unique(residual.block[residual.judged]))
         is_room = self.problem.segment.with_room
         more = 1.0 if is_room else max(1.0, cycles / count * healthy.samples / healthy.cycles)
-        explained = max(0.0, none.loss() - residual.loss()) / count
-        usual = float(np.sqrt(more * self.healthy.usual(residual) ** 2 + WEIGHTS.form**2 * explained))
-        squares = residual.whitened[residual.judged] ** 2
-        left = _lasting(squares, np.ones(count), residual.block[residual.judged]) ** 0.5
+        usual = float(np.sqrt(more) * self.healthy.usual(residual))
+        _, member = np.unique(residual.block[residual.judged], return_inverse=True)
+        missed = np.bincount(member, residual.whitened[residual.judged] ** 2) - _of_form(none, residual)
+        left = _lasting(missed, np.bincount(member).astype(float), np.arange(cycles)) ** 0.5
         # errors of different cycles do not hang together, however alike something that is always amiss makes them
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
         scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / healthy.samples)
@@ -335,6 +339,17 @@ def _told(effect: EffectType, values: Values) -> int:
     """Return how many parameters of an effect say anything: of what acts always its hours are none."""
     acts_always = effect.hours(effect.Parameters(**values)) is None
     return len(effect.priors.keys() - (HOURS if acts_always else ()))
+
+
+def _of_form(before: Residual, after: Residual) -> FloatArray:
+    """Return the squares that are left of each judged cycle as an effect has another strength there (cycles,).
+
+    Up to a share of the effect that is its form. What is left across what the effect changes has another cause.
+    """
+    _, member = np.unique(after.block[after.judged], return_inverse=True)
+    left, change = after.whitened[after.judged], (before.whitened - after.whitened)[after.judged]
+    along, power = np.bincount(member, left * change), np.bincount(member, change * change)
+    return np.asarray(np.minimum(along**2 / np.maximum(power, TINY), WEIGHTS.form**2 * power))
 
 
 def _lasting(missed: FloatArray, power: FloatArray, block: np.ndarray) -> float:
