@@ -1,11 +1,11 @@
 """What each limit of the criteria decides: `python -m benchmarks.limits SET KEYFILE`.
 
 SET is a blind test's folder that was made for this, never one that is judged. Each record is diagnosed as if it had no
-baseline (with one, hypotheses are weighed), and the truth is opened. A limit decides where evidence fails by it alone,
-or passes by it alone. Such a limit is then taken away, and the record diagnosed again. Told are the records in which
-a limit decides, those whose answer is another without it, and how many of these turn right and wrong. Limits that are
-only read as numbers are not measured. What is done is kept in SET/limits until the sources change: the same command
-goes on.
+baseline, so that its room is asked the criteria as well (links of the chain are always weighed), and the truth is
+opened. A limit decides where evidence fails by it alone, or passes by it alone. Such a limit is then taken away, and
+the record diagnosed again. Told are the records in which a limit decides, those whose answer is another without it,
+and how many of these turn right and wrong. Limits that are only read as numbers are not measured. What is done is kept
+in SET/limits until the sources change: the same command goes on.
 """
 
 from __future__ import annotations

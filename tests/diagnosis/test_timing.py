@@ -110,8 +110,13 @@ def read(fitted: Hypothesis) -> tuple[Edits, np.ndarray, Convention]:
 
 def test_noise_that_the_controller_is_said_to_have_read_is_not_drawn_twice() -> None:
     here = problem()
-    raw, plain = (perturbed_by_noise(here.segment, here.record, here.belief, each) for each in (RAW, None))
+    raw, plain = (perturbed_by_noise(here.segment, here.record, here.belief, each) for each in (RAW, AFTER))
     assert all(np.array_equal(one[OUTPUT], other[OUTPUT]) for one, other in zip(raw, plain, strict=True))
+    as_raw, as_after = (here.at((), np.zeros(0), each) for each in (RAW, AFTER))
+    assert as_raw
+    assert as_after
+    usual = [AsBelieved.of(here, each).left(OUTPUT) for each in (as_raw, as_after)]
+    assert usual[0] == usual[1]
 
 
 @pytest.mark.parametrize(("fails", "drawn"), [(0, 0), (1, MOST), (MOST, MOST)])

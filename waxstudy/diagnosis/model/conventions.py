@@ -34,6 +34,11 @@ class Convention:
         return limit(Question.CONVENTION, "gain", self) if self.is_handicapped else 0.0
 
     @property
+    def drawn(self) -> Convention:
+        """How it is read where noise is drawn: a controller that is said to read the logged noise has it already."""
+        return AFTER if self.is_raw else self
+
+    @property
     def _choices(self) -> tuple[Any, ...]:
         return (self.is_before, self.is_raw, self.is_late), self.solar_factor, self.is_mean
 

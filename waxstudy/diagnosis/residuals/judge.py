@@ -76,17 +76,15 @@ def perturbed_by_noise(
 ) -> Iterator[Predicted]:
     """Yield what a belief predicts, then that with its drive perturbed; nothing of a room, or where it cannot run.
 
-    The record is read in the way of a convention. Without one, and where it says that the controller read the very
-    noise that was logged, it is read as instruments are believed to log.
+    The record is read in the way of a convention; without one, as instruments are believed to log.
     """
     if segment.with_room:
         return
-    if convention is None or convention.is_raw:
-        convention = [each for each in segment.conventions if not each.is_handicapped][-1]
+    way = convention or [each for each in segment.conventions if not each.is_handicapped][-1]
     draws = max(FEWEST, min(MOST, DRAWN // len(record)))
     for each in (STILL, *(Perturbation(np.random.default_rng(seed)) for seed in range(draws))):
         try:
-            yield segment.predict(record, belief, convention, each)
+            yield segment.predict(record, belief, way.drawn, each)
         except (SimulationError, ValueError, ArithmeticError):
             if each is STILL:
                 return

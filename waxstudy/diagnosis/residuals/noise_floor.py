@@ -40,13 +40,13 @@ class NoiseFloor:
 
 def of_noise(problem: SegmentProblem, fitted: Hypothesis, times: int) -> Iterator[Sequence[Residual]]:
     """Yield what noise alone makes of a right model's residuals, up to so many times."""
-    belief = problem.belief_of(fitted)
-    still = problem.predicted(belief, fitted.convention)
+    belief, way = problem.belief_of(fitted), fitted.convention.drawn
+    still = problem.predicted(belief, way)
     for seed in range(times):
         random = np.random.default_rng([7, seed])
         try:
-            moved = problem.predicted(belief, fitted.convention, Perturbation(random))
-        except (SimulationError, ValueError):
+            moved = problem.predicted(belief, way, Perturbation(random))
+        except (SimulationError, ValueError, ArithmeticError):
             continue
         yield problem.judge.residuals(_seen(problem, still, moved, random))
 

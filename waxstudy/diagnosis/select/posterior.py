@@ -133,7 +133,7 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     """Return what speaks for each: a single effect of a chain outdoes another only so far as cycles tell them apart.
 
     One that leaves nothing amiss is outdone by little. A finer name must be earned: real motors have no form of the
-    library exactly. Neither says more of an effect than stands out of it alone.
+    library exactly. By this none comes to more than it would against nothing alone.
     """
     singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and not each.is_of_room]
     if not singles:

@@ -144,16 +144,18 @@ class Weighing:
     def _form_may_tell(self, given: Weighed, fitted: Hypothesis) -> float:
         """Return how much of what a second effect gains the form of the first one may leave.
 
-        Of a room that is a share of what the first one told. Of a chain it is what is left along what the first one
-        changes, by channel, and no more than is gained there.
+        Of a room that is a share of what the first one told. Of a chain it is what goes, by channel, of what the first
+        left along its own change, and no more than is gained there.
         """
         if self.problem.segment.with_room:
             return WEIGHTS.form_of_room**2 * (max(0.0, given.gain) + max(0.0, given.ease))
-        now, then = self._losses(given.fitted), self._losses(fitted)
-        may = 0.0
-        for old, new in zip(self._nothing(given.fitted).residuals, given.fitted.residuals, strict=True):
-            of_form = float(_of_form(old, new).sum()) / self.share.get(old.channel, 1.0)
-            may += 0.5 * min(of_form, max(0.0, now[old.channel] - then[old.channel]))
+        may, losses = 0.0, (self._losses(given.fitted), self._losses(fitted))
+        none = self._none_read(given.fitted.convention)
+        for old, first, both in zip(none.residuals, given.fitted.residuals, fitted.residuals, strict=True):
+            change = old.whitened - first.whitened
+            of_form = float(np.sum(_of_form(first, change) - _of_form(both, change))) / self.share.get(old.channel, 1.0)
+            gained = max(0.0, losses[0][old.channel] - losses[1][old.channel])
+            may += 0.5 * min(max(0.0, of_form), gained)
         return may
 
     def of(self, fitted: Hypothesis, given: Hypothesis | None = None, pattern: Pattern | None = None) -> Weighed:
@@ -307,7 +309,7 @@ class Weighing:
 
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
-        pairs = zip(self._nothing(fitted).residuals, fitted.residuals, strict=True)
+        pairs = zip(self._none_read(fitted.convention).residuals, fitted.residuals, strict=True)
         counted = (self._misfit(old, new) for old, new in pairs if not self._is_covered(fitted, new))
         return max(counted, default=0.0)
 
@@ -327,7 +329,10 @@ class Weighing:
         more = 1.0 if is_room else max(1.0, cycles / count * healthy.samples / healthy.cycles)
         usual = float(np.sqrt(more) * self.healthy.usual(residual))
         _, member = np.unique(residual.block[residual.judged], return_inverse=True)
-        missed = np.bincount(member, residual.whitened[residual.judged] ** 2) - _of_form(none, residual)
+        # noise, too, lies along the change by some of it
+        by_chance = usual**2 * self.share.get(residual.channel, 1.0)
+        of_form = np.maximum(0.0, _of_form(residual, none.whitened - residual.whitened) - by_chance)
+        missed = np.maximum(0.0, np.bincount(member, residual.whitened[residual.judged] ** 2) - of_form)
         left = _lasting(missed, np.bincount(member).astype(float), np.arange(cycles)) ** 0.5
         # errors of different cycles do not hang together, however alike something that is always amiss makes them
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
@@ -341,15 +346,17 @@ def _told(effect: EffectType, values: Values) -> int:
     return len(effect.priors.keys() - (HOURS if acts_always else ()))
 
 
-def _of_form(before: Residual, after: Residual) -> FloatArray:
-    """Return the squares that are left of each judged cycle as an effect has another strength there (cycles,).
+def _of_form(left: Residual, change: FloatArray) -> FloatArray:
+    """Return the squares that would go of each judged cycle if an effect were stronger or weaker there (cycles,).
 
-    Up to a share of the effect that is its form. What is left across what the effect changes has another cause.
+    That is up to the share of it that its form may leave. `change` (m,) is what the effect does to the residuals; what
+    is left across it has another cause. Of switches only sizes are known, which lie along it always.
     """
-    _, member = np.unique(after.block[after.judged], return_inverse=True)
-    left, change = after.whitened[after.judged], (before.whitened - after.whitened)[after.judged]
-    along, power = np.bincount(member, left * change), np.bincount(member, change * change)
-    return np.asarray(np.minimum(along**2 / np.maximum(power, TINY), WEIGHTS.form**2 * power))
+    _, member = np.unique(left.block[left.judged], return_inverse=True)
+    here, moved = left.whitened[left.judged], change[left.judged]
+    along, power = np.bincount(member, here * moved), np.bincount(member, moved * moved)
+    more = np.clip(along / np.maximum(power, TINY), -WEIGHTS.form, WEIGHTS.form)
+    return np.asarray(more * (2.0 * along - more * power))
 
 
 def _lasting(missed: FloatArray, power: FloatArray, block: np.ndarray) -> float:
