@@ -327,13 +327,10 @@ class Weighing:
         cycles = len(np.unique(residual.block[residual.judged]))
         is_room = self.problem.segment.with_room
         more = 1.0 if is_room else max(1.0, cycles / count * healthy.samples / healthy.cycles)
-        usual = float(np.sqrt(more) * self.healthy.usual(residual))
-        _, member = np.unique(residual.block[residual.judged], return_inverse=True)
-        # noise, too, lies along the change by some of it
-        by_chance = usual**2 * self.share.get(residual.channel, 1.0)
-        of_form = np.maximum(0.0, _of_form(residual, none.whitened - residual.whitened) - by_chance)
-        missed = np.maximum(0.0, np.bincount(member, residual.whitened[residual.judged] ** 2) - of_form)
-        left = _lasting(missed, np.bincount(member).astype(float), np.arange(cycles)) ** 0.5
+        explained = max(0.0, none.loss() - residual.loss()) / count
+        usual = float(np.sqrt(more * self.healthy.usual(residual) ** 2 + WEIGHTS.form**2 * explained))
+        squares = residual.whitened[residual.judged] ** 2
+        left = _lasting(squares, np.ones(count), residual.block[residual.judged]) ** 0.5
         # errors of different cycles do not hang together, however alike something that is always amiss makes them
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
         scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / healthy.samples)
