@@ -19,8 +19,9 @@ from waxstudy.diagnosis.residuals.room_means import RoomMeans
 from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.plugin import Belief, SimulationError
 
-FEWEST, MOST = 8, 32  # draws of noise of a drive, to see what it does to the timing of switches
-DRAWN = MOST * 14 * 1440  # samples of all of them, so that two weeks of minutes have the most
+# draws of noise of a drive: how closely is looked at what it does to switches; more samples have fewer, for time's sake
+FEWEST, MOST = 8, 32
+DRAWN = MOST * 14 * 1440  # samples of all draws: two weeks of minutes have the most
 ONLY_OF_ROOM = ("floor_surface_temperature_C", "return_temperature_C")
 
 

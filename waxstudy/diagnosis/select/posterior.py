@@ -133,7 +133,7 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     """Return what speaks for each: a single effect of a chain outdoes another only so far as cycles tell them apart.
 
     One that leaves nothing amiss is outdone by little. A finer name must be earned: real motors have no form of the
-    library exactly. By this none comes to more than it would against nothing alone.
+    library exactly. No effect is raised above what speaks for it against nothing alone.
     """
     singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and not each.is_of_room]
     if not singles:
@@ -148,7 +148,7 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
 
 
 def _outdone(each: Weighed, best: Weighed) -> float:
-    """Return by how much the best single effect of a chain may outdo another one."""
+    """Return the most by which the best single effect of a chain outdoes another one."""
     most = told_apart(best.by_cycle, each.by_cycle)
     return min(most, WEIGHTS.unknown_price + WEIGHTS.sure * each.misfit**2) if _is_peer(each) else most
 

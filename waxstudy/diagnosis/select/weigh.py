@@ -28,7 +28,6 @@ from waxstudy.plugin import Belief, FloatArray
 
 DEEPER = 3  # hypotheses that others are tried beside
 HOURS = ("from_h", "to_h")
-TINY = 1e-12
 Tick = Callable[[str], None]
 
 
@@ -144,8 +143,8 @@ class Weighing:
     def _form_may_tell(self, given: Weighed, fitted: Hypothesis) -> float:
         """Return how much of what a second effect gains the form of the first one may leave.
 
-        Of a room that is a share of what the first one told. Of a chain it is what goes, by channel, of what the first
-        left along its own change, and no more than is gained there.
+        Of a room that is a share of what the first one told. Of a chain the first one's residuals along its own change
+        count, as far as the second one takes them away; in each channel no more than is gained there.
         """
         if self.problem.segment.with_room:
             return WEIGHTS.form_of_room**2 * (max(0.0, given.gain) + max(0.0, given.ease))
@@ -346,13 +345,14 @@ def _told(effect: EffectType, values: Values) -> int:
 def _of_form(left: Residual, change: FloatArray) -> FloatArray:
     """Return the squares that would go of each judged cycle if an effect were stronger or weaker there (cycles,).
 
-    That is up to the share of it that its form may leave. `change` (m,) is what the effect does to the residuals; what
-    is left across it has another cause. Of switches only sizes are known, which lie along it always.
+    Its strength may differ by the share of an effect that its form may leave. `change` (m,) is what the effect does to
+    the residuals. What is left across it has another cause; errors of switches have no sign and always lie along it.
     """
     _, member = np.unique(left.block[left.judged], return_inverse=True)
     here, moved = left.whitened[left.judged], change[left.judged]
     along, power = np.bincount(member, here * moved), np.bincount(member, moved * moved)
-    more = np.clip(along / np.maximum(power, TINY), -WEIGHTS.form, WEIGHTS.form)
+    best = np.divide(along, power, out=np.zeros_like(along), where=power > 0.0)
+    more = np.clip(best, -WEIGHTS.form, WEIGHTS.form)
     return np.asarray(more * (2.0 * along - more * power))
 
 
