@@ -109,8 +109,8 @@ def _problems(work: Work, segment: Segment) -> tuple[SegmentProblem, SegmentProb
     if not has_times(whole):
         return whole, problem
     _base(work, Estimator(whole, work.thorough))
-    fits = best_timed(whole, of_segment(segment, work.effects), work.thorough)
-    return whole.timed_by(fits), problem.timed_by(fits)
+    fits, noisy = best_timed(whole, of_segment(segment, work.effects), work.thorough)
+    return whole.timed_by(fits, noisy), problem.timed_by(fits, noisy)
 
 
 def _is_weighed(work: Work, segment: Segment) -> bool:

@@ -90,13 +90,15 @@ class SegmentProblem:
         about = self.holds_out, self.is_exact_room, self.as_built, self._parts
         return Judge(self.segment, self.record, self.belief, *about, perturbed)
 
-    def timed_by(self, fits: Sequence[Hypothesis]) -> SegmentProblem:
+    def noisy(self, fitted: Hypothesis) -> Sequence[Predicted]:
+        """Return what a hypothesis predicts, then that with noise of its drive; nothing where it cannot run."""
+        return list(perturbed_by_noise(self.segment, self.record, self.belief_of(fitted), fitted.convention))
+
+    def timed_by(self, fits: Sequence[Hypothesis], noisy: Sequence[Predicted]) -> SegmentProblem:
         """Return the same, near these fits, its switches weighed by what noise does to them under the first one."""
         other = copy(self)
         other.timed = fits[0]
-        other.judge = self._judge(
-            perturbed_by_noise(self.segment, self.record, self.belief_of(fits[0]), fits[0].convention)
-        )
+        other.judge = self._judge(iter(noisy))
         other.near = {effect: values for each in fits for effect, values in each.effects}
         other._seen = self.record.memory(arrays=4)
         return other

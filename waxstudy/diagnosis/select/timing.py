@@ -13,6 +13,7 @@ import numpy as np
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
@@ -24,20 +25,29 @@ def has_times(problem: SegmentProblem) -> bool:
     return not segment.with_room and segment.driven_by not in binary and any(each in binary for each in segment.judged)
 
 
-def best_timed(problem: SegmentProblem, effects: Sequence[EffectType], thorough: float) -> Sequence[Hypothesis]:
-    """Return hypotheses of at most one effect, the one under which the switches are likeliest first.
+def best_timed(
+    problem: SegmentProblem, effects: Sequence[EffectType], thorough: float
+) -> tuple[Sequence[Hypothesis], Sequence[Predicted]]:
+    """Return hypotheses of at most one effect, the one under which the switches are likeliest first, and its noise.
 
     Each is fitted as switches are weighed under what is believed, then weighed by what noise does under itself.
     """
     estimator = Estimator(problem, thorough)
     possible = [each for each in effects if not each.hindrance(problem.belief)]
     fits = [fitted for each in possible if (fitted := estimator.fit(each, estimator.base, ALL))]
-    return sorted([estimator.base, *fits], key=lambda each: -_likelihood(problem, each))
+    likely: list[tuple[float, Hypothesis]] = []
+    best: tuple[float, Sequence[Predicted]] = -np.inf, ()
+    for each in (estimator.base, *fits):
+        noisy = problem.noisy(each)
+        likely.append((_likelihood(problem, each, noisy), each))
+        if likely[-1][0] > best[0]:  # all of them would not lie in memory
+            best = likely[-1][0], noisy
+    return [each for _, each in sorted(likely, key=lambda pair: -pair[0])], best[1]
 
 
-def _likelihood(problem: SegmentProblem, fitted: Hypothesis) -> float:
+def _likelihood(problem: SegmentProblem, fitted: Hypothesis, noisy: Sequence[Predicted]) -> float:
     """Return the logarithm of how likely the switches are under a hypothesis, by its own noise."""
-    judge = problem.timed_by([fitted]).judge
+    judge = problem.timed_by([fitted], noisy).judge
     ways = [way for way in judge.ways.values() if isinstance(way, Switching)]
     if not all(way.draws for way in ways):
         return -np.inf
