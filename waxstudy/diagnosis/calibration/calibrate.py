@@ -47,8 +47,7 @@ def calibrate(record: Record, belief: Belief, effects: Effects, thorough: float 
             continue
         of = _of_room if segment.with_room else _of_chain
         found, problem, fitted = of(segment, record, belief, effects, found, thorough)
-        scale = {channel: max(1.0, left.whitened) for channel, left in found.left.items()}
-        healthy[segment.name] = Healthy(problem, fitted, scale)
+        healthy[segment.name] = Healthy(problem, fitted)
     return Calibration(found, healthy)
 
 
@@ -62,8 +61,18 @@ def _of_chain(
     conventions = {**known.conventions, segment.name: fitted.convention}
     there = replace(known, chain=(*known.chain, *chain), conventions=conventions)
     problem, fitted, always = _with_always(segment, record, belief, effects, there, thorough)
-    left = {**there.left, **left_of(fitted)}
-    return replace(there, always=(*there.always, *always), left=left), problem, fitted
+    return weighed_by_left(replace(there, always=(*there.always, *always)), problem, fitted)
+
+
+def weighed_by_left(
+    there: AsBuilt, problem: SegmentProblem, fitted: Hypothesis
+) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
+    """Return what is left of a link of the healthy record, and the link weighed by it, as a later record's is."""
+    found = replace(there, left={**there.left, **_left_of(fitted)})
+    parts = np.full(len(problem.record), FIT)
+    about = problem.segment, problem.record, problem.belief
+    again = SegmentProblem(*about, as_built=found, unknowns=(), parts=parts, alike=problem)
+    return found, again, again.at((), fitted.departures, fitted.convention) or fitted
 
 
 def _with_always(
@@ -78,7 +87,7 @@ def _with_always(
         fitted = _fitted(problem)
         if len(found) == MOST_ALWAYS:
             return problem, fitted, found
-        estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.residuals}
+        estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.regimes}
         tried = [
             (_gain(fitted, one, share) - price, one)
             for effect in named
@@ -102,16 +111,23 @@ def _hinders(effects: Effects, before: Belief, after: Belief) -> bool:
 
 def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> float:
     """Return the log likelihood that another hypothesis gains, of samples of which so many count as one."""
-    pairs = zip(fitted.residuals, other.residuals, strict=True)
+    pairs = zip(fitted.regimes, other.regimes, strict=True)
     return 0.5 * sum((old.loss() - new.loss()) / share[old.channel] for old, new in pairs)
 
 
-def left_of(fitted: Hypothesis) -> dict[str, Left]:
-    return {each.channel: _left(each) for each in fitted.residuals}
+def _left_of(fitted: Hypothesis) -> dict[str, Left]:
+    """Return what is left of each channel, at rest and, where that is weighed by itself, on the move."""
+    gaps = {each.channel: each.gap() for each in fitted.residuals}
+    return {each.channel: _left(each, gaps.get(each.channel)) for each in fitted.regimes}
 
 
-def _left(residual: Residual) -> Left:
-    return Left(residual.gap(), float(np.sqrt(residual.loss() / max(1, int(residual.judged.sum())))))
+def _left(regime: Residual, gap: float | None) -> Left:
+    squares = regime.loss() / max(1, int(regime.judged.sum()))
+    if gap is not None:
+        return Left(gap, float(np.sqrt(squares)))
+    cycles = len(np.unique(regime.block[regime.judged]))
+    # what is chosen of a valve on the move counts as one cycle more
+    return Left(regime.gap(), float(np.sqrt((cycles * squares + 1.0) / (cycles + 1.0))))
 
 
 def _of_room(

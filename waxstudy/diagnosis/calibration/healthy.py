@@ -41,7 +41,6 @@ class Healthy:
 
     problem: SegmentProblem
     fitted: Hypothesis
-    scale: Mapping[str, float]  # by channel: what its errors are weighed by, over noise alone
 
     @property
     def stands_scatter(self) -> float:
@@ -59,7 +58,8 @@ class Healthy:
 
     def together(self, channel: str) -> float:
         """Return how many samples of a channel count as one: what is whitened over time has none that hang together."""
-        return 1.0 if channel in self.whitened else together(self.fitted.residual_of(channel))
+        residual = None if channel in self.whitened else self.fitted.regime_of(channel)
+        return together(residual) if residual else 1.0
 
     @property
     def whitened(self) -> Mapping[str, Discrepancy]:
@@ -76,11 +76,11 @@ class Healthy:
 
     def left(self, channel: str) -> HealthyLeft | None:
         """Return what is left of a channel, None where it shows nothing."""
-        residual = next((each for each in self.fitted.residuals if each.channel == channel), None)
+        residual = self.fitted.regime_of(channel)
         count = int(residual.judged.sum()) if residual else 0
         if residual is None or not count:
             return None
-        whitened = float(np.sqrt(residual.loss() / count)) / self.scale.get(channel, 1.0)
+        whitened = float(np.sqrt(residual.loss() / count))
         return HealthyLeft(whitened, count, len(np.unique(residual.block[residual.judged])))
 
     def usual(self, residual: Residual) -> float:
@@ -95,13 +95,13 @@ class Healthy:
 
     def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> UsualWhere:
         """Return what nothing amiss leaves of the samples that effects change beside given ones, as far as they do."""
-        healthy = next((each for each in self.fitted.residuals if each.channel == residual.channel), None)
+        healthy = self.fitted.regime_of(residual.channel)
         pair = [self.problem.at(each, self.fitted.departures, self.fitted.convention) for each in (given, effects)]
-        made = [each.residual_of(residual.channel) for each in pair if each] if healthy else []
+        made = [other for each in pair if each and (other := each.regime_of(residual.channel))] if healthy else []
         acts = self.acts(*made) if len(made) == len(pair) else np.zeros(1)
         if healthy is None or not acts.any():
             return UsualWhere(self.usual(residual))
-        left = float(np.sqrt(acts @ healthy.whitened**2 / acts.sum())) / self.scale.get(residual.channel, 1.0)
+        left = float(np.sqrt(acts @ healthy.whitened**2 / acts.sum()))
         power = np.bincount(healthy.block - healthy.block.min(), acts)
         return UsualWhere(max(left, _least(residual)), float(power.sum() ** 2 / (power @ power)))
 
@@ -121,12 +121,10 @@ class Healthy:
         (now, here), (then, there) = self._refitted(self.fitted), self._refitted(with_it)
         return then - now, there - here
 
-    def _weight(self, channel: str) -> float:
-        return float(1.0 / (self.scale.get(channel, 1.0) * self.together(channel) ** 0.5))
-
     def _refitted(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
         """Return the log likelihood with all that was calibrated fitted again, by slopes, and the step (k,) there."""
-        weight = np.concatenate([np.full(len(e.whitened), self._weight(e.channel)) for e in fitted.residuals])
+        share = {each.channel: self.together(each.channel) for each in fitted.regimes}
+        weight = np.concatenate([each.weights(share) for each in fitted.residuals])
         missed, slopes, sd = fitted.whitened * weight, self.slopes * weight[:, None], self.problem.sd
         root = self.problem.prior / sd if len(sd) else np.zeros((0, 0))
         pulled = root @ fitted.departures if len(sd) else np.zeros(0)
@@ -168,7 +166,7 @@ class AsBelieved(Healthy):
         itself cannot be.
         """
         own = [replace(each, whitened=each.judged.astype(float)) for each in right.residuals]
-        return cls(problem, replace(right, residuals=next(of_noise(problem, right, PERTURBATIONS), own)), {})
+        return cls(problem, replace(right, residuals=next(of_noise(problem, right, PERTURBATIONS), own)))
 
     @property
     def stands_scatter(self) -> float:

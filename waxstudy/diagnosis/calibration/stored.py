@@ -22,7 +22,7 @@ from waxstudy.diagnosis.calibration.calibrate import (
     Effects,
     calibrate,
     lasting_unknowns,
-    left_of,
+    weighed_by_left,
 )
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
@@ -136,8 +136,7 @@ def _recalled(kept: Kept, record: Record, belief: Belief, effects: Effects) -> C
         )
         of = _of_room if segment.with_room else _of_chain
         found, problem, fitted = of(segment, record, belief, effects, found, kept)
-        scale = {channel: max(1.0, left.whitened) for channel, left in found.left.items()}
-        healthy[segment.name] = Healthy(problem, fitted, scale)
+        healthy[segment.name] = Healthy(problem, fitted)
     return Calibration(found, healthy)
 
 
@@ -155,8 +154,7 @@ def _of_chain(
     parts = np.full(len(record), FIT)
     problem = SegmentProblem(segment, record, believed, as_built=there, unknowns=(), parts=parts)
     fitted = _at(problem, kept)
-    left = {**there.left, **left_of(fitted)}
-    return replace(there, always=(*there.always, *always), left=left), problem, fitted
+    return weighed_by_left(replace(there, always=(*there.always, *always)), problem, fitted)
 
 
 def _of_room(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -26,6 +26,7 @@ class Residual:
     part: np.ndarray  # (m,) FIT, SELECT, SHRINK
     sample: np.ndarray  # (m,) index of the record's sample
     form: float = 0.0  # in `unit`: the most that the form of a room's model may leave, as a root mean square
+    moves: np.ndarray | None = None  # (m,) bool: where it is on the move, which is weighed by itself; None: nowhere
 
     def loss(self, part: int | None = None) -> float:
         chosen = self.whitened if part is None else self.whitened[self.part == part]
@@ -39,6 +40,27 @@ class Residual:
     def count(self, part: int) -> int:
         """Samples that are judged of a part, at least 1."""
         return max(1, int(np.sum(self.judged & (self.part == part))))
+
+    @property
+    def regimes(self) -> list[Residual]:
+        """What is missed at rest and on the move, each by a name of its own; itself where that is one."""
+        if self.moves is None:
+            return [self]
+        return [self._where(~self.moves, self.channel), self._where(self.moves, on_the_move(self.channel))]
+
+    def _where(self, chosen: np.ndarray, name: str) -> Residual:
+        error, whitened = self.error * chosen, self.whitened * chosen
+        return replace(self, channel=name, error=error, whitened=whitened, judged=self.judged & chosen, moves=None)
+
+    def weights(self, share: Mapping[str, float]) -> FloatArray:
+        """Return the root of what each sample counts (m,), from how many of a regime count as one."""
+        rest, moving = (share.get(name, 1.0) ** -0.5 for name in (self.channel, on_the_move(self.channel)))
+        return np.where(self.moves, moving, rest) if self.moves is not None else np.full(len(self.whitened), rest)
+
+
+def on_the_move(channel: str) -> str:
+    """Return what a channel is called where it is on the move."""
+    return f"{channel} on the move"
 
 
 @dataclass(frozen=True)
@@ -56,6 +78,15 @@ class Hypothesis:
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(effect.name for effect, _ in self.effects)
+
+    @property
+    def regimes(self) -> list[Residual]:
+        """What is missed of every channel, at rest and on the move where these are weighed by themselves."""
+        return [regime for each in self.residuals for regime in each.regimes]
+
+    def regime_of(self, name: str) -> Residual | None:
+        """Return what is missed of a channel at rest, or on the move by that name; None where it is not judged."""
+        return next((each for each in self.regimes if each.channel == name), None)
 
     def residual_of(self, channel: str) -> Residual:
         return next(each for each in self.residuals if each.channel == channel)

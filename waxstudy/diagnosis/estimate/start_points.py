@@ -32,7 +32,7 @@ class Screen:
 
     def gain(self, given: Hypothesis, look: Hypothesis) -> tuple[float, float]:
         """Return the most that is gained along the change that a look makes, and how far along it."""
-        weight = [self.share.get(each.channel, 1.0) ** -0.5 for each in given.residuals]
+        weight = [each.weights(self.share) for each in given.residuals]
         pairs = zip(given.residuals, look.residuals, weight, strict=True)
         along, power = 0.0, TINY
         for old, new, each in pairs:

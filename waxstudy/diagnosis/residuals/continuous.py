@@ -21,6 +21,8 @@ MOVED = ("control_output", "flow_L_h")  # which noise of the drive moves
 SMOOTHED = ("sensor_temperature_C", "control_output")  # as the segment's drive: what is linear misses nothing by it
 RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
 STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it went on between them
+STROKES = ("displacement", "flow_L_h")  # that move for minutes and rest for hours
+MOVES_SD = 3.0  # standard deviations of noise within which a sample rests where the last one was
 UNITS = {"flow_L_h": "L/h", "displacement": "1", "control_output": "1"}
 
 
@@ -35,9 +37,10 @@ class Continuous:
         parts: np.ndarray,
         still: Predicted | None,
         more: float = 1.0,
+        moving: float | None = None,  # what is left on the move, over what is chosen; None: over noise as at rest
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
-        self.still, self.more = still, more
+        self.still, self.more, self.moving = still, more, moving
         filled = record.filled(channel)
         self.sample = np.arange(len(record))
         self.measured = record.smooth(filled) if channel in SMOOTHED else filled
@@ -59,7 +62,26 @@ class Continuous:
     def scale(self) -> FloatArray:
         """Standard deviation to weigh errors by (n,)."""
         believed = float(np.max(self.still[self.channel])) if self.still else 1.0
-        return self.more * self._scale(float(np.nanmax(self.record.values[self.channel])) or believed)
+        resting, within = self._scale(float(np.nanmax(self.record.values[self.channel])) or believed)
+        whole = np.hypot(resting, within)
+        if self.moves is None:
+            return self.more * whole
+        return np.where(self.moves, np.maximum(resting, self.moving * whole), self.more * whole)
+
+    @cached_property
+    def moves(self) -> np.ndarray | None:
+        """Where a channel is on the move (n,), measured or as believed, if that is weighed by itself."""
+        if self.moving is None:
+            return None
+        if self.segment.driven_by == "displacement":
+            return self._valve_moves
+        least = MOVES_SD * self.record.noise[self.channel]
+        measured: np.ndarray = _steps(self.measured) > 2.0**0.5 * least  # both samples of a step have noise
+        return measured | (_steps(self.still[self.channel]) > least) if self.still else measured
+
+    @cached_property
+    def _valve_moves(self) -> np.ndarray:
+        return _steps(self.record.drive("displacement")) > MOVES_SD * self.record.noise["displacement"]
 
     @property
     def noise(self) -> FloatArray:
@@ -77,7 +99,8 @@ class Continuous:
         if channel in predicted.shifted:
             error = self._best_shift(predicted.shifted[channel])
         unit = UNITS.get(channel, "K")
-        return Residual(channel, unit, error, error / self.scale, self.known, record.cycle, self.parts, self.sample)
+        where = record.cycle, self.parts, self.sample
+        return Residual(channel, unit, error, error / self.scale, self.known, *where, moves=self.moves)
 
     def _known(self) -> np.ndarray:
         """Return where it is judged (n,)."""
@@ -103,18 +126,19 @@ class Continuous:
         nearby = np.convolve(moved, np.full(width, 1.0 / width), mode="same")
         return np.sqrt(np.maximum(nearby, np.mean(moved)))
 
-    def _scale(self, full: float) -> FloatArray:
-        """Return the standard deviation to weigh errors by (n,): the noise, and more while the drive moves."""
+    def _scale(self, full: float) -> tuple[FloatArray, FloatArray]:
+        """Return standard deviations to weigh errors by: of the noise, and of what a moving valve adds; both (n,)."""
         record, noise = self.record, self.record.noise[self.channel]
         least = 0.1 * noise if self.channel == "flow_L_h" else noise
         resting = np.where(stands(record.filled(self.channel), full), max(least, 1e-3 * full), noise)
         if self.segment.driven_by == "displacement":
-            drive = record.drive("displacement")
-            steps = np.maximum(np.abs(np.gradient(drive)), np.abs(np.diff(drive, prepend=drive[:1])))
-            moves = steps > 3.0 * record.noise["displacement"]
-            within = np.where(moves, np.hypot(RIDGE, STEEP * steps) * full, 0.0)
-            return np.hypot(np.hypot(resting, within), self.driven)
-        return np.hypot(np.maximum(resting, 1e-3), self.driven)
+            return np.hypot(resting, self.driven), self._within(full)
+        return np.hypot(np.maximum(resting, 1e-3), self.driven), np.zeros(len(record))
+
+    def _within(self, full: float) -> FloatArray:
+        """Return by how much a valve may be missed while it moves (n,)."""
+        drive = self.record.drive("displacement")
+        return np.where(self._valve_moves, np.hypot(RIDGE, STEEP * _steps(drive)) * full, 0.0)
 
     def _best_shift(self, shifted: FloatArray) -> FloatArray:
         """Return the errors after each switch of the drive is put where in its interval it fits best."""
@@ -124,6 +148,11 @@ class Continuous:
         losses = [np.bincount(stretch, weights=(error / self.scale) ** 2) for error in tried]
         best = np.argmin(losses, axis=0)[stretch]
         return np.asarray(tried[best, np.arange(len(stretch))])
+
+
+def _steps(values: FloatArray) -> FloatArray:
+    """Return how far each sample is from those beside it (n,)."""
+    return np.maximum(np.abs(np.gradient(values)), np.abs(np.diff(values, prepend=values[:1])))
 
 
 def stands(values: FloatArray, full: float) -> np.ndarray:

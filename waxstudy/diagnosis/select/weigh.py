@@ -78,8 +78,8 @@ class Weighing:
         return singles
 
     def _shares(self) -> dict[str, float]:
-        """Return how many samples of each channel count as one."""
-        return {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.residuals}
+        """Return how many samples of each channel count as one, at rest and on the move."""
+        return {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.regimes}
 
     def _settle(self, singles: Sequence[Hypothesis]) -> None:
         """Look for a better fit of nothing where the best effects led the room: else they gain what it had left."""
@@ -115,10 +115,10 @@ class Weighing:
         """Return a hypothesis whose effect has a course, at the strength that suits the record best."""
         pairs = list(zip(self._nothing(fitted).residuals, fitted.residuals, strict=True))
         courses = [pattern.strength[new.sample] for _, new in pairs]
-        before = np.concatenate([old.whitened / self.share.get(old.channel, 1.0) ** 0.5 for old, _ in pairs])
+        before = np.concatenate([old.whitened * old.weights(self.share) for old, _ in pairs])
         parts = zip(pairs, courses, strict=True)
         change = np.concatenate(
-            [g * (new.whitened - old.whitened) / self.share.get(old.channel, 1.0) ** 0.5 for (old, new), g in parts]
+            [g * (new.whitened - old.whitened) * old.weights(self.share) for (old, new), g in parts]
         )
         strength = float(np.clip(-(before @ change) / max(float(change @ change), 1e-12), 0.0, WEIGHTS.strongest))
         return replace(
@@ -150,7 +150,7 @@ class Weighing:
             return WEIGHTS.form_of_room**2 * (max(0.0, given.gain) + max(0.0, given.ease))
         may, losses = 0.0, (self._losses(given.fitted), self._losses(fitted))
         none = self._none_read(given.fitted.convention)
-        for old, first, both in zip(none.residuals, given.fitted.residuals, fitted.residuals, strict=True):
+        for old, first, both in zip(none.regimes, given.fitted.regimes, fitted.regimes, strict=True):
             change = old.whitened - first.whitened
             of_form = float(np.sum(_of_form(first, change) - _of_form(both, change))) / self.share.get(old.channel, 1.0)
             gained = max(0.0, losses[0][old.channel] - losses[1][old.channel])
@@ -204,9 +204,7 @@ class Weighing:
         if not len(sd) or self.problem.as_built is None:
             return 0.0
         count = len(self.problem.as_built.knobs)
-        weight = np.concatenate(
-            [np.full(len(e.whitened), self.share.get(e.channel, 1.0) ** -0.5) for e in fitted.residuals]
-        )
+        weight = np.concatenate([each.weights(self.share) for each in fitted.residuals])
         root = self.problem.prior / sd
         ways = np.vstack((self.estimator.slopes_at(fitted) * weight[:, None], root))
 
@@ -226,13 +224,13 @@ class Weighing:
         if self.problem.segment.with_room:
             return np.inf
         weights, missed, cycles = list[FloatArray](), list[FloatArray](), np.inf
-        for old, new in zip(given.residuals, fitted.residuals, strict=True):
+        for old, new in zip(given.regimes, fitted.regimes, strict=True):
             weights.append(self.healthy.acts(old, new))
             # the healthy record has no such times as a pattern has
             where = self.healthy.usual_where(old, () if pattern else fitted.effects, given.effects)
             missed.append(weights[-1] * (old.whitened / where.whitened) ** 2)
             cycles = min(cycles, where.cycles)
-        block = np.concatenate([self._block(each) for each in given.residuals])
+        block = np.concatenate([self._block(each) for each in given.regimes])
         over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
         scatter = float(np.hypot(self.healthy.stands_scatter, (0.5 / cycles) ** 0.5))
         return 0.5 * float(np.log(max(1.0, over))) / scatter
@@ -245,7 +243,7 @@ class Weighing:
         return float(max(WEIGHTS.least_share, min(1.0, (after / before) ** 0.5))) if before > 0.0 else 1.0
 
     def _beyond(self, fitted: Hypothesis) -> float:
-        return sum(max(0.0, each.loss() - self.healthy.usual_loss(each)) for each in fitted.residuals)
+        return sum(max(0.0, each.loss() - self.healthy.usual_loss(each)) for each in fitted.regimes)
 
     def _nothing(self, fitted: Hypothesis) -> Hypothesis:
         """Return the link without effects, read in the best way or in a hypothesis's, whichever misses less."""
@@ -268,12 +266,12 @@ class Weighing:
 
     def _losses(self, fitted: Hypothesis) -> dict[str, float]:
         """Return the same of each channel of a chain."""
-        pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.residuals}
+        pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.regimes}
         return {channel: loss / self.share.get(channel, 1.0) for channel, loss in pairs.items()}
 
     def _missed(self, fitted: Hypothesis) -> FloatArray:
         """Return whitened residuals (m,), weighed by how many of them count as one."""
-        return np.concatenate([each.whitened / self.share.get(each.channel, 1.0) ** 0.5 for each in fitted.residuals])
+        return np.concatenate([each.whitened * each.weights(self.share) for each in fitted.residuals])
 
     def _spread(self, fitted: Hypothesis, given: Hypothesis | None = None) -> tuple[float, float]:
         missed = self._missed(given or self._nothing(fitted))
@@ -308,7 +306,7 @@ class Weighing:
 
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
-        pairs = zip(self._none_read(fitted.convention).residuals, fitted.residuals, strict=True)
+        pairs = zip(self._none_read(fitted.convention).regimes, fitted.regimes, strict=True)
         counted = (self._misfit(old, new) for old, new in pairs if not self._is_covered(fitted, new))
         return max(counted, default=0.0)
 
