@@ -1,4 +1,4 @@
-"""Claims about motors and valves beside a healthy record: rest and moves are weighed each by what it leaves of them."""
+"""Claims about motors and valves beside a healthy record: each regime is weighed by what it leaves there."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, planted, record
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
-from waxstudy.diagnosis.estimate.hypothesis import Residual, on_the_move
+from waxstudy.diagnosis.estimate.hypothesis import Residual, regimes_of
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
@@ -80,37 +80,30 @@ def test_where_nothing_changed_nothing_is_found(channel: str) -> None:
     assert later(channel, ())["none"] > 0.8
 
 
-def test_rest_and_moves_are_told_apart_beside_a_healthy_record_only() -> None:
+def test_regimes_are_told_apart_beside_a_healthy_record_only() -> None:
     seen = house(FLOW)
     segment, believed = link(seen, FLOW)
-    known = healthy(FLOW).as_built
-    (alone,), (beside,) = (
-        SegmentProblem(segment, seen, believed, as_built=each).at((), np.zeros(0), segment.conventions[0]).regimes[1:]  # type: ignore[union-attr]
-        or (None,)
-        for each in (None, known)
-    )
-    assert alone is None
-    assert beside
-    assert beside.channel == on_the_move(FLOW)
+    for known, names in ((None, [FLOW]), (healthy(FLOW).as_built, regimes_of(FLOW))):
+        problem = SegmentProblem(segment, seen, believed, as_built=known)
+        found = problem.at((), np.zeros(0), segment.conventions[0])
+        assert found
+        assert [each.channel for each in found.regimes] == names
 
 
-def test_a_healthy_valve_on_the_move_is_weighed_by_what_it_leaves_there_and_not_by_what_is_chosen() -> None:
-    left = healthy(FLOW).as_built.left
-    assert left[on_the_move(FLOW)].whitened < 0.5
-    assert left[FLOW].whitened > 1.0
+def test_a_regime_is_weighed_by_what_is_left_of_it() -> None:
+    """A flow wanders while the valve rests; of its strokes less is left than is chosen."""
+    resting, moving = (healthy(FLOW).as_built.left[name].whitened for name in regimes_of(FLOW))
+    assert moving < 0.5
+    assert resting > 1.0
 
 
-@given(st.lists(st.tuples(st.floats(-3.0, 3.0), st.booleans(), st.booleans()), min_size=1, max_size=40))
-def test_rest_and_moves_add_up_to_the_whole(samples: list[tuple[float, bool, bool]]) -> None:
-    missed, judged, moves = (np.array(each) for each in zip(*samples, strict=True))
-    count = len(missed)
-    whole = Residual(
-        FLOW, "L/h", 2.0 * missed, missed, judged, np.zeros(count, int), np.zeros(count, int), np.arange(count),
-        moves=moves,
-    )  # fmt: skip
-    rest, moving = whole.regimes
-    assert rest.loss() + moving.loss() == pytest.approx(whole.loss())
-    assert rest.judged.sum() + moving.judged.sum() == judged.sum()
-    share = {rest.channel: 4.0, moving.channel: 9.0}
+@given(st.lists(st.tuples(st.floats(-3.0, 3.0), st.booleans(), st.integers(0, 1)), min_size=1, max_size=40))
+def test_regimes_add_up_to_the_whole(samples: list[tuple[float, bool, int]]) -> None:
+    missed, judged, regime = (np.array(each) for each in zip(*samples, strict=True))
+    none = np.zeros(len(missed), dtype=int)
+    whole = Residual(FLOW, "L/h", 2.0 * missed, missed, judged, none, none, none, regime=regime)
+    assert sum(each.loss() for each in whole.regimes) == pytest.approx(whole.loss())
+    assert sum(each.judged.sum() for each in whole.regimes) == judged.sum()
+    share = dict(zip(regimes_of(FLOW), (4.0, 9.0), strict=True))
     weighed = missed * whole.weights(share)
-    assert weighed @ weighed == pytest.approx(rest.loss() / 4.0 + moving.loss() / 9.0)
+    assert weighed @ weighed == pytest.approx(sum(each.loss() / share[each.channel] for each in whole.regimes))

@@ -116,18 +116,19 @@ def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> 
 
 
 def _left_of(fitted: Hypothesis) -> dict[str, Left]:
-    """Return what is left of each channel, at rest and, where that is weighed by itself, on the move."""
-    gaps = {each.channel: each.gap() for each in fitted.residuals}
-    return {each.channel: _left(each, gaps.get(each.channel)) for each in fitted.regimes}
+    """Return what is left of each channel, and of its regimes where these are weighed by themselves."""
+    whole = {each.channel: _left(each) for each in fitted.residuals}
+    return whole | {each.channel: _of_regime(each) for each in fitted.regimes if each.channel not in whole}
 
 
-def _left(regime: Residual, gap: float | None) -> Left:
-    squares = regime.loss() / max(1, int(regime.judged.sum()))
-    if gap is not None:
-        return Left(gap, float(np.sqrt(squares)))
-    cycles = len(np.unique(regime.block[regime.judged]))
-    # what is chosen of a valve on the move counts as one cycle more
-    return Left(regime.gap(), float(np.sqrt((cycles * squares + 1.0) / (cycles + 1.0))))
+def _left(residual: Residual) -> Left:
+    return Left(residual.gap(), float(np.sqrt(residual.loss() / max(1, int(residual.judged.sum())))))
+
+
+def _of_regime(regime: Residual) -> Left:
+    """Return what is left of a regime; what is chosen counts as one cycle more."""
+    left, cycles = _left(regime), len(np.unique(regime.block[regime.judged]))
+    return replace(left, whitened=float(np.sqrt((cycles * left.whitened**2 + 1.0) / (cycles + 1.0))))
 
 
 def _of_room(

@@ -26,6 +26,7 @@ class HealthyLeft(NamedTuple):
     whitened: float
     samples: int
     cycles: int
+    runs: float = 1.0  # share of them where the instrument has noise
 
 
 class UsualWhere(NamedTuple):
@@ -81,12 +82,11 @@ class Healthy:
         if residual is None or not count:
             return None
         whitened = float(np.sqrt(residual.loss() / count))
-        return HealthyLeft(whitened, count, len(np.unique(residual.block[residual.judged])))
+        return HealthyLeft(whitened, count, len(np.unique(residual.block[residual.judged])), residual.runs)
 
     def usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample of a channel, over what it is weighed by; less is luck."""
-        healthy = self.left(residual.channel)
-        return max(healthy.whitened, _least(residual)) if healthy else _least(residual)
+        return max(float(np.sqrt(self._usual_square(residual))), _least(residual))
 
     def acts(self, given: Residual, other: Residual) -> FloatArray:
         """Return how much another hypothesis changes each sample of a channel (m,), beside a given one."""
@@ -107,8 +107,15 @@ class Healthy:
 
     def usual_loss(self, residual: Residual) -> float:
         """Return what is missed of a later record's channel where nothing changed."""
+        return self._usual_square(residual) * int(residual.judged.sum())
+
+    def _usual_square(self, residual: Residual) -> float:
+        """Return the same in squares, less or not; a meter that runs for more of the time is missed by more."""
         healthy = self.left(residual.channel)
-        return healthy.whitened**2 * int(residual.judged.sum()) if healthy else 0.0
+        if healthy is None:
+            return 0.0
+        more = max(1.0, residual.runs / healthy.runs) if healthy.runs > 0.0 else 1.0
+        return more * healthy.whitened**2
 
     def had_it(self, effects: Edits) -> tuple[float, FloatArray]:
         """Return by how much more likely the healthy record were with effects, as logarithm, all else fitted again.

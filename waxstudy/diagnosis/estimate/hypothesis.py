@@ -12,6 +12,8 @@ from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Value
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.plugin import Belief, FloatArray
 
+REGIMES = ("resting", "moving")  # of a motor or valve
+
 
 @dataclass(frozen=True)
 class Residual:
@@ -26,7 +28,8 @@ class Residual:
     part: np.ndarray  # (m,) FIT, SELECT, SHRINK
     sample: np.ndarray  # (m,) index of the record's sample
     form: float = 0.0  # in `unit`: the most that the form of a room's model may leave, as a root mean square
-    moves: np.ndarray | None = None  # (m,) bool: where it is on the move, which is weighed by itself; None: nowhere
+    regime: np.ndarray | None = None  # (m,) place in `REGIMES`, where each is weighed by itself; None where none is
+    stands: np.ndarray | None = None  # (m,) bool: where a meter stands still and has no noise; None where none does
 
     def loss(self, part: int | None = None) -> float:
         chosen = self.whitened if part is None else self.whitened[self.part == part]
@@ -42,25 +45,34 @@ class Residual:
         return max(1, int(np.sum(self.judged & (self.part == part))))
 
     @property
+    def runs(self) -> float:
+        """Share of what is judged where an instrument has noise."""
+        if self.stands is None or not self.judged.any():
+            return 1.0
+        return float(np.mean(~self.stands[self.judged]))
+
+    @property
     def regimes(self) -> list[Residual]:
-        """What is missed at rest and on the move, each by a name of its own; itself where that is one."""
-        if self.moves is None:
+        """What is missed in each regime, by a name of its own; itself where regimes are not told apart."""
+        if self.regime is None:
             return [self]
-        return [self._where(~self.moves, self.channel), self._where(self.moves, on_the_move(self.channel))]
+        return [self._where(self.regime == place, name) for place, name in enumerate(regimes_of(self.channel))]
 
     def _where(self, chosen: np.ndarray, name: str) -> Residual:
         error, whitened = self.error * chosen, self.whitened * chosen
-        return replace(self, channel=name, error=error, whitened=whitened, judged=self.judged & chosen, moves=None)
+        return replace(self, channel=name, error=error, whitened=whitened, judged=self.judged & chosen, regime=None)
 
     def weights(self, share: Mapping[str, float]) -> FloatArray:
         """Return the root of what each sample counts (m,), from how many of a regime count as one."""
-        rest, moving = (share.get(name, 1.0) ** -0.5 for name in (self.channel, on_the_move(self.channel)))
-        return np.where(self.moves, moving, rest) if self.moves is not None else np.full(len(self.whitened), rest)
+        if self.regime is None:
+            return np.full(len(self.whitened), share.get(self.channel, 1.0) ** -0.5)
+        each = np.array([share.get(name, 1.0) ** -0.5 for name in regimes_of(self.channel)])
+        return np.asarray(each[self.regime])
 
 
-def on_the_move(channel: str) -> str:
-    """Return what a channel is called where it is on the move."""
-    return f"{channel} on the move"
+def regimes_of(channel: str) -> list[str]:
+    """Return what the regimes of a motor's or valve's channel are called."""
+    return [f"{channel} {each}" for each in REGIMES]
 
 
 @dataclass(frozen=True)
@@ -81,11 +93,11 @@ class Hypothesis:
 
     @property
     def regimes(self) -> list[Residual]:
-        """What is missed of every channel, at rest and on the move where these are weighed by themselves."""
+        """What is missed of every channel, in each regime where these are weighed by themselves."""
         return [regime for each in self.residuals for regime in each.regimes]
 
     def regime_of(self, name: str) -> Residual | None:
-        """Return what is missed of a channel at rest, or on the move by that name; None where it is not judged."""
+        """Return what is missed of a channel, or of one of its regimes, by its name; None where it is not judged."""
         return next((each for each in self.regimes if each.channel == name), None)
 
     def residual_of(self, channel: str) -> Residual:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 
 from waxstudy.diagnosis.criteria import FAR_APART_S
-from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.estimate.hypothesis import REGIMES, Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
@@ -37,10 +38,10 @@ class Continuous:
         parts: np.ndarray,
         still: Predicted | None,
         more: float = 1.0,
-        moving: float | None = None,  # what is left on the move, over what is chosen; None: over noise as at rest
+        left: Sequence[float] | None = None,  # by regime, over what is chosen; None: these are not told apart
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
-        self.still, self.more, self.moving = still, more, moving
+        self.still, self.more, self.left = still, more, left
         filled = record.filled(channel)
         self.sample = np.arange(len(record))
         self.measured = record.smooth(filled) if channel in SMOOTHED else filled
@@ -64,17 +65,21 @@ class Continuous:
         believed = float(np.max(self.still[self.channel])) if self.still else 1.0
         resting, within = self._scale(float(np.nanmax(self.record.values[self.channel])) or believed)
         whole = np.hypot(resting, within)
-        if self.moves is None:
+        if self.left is None or self.regime is None:
             return self.more * whole
-        return np.where(self.moves, np.maximum(resting, self.moving * whole), self.more * whole)
+        return np.asarray(np.maximum(resting, np.array(self.left)[self.regime] * whole))
 
     @cached_property
-    def moves(self) -> np.ndarray | None:
-        """Where a channel is on the move (n,), measured or as believed, if that is weighed by itself."""
-        if self.moving is None:
+    def regime(self) -> np.ndarray | None:
+        """Place in `REGIMES` of each sample (n,), if each is weighed by itself."""
+        if self.left is None:
             return None
-        if self.segment.driven_by == "displacement":
-            return self._valve_moves
+        moves = self._valve_moves if self.segment.driven_by == "displacement" else self._moves
+        return np.where(moves, REGIMES.index("moving"), REGIMES.index("resting"))
+
+    @property
+    def _moves(self) -> np.ndarray:
+        """Where a channel is on the move (n,), measured or as believed."""
         least = MOVES_SD * self.record.noise[self.channel]
         measured: np.ndarray = _steps(self.measured) > 2.0**0.5 * least  # both samples of a step have noise
         return measured | (_steps(self.still[self.channel]) > least) if self.still else measured
@@ -83,14 +88,19 @@ class Continuous:
     def _valve_moves(self) -> np.ndarray:
         return _steps(self.record.drive("displacement")) > MOVES_SD * self.record.noise["displacement"]
 
+    @cached_property
+    def stands(self) -> np.ndarray | None:
+        """Where a flow meter stands still (n,), None of other channels."""
+        return stands(self.measured, float(np.nanmax(self.measured))) if self.channel == "flow_L_h" else None
+
     @property
     def noise(self) -> FloatArray:
         """Standard deviation of the noise of what is judged (n,), 0 where a meter stands still."""
         record, noise = self.record, self.record.noise[self.channel]
         if self.channel in SMOOTHED:
             return np.full(len(record), noise * record.smoothed_noise)
-        if self.channel == "flow_L_h":
-            return np.where(stands(self.measured, float(np.nanmax(self.measured))), 0.0, noise)
+        if self.stands is not None:
+            return np.where(self.stands, 0.0, noise)
         return np.full(len(record), noise * (CLIPPED if self.channel == "displacement" else 1.0))
 
     def residual(self, predicted: Predicted) -> Residual:
@@ -100,7 +110,8 @@ class Continuous:
             error = self._best_shift(predicted.shifted[channel])
         unit = UNITS.get(channel, "K")
         where = record.cycle, self.parts, self.sample
-        return Residual(channel, unit, error, error / self.scale, self.known, *where, moves=self.moves)
+        about = channel, unit, error, error / self.scale, self.known, *where
+        return Residual(*about, regime=self.regime, stands=self.stands)
 
     def _known(self) -> np.ndarray:
         """Return where it is judged (n,)."""

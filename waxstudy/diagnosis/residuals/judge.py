@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.hypothesis import Residual, on_the_move
+from waxstudy.diagnosis.estimate.hypothesis import Residual, regimes_of
 from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
@@ -70,14 +70,14 @@ class Judge:
             error = error_of(self._belief, channel)
             known = self._as_built.discrepancies.get(channel) if self._as_built else None
             return RoomMeans(channel, self.record, self.parts, error, self.is_exact_room, known)
-        return Continuous(*common, more, self._moving(channel))
+        return Continuous(*common, more, self._by_regime(channel))
 
-    def _moving(self, channel: str) -> float | None:
-        """Return what a healthy record leaves of a channel on the move, None where there is none or it never rests."""
+    def _by_regime(self, channel: str) -> list[float] | None:
+        """Return what a healthy record leaves of each regime of a channel, None where these are not told apart."""
         if self._as_built is None or channel not in STROKES:
             return None
-        left = self._as_built.left.get(on_the_move(channel))
-        return left.whitened if left else 1.0
+        found = [self._as_built.left.get(name) for name in regimes_of(channel)]
+        return [each.whitened if each else 1.0 for each in found]
 
 
 def perturbed_by_noise(

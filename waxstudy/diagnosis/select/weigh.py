@@ -78,7 +78,7 @@ class Weighing:
         return singles
 
     def _shares(self) -> dict[str, float]:
-        """Return how many samples of each channel count as one, at rest and on the move."""
+        """Return how many samples of each channel, or regime of it, count as one."""
         return {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.regimes}
 
     def _settle(self, singles: Sequence[Hypothesis]) -> None:
