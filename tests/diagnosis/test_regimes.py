@@ -10,12 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, planted, record
+from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, plain, planted, record
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
-from waxstudy.diagnosis.estimate.hypothesis import Residual, regimes_of
+from waxstudy.diagnosis.estimate.hypothesis import REGIMES, Residual, regimes_of
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals.continuous import Continuous
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.posterior import posterior
 from waxstudy.diagnosis.select.weigh import Weighing
@@ -75,6 +76,25 @@ def test_a_motor_that_opens_less_is_found_where_its_moves_are_of_another_form() 
     assert later(STROKE, effects(limited_travel={"opening": 0.93}))["limited-travel"] > 0.8
 
 
+def test_a_small_leak_is_found_whose_meter_runs_all_the_time_where_the_healthy_one_stood() -> None:
+    """It brings the meter's noise, and not what the flow wanders by while the valve is open."""
+    assert later(FLOW, effects(let_by={"fraction": 0.005}))["let-by"] > 0.8
+
+
+@pytest.mark.parametrize("interval_s", [30.0, 60.0, 300.0])
+def test_a_stroke_is_a_move_however_often_it_is_sampled(interval_s: float) -> None:
+    """Of a stroke of three minutes; a sample beside one that moved belongs to it."""
+    time_s = np.arange(0.0, 7200.0, interval_s)
+    stroke = np.interp(time_s, [3600.0, 3780.0], [0.0, 1.0]) + np.random.default_rng(1).normal(0.0, 0.01, len(time_s))
+    seen = plain({STROKE: stroke}, interval_s, stated_noise={STROKE: 0.01})
+    segment = Segment(("actuator",), "heating_signal", (STROKE,))
+    way = Continuous(STROKE, segment, seen, np.zeros(len(time_s)), None, left=(1.0, 1.0))
+    assert way.regime is not None
+    moves = time_s[way.regime == REGIMES.index("moving")]
+    assert 3600.0 - max(60.0, interval_s) <= moves.min() <= 3600.0
+    assert 3780.0 - interval_s <= moves.max() <= 3780.0 + max(60.0, interval_s)
+
+
 @pytest.mark.parametrize("channel", [FLOW, STROKE])
 def test_where_nothing_changed_nothing_is_found(channel: str) -> None:
     assert later(channel, ())["none"] > 0.8
@@ -83,8 +103,10 @@ def test_where_nothing_changed_nothing_is_found(channel: str) -> None:
 def test_regimes_are_told_apart_beside_a_healthy_record_only() -> None:
     seen = house(FLOW)
     segment, believed = link(seen, FLOW)
-    for known, names in ((None, [FLOW]), (healthy(FLOW).as_built, regimes_of(FLOW))):
-        problem = SegmentProblem(segment, seen, believed, as_built=known)
+    known = healthy(FLOW).as_built
+    without_link = replace(known, conventions={})
+    for as_built, names in ((None, [FLOW]), (without_link, [FLOW]), (known, regimes_of(FLOW))):
+        problem = SegmentProblem(segment, seen, believed, as_built=as_built)
         found = problem.at((), np.zeros(0), segment.conventions[0])
         assert found
         assert [each.channel for each in found.regimes] == names

@@ -16,7 +16,7 @@ from tests.diagnosis.realities import EFFECTS, Effects, belief, dataset, effects
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
 from waxstudy.diagnosis.calibration.healthy import Healthy, HealthyLeft, UsualWhere
 from waxstudy.diagnosis.diagnose import record_of
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual, regimes_of
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.model.segments import segments
@@ -49,16 +49,17 @@ def _recorded(data: pd.DataFrame) -> Record:
 
 
 @cache
-def calibration(was_so: Effects) -> Calibration:
+def calibration(was_so: Effects, is_looked_for: bool) -> Calibration:
     healthy = _recorded(rows("WAX", DAYS, was_so, seed=2))
-    return calibrate(healthy, belief("WAX", healthy), LIBRARY, QUICK)
+    return calibrate(healthy, belief("WAX", healthy), LIBRARY if is_looked_for else [], QUICK)
 
 
 @cache
 def of(
     before: Effects, since_day_3: Effects, thorough: float = QUICK, was_so: Effects = NOTHING
 ) -> tuple[Weighing, list[Weighed]]:
-    record, known = seen(before, since_day_3), calibration(was_so)
+    """What is weighed of it; what was so in the healthy record was not looked for there."""
+    record, known = seen(before, since_day_3), calibration(was_so, is_looked_for=was_so == NOTHING)
     believed = known.as_built.believed(belief("WAX", record))
     (motor,) = segments(record, believed)
     problem = SegmentProblem(motor, record, believed, as_built=known.as_built, parts=np.full(len(record), FIT))
@@ -98,38 +99,46 @@ def test_a_slow_motor_is_found_and_explains_all_of_it() -> None:
 
 
 def test_a_gain_is_half_of_what_is_missed_less_in_samples_that_count_and_not_below_what_is_usual() -> None:
+    """In each regime by itself."""
     weighing, (none, slow, _) = of(SLOW, SLOW)
-    together, healthy = weighing.healthy.together("displacement"), weighing.healthy.left("displacement")
-    assert healthy
-    usual = healthy.whitened**2 * only(slow).judged.sum()
-    before, after = (float(np.sum(only(each).whitened ** 2)) for each in (none, slow))
-    assert together > 10.0
-    assert slow.gain == pytest.approx(0.5 * (before - max(after, usual)) / together)
-    counted = [only(each).whitened / together**0.5 for each in (none, slow)]
+    gain, together = 0.0, {each: weighing.healthy.together(each) for each in regimes_of("displacement")}
+    for old, new in zip(none.fitted.regimes, slow.fitted.regimes, strict=True):
+        healthy = weighing.healthy.left(new.channel)
+        assert healthy
+        usual = healthy.whitened**2 * new.judged.sum()
+        before, after = (max(float(np.sum(each.whitened**2)), usual) for each in (old, new))
+        gain += 0.5 * (before - after) / together[new.channel]
+    assert max(together.values()) > 10.0
+    assert slow.gain == pytest.approx(gain)
+    of_sample = np.array(list(together.values()))[only(none).regime]
+    counted = [only(each).whitened / of_sample**0.5 for each in (none, slow)]
     assert (slow.spread, slow.most) == pytest.approx(gain_spread(counted[0], counted[1], weighing.problem.record.cycle))
 
 
 def test_what_is_missed_stands_out_where_an_effect_acts_over_what_healthy_records_leave_there() -> None:
     weighing, (none, slow, _) = of(SLOW, SLOW)
-    missed = only(none)
-    assert not missed.judged.all()  # what is not judged makes nothing stand out less
-    change = missed.judged * (missed.whitened - only(slow).whitened) ** 2
-    per_cycle = np.array([np.bincount(missed.block, each) for each in (change * missed.whitened**2, change)])
+    assert not only(none).judged.all()  # what is not judged makes nothing stand out less
+    per_cycle, luck = np.zeros((2, int(only(none).block.max()) + 1)), 0.0
+    for missed, new in zip(none.fitted.regimes, slow.fitted.regimes, strict=True):
+        change = missed.judged * (missed.whitened - new.whitened) ** 2
+        usual, cycles = weighing.healthy.usual_where(missed, slow.fitted.effects, ())
+        both = change * (missed.whitened / usual) ** 2, change
+        per_cycle += [np.bincount(missed.block, each, len(per_cycle[0])) for each in both]
+        luck += change.sum() / cycles
+    acts = per_cycle[1].sum()
     lasts, whole = np.delete(per_cycle, np.argmax(per_cycle[0]), axis=1).sum(axis=1)
-    usual, cycles = weighing.healthy.usual_where(missed, slow.fitted.effects, ())
-    assert slow.stands == pytest.approx(
-        np.log(np.sqrt(lasts / whole) / usual) / np.hypot(WEIGHTS.scatter, (0.5 / cycles) ** 0.5)
-    )
+    scatter = np.hypot(WEIGHTS.scatter, (0.5 * luck / acts) ** 0.5)
+    assert slow.stands == pytest.approx(0.5 * np.log(lasts / whole) / scatter)
 
 
 def test_what_is_usual_where_an_effect_acts_is_of_the_samples_that_it_changes() -> None:
     """A healthy record leaves most at the edges of a slower motor's strokes, and hardly anything where it rests."""
     weighing, (none, slow, *_) = of(NOTHING, SLOW)
-    healthy, missed = weighing.healthy, only(none)
-    still = healthy.fitted.residual_of("displacement")
+    healthy, (_, missed) = weighing.healthy, none.fitted.regimes
+    still = healthy.fitted.regimes[1]
     made = healthy.problem.at(slow.fitted.effects, healthy.fitted.departures, healthy.fitted.convention)
     assert made
-    change = still.judged * (made.residual_of("displacement").whitened - still.whitened) ** 2
+    change = still.judged * (made.regimes[1].whitened - still.whitened) ** 2
     expected = np.sqrt(np.sum(change * still.whitened**2) / change.sum())
     found = healthy.usual_where(missed, slow.fitted.effects, ())
     assert found.whitened == pytest.approx(max(expected, WEIGHTS.least_left))
@@ -142,29 +151,32 @@ def test_what_is_usual_where_an_effect_acts_is_of_the_samples_that_it_changes() 
 
 def test_a_misfit_is_told_in_standard_deviations_of_what_cycles_tell() -> None:
     weighing, (none, _, _) = of(SLOW, SLOW)
-    healthy, missed = weighing.healthy.left("displacement"), only(none)
+    missed = none.fitted.regimes[1]  # the strokes are missed most
+    healthy = weighing.healthy.left(missed.channel)
     assert healthy
     count, cycles = int(missed.judged.sum()), len(np.unique(missed.block[missed.judged]))
-    more = max(1.0, (cycles / count) / (healthy.cycles / healthy.samples))  # of a valve that moves more often
-    over = lasting(missed, missed.judged) / np.sqrt(more) / healthy.whitened
-    together = min(weighing.healthy.together("displacement"), count / cycles)
+    over = lasting(missed, missed.judged) / healthy.whitened
+    together = min(weighing.healthy.together(missed.channel), count / cycles)
     scatter = np.sqrt(WEIGHTS.scatter**2 + 0.5 * together / count + 0.5 * together / healthy.samples)
     assert none.misfit == pytest.approx(np.log(over) / scatter)
 
 
 def test_what_an_effect_leaves_is_excused_by_a_tenth_of_what_it_explains() -> None:
     weighing, (none, slow, _) = of(NOTHING, SLOW)[0], of(NOTHING, SLOW)[1][:3]
-    healthy, missed = weighing.healthy.left("displacement"), only(slow)
+    missed = slow.fitted.regimes[1]
+    healthy = weighing.healthy.left(missed.channel)
     assert healthy
     count = int(missed.judged.sum())
-    explained = (only(none).loss() - missed.loss()) / count
+    explained = (none.fitted.regimes[1].loss() - missed.loss()) / count
     cycles = len(np.unique(missed.block[missed.judged]))
-    more = max(1.0, (cycles / count) / (healthy.cycles / healthy.samples))
-    usual = np.sqrt(more * healthy.whitened**2 + WEIGHTS.form**2 * explained)
-    together = min(weighing.healthy.together("displacement"), count / cycles)
+    usual = np.sqrt(healthy.whitened**2 + WEIGHTS.form**2 * explained)
+    together = min(weighing.healthy.together(missed.channel), count / cycles)
     scatter = np.sqrt(WEIGHTS.scatter**2 + 0.5 * together / count + 0.5 * together / healthy.samples)
     assert slow.misfit == pytest.approx(np.log(lasting(missed, missed.judged) / usual) / scatter)
-    over = [each.loss() - weighing.healthy.usual_loss(each) for each in (missed, only(none))]
+    over = [
+        sum(max(0.0, regime.loss() - weighing.healthy.usual_loss(regime)) for regime in each.fitted.regimes)
+        for each in (slow, none)
+    ]
     assert slow.left == pytest.approx(np.sqrt(over[0] / over[1]))
 
 
@@ -210,26 +222,27 @@ def test_a_second_effect_gains_no_more_than_its_cycles_can_tell() -> None:
 def test_a_second_effect_gains_what_it_adds_beyond_the_form_of_the_first() -> None:
     """Also beside one that is there since day 3, and with its own spread over cycles."""
     weighing, found = of(NOTHING, SLOW, 1.0)
-    both = found[4].fitted
-    assert found[4] == weighing._beside(found[1], both)
+    both = found[5].fitted
+    assert found[5] == weighing._beside(found[1], both)
     for given in (found[1], found[3]):
         pair = weighing._beside(given, both)
-        counted = [only(each).whitened / weighing.share["displacement"] ** 0.5 for each in (given, pair)]
-        spread, most = gain_spread(counted[0], counted[1], weighing.problem.record.cycle)
+        counted = [only(each).whitened * only(each).weights(weighing.share) for each in (given, pair)]
+        spread, told = gain_spread(counted[0], counted[1], weighing.problem.record.cycle)
         gained, may = weighing.of(pair.fitted).gain - given.gain, 0.0
-        change, first, both_ = (each.whitened for each in (only(found[0]), only(given), only(pair)))
-        change = change - first
-        for cycle in set(only(pair).block):
-            here = only(pair).judged & (only(pair).block == cycle)
-            for left, sign in ((first[here], 1.0), (both_[here], -1.0)):
-                along = np.clip(left @ change[here] / max(change[here] @ change[here], 1e-12), -0.1, 0.1)
-                may += 0.5 * sign * (left @ left - np.sum((left - along * change[here]) ** 2))
-        more = gained - min(max(0.0, may / weighing.share["displacement"]), max(0.0, gained))
-        assert pair.gain == pytest.approx(given.gain + min(more / spread, most))
+        for none, one, two in zip(*(each.fitted.regimes for each in (found[0], given, pair)), strict=True):
+            change, first, both_, of_form = none.whitened - one.whitened, one.whitened, two.whitened, 0.0
+            for cycle in set(two.block):
+                here = two.judged & (two.block == cycle)
+                for left, sign in ((first[here], 1.0), (both_[here], -1.0)):
+                    along = np.clip(left @ change[here] / max(change[here] @ change[here], 1e-12), -0.1, 0.1)
+                    of_form += sign * (left @ left - np.sum((left - along * change[here]) ** 2))
+            most = max(0.0, weighing._losses(given.fitted)[two.channel] - weighing._losses(pair.fitted)[two.channel])
+            may += 0.5 * min(max(0.0, of_form / weighing.share[two.channel]), most)
+        more = gained - may
+        assert pair.gain == pytest.approx(given.gain + min(more / spread, told))
         assert pair.spread == given.spread
         assert pair.fitted.names == ("slow-actuator", "stuck-open")
-    assert found[3].misfit < WEIGHTS.open < found[1].misfit  # so none is looked for beside that since day 3
-    assert not any(each.most == found[3].most for each in found[4:])
+    assert WEIGHTS.open < found[3].misfit < found[1].misfit  # so more is looked for beside both
 
 
 def test_what_each_judged_cycle_is_missed_by_is_the_loss_of_its_samples() -> None:
@@ -237,7 +250,8 @@ def test_what_each_judged_cycle_is_missed_by_is_the_loss_of_its_samples() -> Non
     weighing, found = of(NOTHING, SLOW)
     for each in found[:2]:
         missed = only(each)
-        assert each.by_cycle.sum() == pytest.approx(missed.loss() / weighing.share[missed.channel])
+        losses = [regime.loss() / weighing.share[regime.channel] for regime in missed.regimes]
+        assert each.by_cycle.sum() == pytest.approx(sum(losses))
         assert len(each.by_cycle) == len(set(missed.block[missed.judged])) < len(set(missed.block))
 
 
@@ -251,7 +265,7 @@ def test_what_a_first_effect_told_of_one_channel_is_no_excuse_in_another() -> No
     weighing = bare(is_room=False)
     weighing.problem.sd = np.zeros(0)
     made: dict[str, Any] = {
-        name: SimpleNamespace(residuals=[residual(sensor, "s"), residual(output, "c")], convention=PLAIN)
+        name: leaving(residual(sensor, "s"), residual(output, "c"))
         for name, sensor, output in (
             ("none", [100.0] * 20, [4.0, 0.0] * 10),
             ("bias", [5.0] * 20, [3.0, 0.0] * 10),
@@ -271,12 +285,10 @@ def test_what_a_second_effect_leaves_along_the_first_one_it_does_not_pay_for() -
     """A first effect leaves a twentieth of it, and the second one takes away only what lies across."""
     weighing = bare(is_room=False)
     along, across = np.full(20, 5.0), np.array([3.0, -3.0] * 10)
-    first, both = (
-        SimpleNamespace(residuals=[residual(each, "c")], convention=PLAIN) for each in (along + across, along)
-    )
+    first, both = (leaving(residual(each, "c")) for each in (along + across, along))
     rest: Any = weighing
     rest._losses = lambda fitted: {each.channel: each.loss() for each in fitted.residuals}
-    rest._none_read = lambda convention: SimpleNamespace(residuals=[residual(along + across + 100.0, "c")])
+    rest._none_read = lambda convention: leaving(residual(along + across + 100.0, "c"))
     given: Any = SimpleNamespace(fitted=first)
     second: Any = both
     assert weighing._form_may_tell(given, second) == pytest.approx(0.0, abs=1e-9)
@@ -294,7 +306,7 @@ def test_form_excuses_an_effect_that_is_stronger_or_weaker_by_a_tenth_and_nothin
 
 
 def test_what_the_healthy_record_says_for_an_effect_varies_over_cycles_as_its_gain_does() -> None:
-    """A motor was a little slow from the start, by too little to be calibrated."""
+    """A motor was a little slow from the start, and nobody looked for that."""
     weighing, found = of(
         NOTHING, effects(slow_actuator={"factor": 1.15}), was_so=effects(slow_actuator={"factor": 1.09})
     )
@@ -311,7 +323,7 @@ def test_what_the_healthy_record_says_for_an_effect_varies_over_cycles_as_its_ga
 def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weighing:
     """What weighs a link whose healthy record left so much of each channel."""
     made: Any = object.__new__(Weighing)
-    segment = SimpleNamespace(with_room=is_room)
+    segment = SimpleNamespace(with_room=is_room, judged=("air_temperature_C", "return_temperature_C", "heating_signal"))
     made.problem = SimpleNamespace(**{"segment": segment, "sd": np.zeros(0), "as_built": None, **problem})
     usual: Any = Healthy
     made.healthy = SimpleNamespace(
@@ -320,6 +332,7 @@ def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weig
         scatter=partial(usual.scatter, None),
         tolerated_travel=0.0,
         usual=lambda residual: usual.usual(made.healthy, residual),
+        _usual_square=lambda residual: usual._usual_square(made.healthy, residual),
         usual_where=lambda residual, effects, given: UsualWhere(usual.usual(made.healthy, residual)),
         acts=partial(usual.acts, None),
     )
@@ -375,7 +388,7 @@ def test_a_record_is_less_likely_by_how_far_what_it_tells_lies_from_what_calibra
 
 @pytest.mark.parametrize("left", [2.0, None])
 def test_what_stands_out_is_told_where_it_is_changed(left: float | None) -> None:
-    weighing = bare(False, HealthyLeft(left, 100, 10) if left else None)
+    weighing = bare(False, HealthyLeft(left, 100, 10, 0.0) if left else None)
     missed, rest = [6.0, 0.0, 6.0, 0.0, 6.0, 0.0], [0.0, 0.0, 6.0, 0.0, 0.0, 0.0]
     signal = {"channel": "heating_signal", "unit": "s"}
     for way, least in ((signal, WEIGHTS.least_off), ({}, WEIGHTS.least_left)):
@@ -405,7 +418,7 @@ def test_a_misfit_is_over_what_the_healthy_record_left_and_not_below_what_any_ma
     missed = leaving(residual(np.full(100, 8.0), channel, unit))
     scatter = np.sqrt(own**2 + 0.5 * 6.0 / 100 + 0.5 * 6.0 / 50)
     for left in (0.1, 2.0):
-        weighing = bare(is_room, HealthyLeft(left, 50, cycles))
+        weighing = bare(is_room, HealthyLeft(left, 50, cycles, 0.0))
         weighing.none, weighing.share = missed, {channel: 6.0}
         usual = max(left, least) * more**0.5
         assert weighing.misfit(missed) == pytest.approx(np.log(8.0 / usual) / scatter)
@@ -418,14 +431,14 @@ def test_a_misfit_is_over_what_the_healthy_record_left_and_not_below_what_any_ma
 
 @pytest.mark.parametrize(("cycles", "is_missed"), [(0, False), (1, False), (2, True)])
 def test_what_is_missed_in_one_cycle_alone_is_no_misfit(cycles: int, is_missed: bool) -> None:
-    weighing = bare(False, HealthyLeft(1.0, 100, 10))
+    weighing = bare(False, HealthyLeft(1.0, 100, 10, 0.0))
     weighing.none = leaving(residual(np.where(np.arange(100) < 10 * cycles, 50.0, 1.0)))
     assert (weighing.misfit(weighing.none) > 3.0) is is_missed
     assert (weighing.misfit(weighing.none) > 0.0) is is_missed
 
 
 def test_where_nothing_is_judged_or_known_there_is_no_misfit_and_of_several_channels_the_largest_counts() -> None:
-    weighing, large, small = bare(True, HealthyLeft(1.0, 100, 10)), np.full(100, 9.0), np.full(100, 3.0)
+    weighing, large, small = bare(True, HealthyLeft(1.0, 100, 10, 0.0)), np.full(100, 9.0), np.full(100, 3.0)
     nowhere = replace(residual(0.0 * large), judged=np.zeros(100, dtype=bool))
     weighing.none = leaving(residual(small), residual(large), nowhere)
     one = leaving(residual(large))

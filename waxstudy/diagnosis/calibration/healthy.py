@@ -26,7 +26,7 @@ class HealthyLeft(NamedTuple):
     whitened: float
     samples: int
     cycles: int
-    runs: float = 1.0  # share of them where the instrument has noise
+    noise_square: float  # of the instrument, of a sample
 
 
 class UsualWhere(NamedTuple):
@@ -82,7 +82,8 @@ class Healthy:
         if residual is None or not count:
             return None
         whitened = float(np.sqrt(residual.loss() / count))
-        return HealthyLeft(whitened, count, len(np.unique(residual.block[residual.judged])), residual.runs)
+        cycles = len(np.unique(residual.block[residual.judged]))
+        return HealthyLeft(whitened, count, cycles, residual.noise_square)
 
     def usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample of a channel, over what it is weighed by; less is luck."""
@@ -110,12 +111,11 @@ class Healthy:
         return self._usual_square(residual) * int(residual.judged.sum())
 
     def _usual_square(self, residual: Residual) -> float:
-        """Return the same in squares, less or not; a meter that runs for more of the time is missed by more."""
+        """Return the mean square that nothing amiss leaves of a sample; a meter that runs more often has more noise."""
         healthy = self.left(residual.channel)
         if healthy is None:
             return 0.0
-        more = max(1.0, residual.runs / healthy.runs) if healthy.runs > 0.0 else 1.0
-        return more * healthy.whitened**2
+        return healthy.whitened**2 + max(0.0, residual.noise_square - healthy.noise_square)
 
     def had_it(self, effects: Edits) -> tuple[float, FloatArray]:
         """Return by how much more likely the healthy record were with effects, as logarithm, all else fitted again.
@@ -146,14 +146,15 @@ def _least(residual: Residual) -> float:
 
 
 def together(residual: Residual) -> float:
-    """Return how many samples of a channel count as one, as errors hang together (Geyer 1992)."""
+    """Return how many samples of a channel count as one, as errors hang together (Geyer 1992), but not over cycles."""
     values = residual.whitened[residual.judged]
     if len(values) < 3 or residual.unit == "s" or not values.any():
         return 1.0
     power = np.abs(np.fft.rfft(values, 2 * len(values))) ** 2
     correlation = np.fft.irfft(power)[: len(values)]
     ends = np.flatnonzero(correlation <= 0.0)
-    return float(1.0 + 2.0 * correlation[1 : ends[0] if len(ends) else None].sum() / correlation[0])
+    found = float(1.0 + 2.0 * correlation[1 : ends[0] if len(ends) else None].sum() / correlation[0])
+    return min(found, len(values) / len(np.unique(residual.block[residual.judged])))
 
 
 def blocks_of_room(residual: Residual, interval_s: float) -> np.ndarray:

@@ -29,7 +29,7 @@ class Residual:
     sample: np.ndarray  # (m,) index of the record's sample
     form: float = 0.0  # in `unit`: the most that the form of a room's model may leave, as a root mean square
     regime: np.ndarray | None = None  # (m,) place in `REGIMES`, where each is weighed by itself; None where none is
-    stands: np.ndarray | None = None  # (m,) bool: where a meter stands still and has no noise; None where none does
+    noise: FloatArray | None = None  # (m,) standard deviation of the instrument's, whitened; None where none is told
 
     def loss(self, part: int | None = None) -> float:
         chosen = self.whitened if part is None else self.whitened[self.part == part]
@@ -45,11 +45,9 @@ class Residual:
         return max(1, int(np.sum(self.judged & (self.part == part))))
 
     @property
-    def runs(self) -> float:
-        """Share of what is judged where an instrument has noise."""
-        if self.stands is None or not self.judged.any():
-            return 1.0
-        return float(np.mean(~self.stands[self.judged]))
+    def noise_square(self) -> float:
+        """What the instrument's noise leaves of a sample, as a mean of whitened squares; a meter at rest has none."""
+        return float(np.mean(self.noise[self.judged] ** 2)) if self.noise is not None and self.judged.any() else 0.0
 
     @property
     def regimes(self) -> list[Residual]:

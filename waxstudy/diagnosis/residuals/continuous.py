@@ -24,6 +24,7 @@ RIDGE = 0.05  # share of full scale by which a moving valve may be missed, besid
 STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it went on between them
 STROKES = ("displacement", "flow_L_h")  # that move for minutes and rest for hours
 MOVES_SD = 3.0  # standard deviations of noise within which a sample rests where the last one was
+MOVES_S = 60.0  # within which it does: a stroke takes minutes
 UNITS = {"flow_L_h": "L/h", "displacement": "1", "control_output": "1"}
 
 
@@ -74,33 +75,31 @@ class Continuous:
         """Place in `REGIMES` of each sample (n,), if each is weighed by itself."""
         if self.left is None:
             return None
-        moves = self._valve_moves if self.segment.driven_by == "displacement" else self._moves
+        if self.segment.driven_by == "displacement":
+            moves = self._moves("displacement", self.record.drive("displacement"))
+        else:
+            moves = self._moves(self.channel, self.measured)
+            if self.still:
+                moves |= self._moves(self.channel, self.still[self.channel])
         return np.where(moves, REGIMES.index("moving"), REGIMES.index("resting"))
 
-    @property
-    def _moves(self) -> np.ndarray:
-        """Where a channel is on the move (n,), measured or as believed."""
-        least = MOVES_SD * self.record.noise[self.channel]
-        measured: np.ndarray = _steps(self.measured) > 2.0**0.5 * least  # both samples of a step have noise
-        return measured | (_steps(self.still[self.channel]) > least) if self.still else measured
+    def _moves(self, channel: str, values: FloatArray) -> np.ndarray:
+        """Return where a channel moves within a minute (n,), however often it is sampled."""
+        apart = max(1, round(MOVES_S / self.record.interval_s))
+        far = np.abs(values[apart:] - values[:-apart]) > 2.0**0.5 * MOVES_SD * self.record.noise[channel]
+        moves = np.zeros(len(values), dtype=bool)
+        moves[apart:] |= far
+        moves[:-apart] |= far
+        return moves
 
     @cached_property
-    def _valve_moves(self) -> np.ndarray:
-        return _steps(self.record.drive("displacement")) > MOVES_SD * self.record.noise["displacement"]
-
-    @cached_property
-    def stands(self) -> np.ndarray | None:
-        """Where a flow meter stands still (n,), None of other channels."""
-        return stands(self.measured, float(np.nanmax(self.measured))) if self.channel == "flow_L_h" else None
-
-    @property
     def noise(self) -> FloatArray:
         """Standard deviation of the noise of what is judged (n,), 0 where a meter stands still."""
         record, noise = self.record, self.record.noise[self.channel]
         if self.channel in SMOOTHED:
             return np.full(len(record), noise * record.smoothed_noise)
-        if self.stands is not None:
-            return np.where(self.stands, 0.0, noise)
+        if self.channel == "flow_L_h":
+            return np.where(stands(self.measured, float(np.nanmax(self.measured))), 0.0, noise)
         return np.full(len(record), noise * (CLIPPED if self.channel == "displacement" else 1.0))
 
     def residual(self, predicted: Predicted) -> Residual:
@@ -111,7 +110,7 @@ class Continuous:
         unit = UNITS.get(channel, "K")
         where = record.cycle, self.parts, self.sample
         about = channel, unit, error, error / self.scale, self.known, *where
-        return Residual(*about, regime=self.regime, stands=self.stands)
+        return Residual(*about, regime=self.regime, noise=self.noise / self.scale)
 
     def _known(self) -> np.ndarray:
         """Return where it is judged (n,)."""
@@ -142,6 +141,7 @@ class Continuous:
         record, noise = self.record, self.record.noise[self.channel]
         least = 0.1 * noise if self.channel == "flow_L_h" else noise
         resting = np.where(stands(record.filled(self.channel), full), max(least, 1e-3 * full), noise)
+        resting[resting == 0.0] = 1e-3 * (full or 1.0)  # nobody knows a channel without noise better
         if self.segment.driven_by == "displacement":
             return np.hypot(resting, self.driven), self._within(full)
         return np.hypot(np.maximum(resting, 1e-3), self.driven), np.zeros(len(record))
@@ -149,7 +149,9 @@ class Continuous:
     def _within(self, full: float) -> FloatArray:
         """Return by how much a valve may be missed while it moves (n,)."""
         drive = self.record.drive("displacement")
-        return np.where(self._valve_moves, np.hypot(RIDGE, STEEP * _steps(drive)) * full, 0.0)
+        steps = np.maximum(np.abs(np.gradient(drive)), np.abs(np.diff(drive, prepend=drive[:1])))
+        moves = steps > MOVES_SD * self.record.noise["displacement"]
+        return np.where(moves, np.hypot(RIDGE, STEEP * steps) * full, 0.0)
 
     def _best_shift(self, shifted: FloatArray) -> FloatArray:
         """Return the errors after each switch of the drive is put where in its interval it fits best."""
@@ -159,11 +161,6 @@ class Continuous:
         losses = [np.bincount(stretch, weights=(error / self.scale) ** 2) for error in tried]
         best = np.argmin(losses, axis=0)[stretch]
         return np.asarray(tried[best, np.arange(len(stretch))])
-
-
-def _steps(values: FloatArray) -> FloatArray:
-    """Return how far each sample is from those beside it (n,)."""
-    return np.maximum(np.abs(np.gradient(values)), np.abs(np.diff(values, prepend=values[:1])))
 
 
 def stands(values: FloatArray, full: float) -> np.ndarray:

@@ -73,8 +73,8 @@ class Judge:
         return Continuous(*common, more, self._by_regime(channel))
 
     def _by_regime(self, channel: str) -> list[float] | None:
-        """Return what a healthy record leaves of each regime of a channel, None where these are not told apart."""
-        if self._as_built is None or channel not in STROKES:
+        """Return what the healthy record leaves of each regime of a channel, None where it has no such link."""
+        if self._as_built is None or self.segment.name not in self._as_built.conventions or channel not in STROKES:
             return None
         found = [self._as_built.left.get(name) for name in regimes_of(channel)]
         return [each.whitened if each else 1.0 for each in found]

@@ -223,16 +223,17 @@ class Weighing:
         """
         if self.problem.segment.with_room:
             return np.inf
-        weights, missed, cycles = list[FloatArray](), list[FloatArray](), np.inf
+        weights, missed, luck = list[FloatArray](), list[FloatArray](), 0.0
         for old, new in zip(given.regimes, fitted.regimes, strict=True):
             weights.append(self.healthy.acts(old, new))
             # the healthy record has no such times as a pattern has
             where = self.healthy.usual_where(old, () if pattern else fitted.effects, given.effects)
             missed.append(weights[-1] * (old.whitened / where.whitened) ** 2)
-            cycles = min(cycles, where.cycles)
+            luck += float(weights[-1].sum()) / where.cycles
         block = np.concatenate([self._block(each) for each in given.regimes])
         over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
-        scatter = float(np.hypot(self.healthy.stands_scatter, (0.5 / cycles) ** 0.5))
+        acts = sum(float(each.sum()) for each in weights)
+        scatter = float(np.hypot(self.healthy.stands_scatter, (0.5 * luck / acts) ** 0.5 if acts else 0.0))
         return 0.5 * float(np.log(max(1.0, over))) / scatter
 
     def _left(self, fitted: Hypothesis) -> float:
@@ -320,10 +321,10 @@ class Weighing:
         healthy = self.healthy.left(residual.channel)
         if not count or healthy is None:
             return 0.0
-        # a valve that moves more often is missed more often: of samples and cycles the ones that tell less
-        cycles = len(np.unique(residual.block[residual.judged]))
-        is_room = self.problem.segment.with_room
-        more = 1.0 if is_room else max(1.0, cycles / count * healthy.samples / healthy.cycles)
+        # a valve that moves more often is missed more often, but not in a regime: of samples and cycles what tells less
+        cycles, segment = len(np.unique(residual.block[residual.judged])), self.problem.segment
+        is_whole = residual.channel in segment.judged and not segment.with_room
+        more = max(1.0, cycles / count * healthy.samples / healthy.cycles) if is_whole else 1.0
         explained = max(0.0, none.loss() - residual.loss()) / count
         usual = float(np.sqrt(more * self.healthy.usual(residual) ** 2 + WEIGHTS.form**2 * explained))
         squares = residual.whitened[residual.judged] ** 2
