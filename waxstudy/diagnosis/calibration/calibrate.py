@@ -110,9 +110,14 @@ def _hinders(effects: Effects, before: Belief, after: Belief) -> bool:
 
 
 def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> float:
-    """Return the log likelihood that another hypothesis gains, of samples of which so many count as one."""
-    pairs = zip(fitted.regimes, other.regimes, strict=True)
-    return 0.5 * sum((old.loss() - new.loss()) / share[old.channel] for old, new in pairs)
+    """Return the log likelihood that another hypothesis gains, of samples of which so many count as one.
+
+    Errors are weighed by what it leaves, where that is more than noise.
+    """
+    pairs = [
+        (old, new, max(1.0, _left(new).whitened ** 2)) for old, new in zip(fitted.regimes, other.regimes, strict=True)
+    ]
+    return 0.5 * sum((old.loss() - new.loss()) / share[old.channel] / left for old, new, left in pairs)
 
 
 def _left_of(fitted: Hypothesis) -> dict[str, Left]:

@@ -58,9 +58,12 @@ class Healthy:
         return Estimator(self.problem).slopes_at(self.fitted)
 
     def together(self, channel: str) -> float:
-        """Return how many samples of a channel count as one: what is whitened over time has none that hang together."""
+        """Return how many samples of a channel count as one, at most those of a cycle; one of what is whitened."""
         residual = None if channel in self.whitened else self.fitted.regime_of(channel)
-        return together(residual) if residual else 1.0
+        if residual is None or not residual.judged.any():
+            return 1.0
+        cycles = len(np.unique(residual.block[residual.judged]))
+        return min(together(residual), float(residual.judged.sum()) / cycles)
 
     @property
     def whitened(self) -> Mapping[str, Discrepancy]:
@@ -146,15 +149,14 @@ def _least(residual: Residual) -> float:
 
 
 def together(residual: Residual) -> float:
-    """Return how many samples of a channel count as one, as errors hang together (Geyer 1992), but not over cycles."""
+    """Return how many samples of a channel count as one, as errors hang together (Geyer 1992)."""
     values = residual.whitened[residual.judged]
     if len(values) < 3 or residual.unit == "s" or not values.any():
         return 1.0
     power = np.abs(np.fft.rfft(values, 2 * len(values))) ** 2
     correlation = np.fft.irfft(power)[: len(values)]
     ends = np.flatnonzero(correlation <= 0.0)
-    found = float(1.0 + 2.0 * correlation[1 : ends[0] if len(ends) else None].sum() / correlation[0])
-    return min(found, len(values) / len(np.unique(residual.block[residual.judged])))
+    return float(1.0 + 2.0 * correlation[1 : ends[0] if len(ends) else None].sum() / correlation[0])
 
 
 def blocks_of_room(residual: Residual, interval_s: float) -> np.ndarray:

@@ -46,17 +46,19 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
         is_of_room = effect.apply(documented, effect.Parameters(**found)).room != documented.room
         for name, value in found.items():
             before = still.get(name, nan)
-            is_clear = (
-                not isfinite(before) or name not in effect.priors or _is_noticeable(effect.priors[name], value, before)
-            )
             yield Calibrated(
                 f"{effect.name} {name}",
                 Interval(value, nan, nan),
                 before,
                 sentence,
                 "room" if is_of_room else "chain",
-                is_clear,
+                _is_clear(effect, name, value, before),
             )
+
+
+def _is_clear(effect: EffectType, name: str, value: float, still: float) -> bool:
+    """Whether a value of an effect that was there from the start is worth a word."""
+    return not isfinite(still) or name not in effect.priors or _is_noticeable(effect.priors[name], value, still)
 
 
 def _always(calibration: Calibration, documented: Belief) -> dict[EffectType, Values]:
@@ -145,5 +147,8 @@ def doubts(calibration: Calibration, documented: Belief) -> Iterator[str]:
             usual = _deviations(knob, departure)
             yield f"the baseline itself: {knob.name} lies {usual} from the documents; is it healthy?"
     for effect, values in _always(calibration, documented).items():
+        still = effect.neutral(documented) or {}
+        if not any(_is_clear(effect, name, value, still.get(name, nan)) for name, value in values.items()):
+            continue
         sentence = effect.sentence(effect.Parameters(**values))
         yield f"the baseline shows {effect.name} as well: it counts as there from the start; is it healthy? {sentence}"
