@@ -152,7 +152,7 @@ def heights(place: Path, site: Path, names: Sequence[str]) -> dict[str, float]:
         next()"""
     file = site / "heights.html"
     file.write_text(f"<!DOCTYPE html><title></title><body><script>{script}</script>", encoding="utf-8")
-    options = ("--allow-file-access-from-files", "--hide-scrollbars", "--virtual-time-budget=600000", "--dump-dom")
+    options = ("--allow-file-access-from-files", "--hide-scrollbars", "--virtual-time-budget=60000", "--dump-dom")
     told = re.search(r"<title>heights (.*?)</title>", browse(place, file, SCREEN[0] + 100, *options))
     assert told, "the browser did not come to the last page"
     return {name: height / SCREEN[1] for name, height in json.loads(told[1]).items()}

@@ -51,7 +51,7 @@ def typical_s(judged: SegmentProblem) -> float:
     return float(np.median(switches(judged).scale_s))
 
 
-@pytest.mark.parametrize(("dead_band_K", "as_believed_s"), [(0.46, 1487.0), (0.35, 17.3)])
+@pytest.mark.parametrize(("dead_band_K", "as_believed_s"), [(0.46, 1656.0), (0.35, 17.3)])
 def test_switches_are_weighed_by_what_noise_does_where_they_are_thrown(
     dead_band_K: float, as_believed_s: float
 ) -> None:
