@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from waxstudy.report.comparison import estimate
@@ -47,12 +47,16 @@ def test_members_as_if_they_were_independent_would_hold_it_too_seldom() -> None:
 
 
 @given(st.integers(2, 6), st.integers(1, 6), st.floats(-10.0, 10.0), st.integers(0, 99))
+@example(2, 2, 0.0, 71)  # starts and weathers both differ by less than the rest lets them
+@example(4, 3, 0.0, 29)
 def test_shares_sum_to_one_and_an_offset_changes_nothing(weathers: int, starts: int, offset: float, seed: int) -> None:
     values = drawn(np.random.default_rng(seed), weathers, starts)
     one, moved = Split.of(values), Split.of(values + offset)
     assert sum(one.share(name) for name in SD) == pytest.approx(1.0)
     assert moved.mean_error == pytest.approx(one.mean_error, rel=1e-6)
     assert 1.0 <= one.runs <= values.size * (1.0 + 1e-9)
+    of_mean = one.start / starts + one.weather / weathers + one.rest / values.size
+    assert one.mean_error**2 == pytest.approx(of_mean)
 
 
 def test_runs_that_differ_by_weather_alone_are_worth_one_for_each() -> None:

@@ -38,7 +38,7 @@ class Split:
         squares, degrees = np.array([of_weather, of_start, 0.0]), np.array([weathers - 1.0, starts - 1.0, 0.0])
         degrees[2] = degrees[0] * degrees[1]
         squares[2] = of_rest = float(np.sum(left**2)) / degrees[2]
-        of_mean = max(of_weather + of_start - of_rest, of_weather, of_start)
+        of_mean = max(of_weather + of_start - of_rest, of_weather, of_start, of_rest)  # as the parts below sum to
         parts = squares**2 / degrees
         freedom = of_mean**2 / float(parts.sum()) if of_mean > 0.0 else float(degrees.min())
         return cls(
