@@ -112,12 +112,13 @@ def _hinders(effects: Effects, before: Belief, after: Belief) -> bool:
 def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> float:
     """Return the log likelihood that another hypothesis gains, of samples of which so many count as one.
 
-    Errors are weighed by what it leaves, where that is more than noise.
+    Errors are weighed by what the other one leaves, where that is more than noise.
     """
-    pairs = [
-        (old, new, max(1.0, _left(new).whitened ** 2)) for old, new in zip(fitted.regimes, other.regimes, strict=True)
-    ]
-    return 0.5 * sum((old.loss() - new.loss()) / share[old.channel] / left for old, new, left in pairs)
+    gain = 0.0
+    for old, new in zip(fitted.regimes, other.regimes, strict=True):
+        left = max(1.0, _left(new).whitened ** 2)
+        gain += 0.5 * (old.loss() - new.loss()) / share[old.channel] / left
+    return gain
 
 
 def _left_of(fitted: Hypothesis) -> dict[str, Left]:
@@ -131,7 +132,7 @@ def _left(residual: Residual) -> Left:
 
 
 def _of_regime(regime: Residual) -> Left:
-    """Return what is left of a regime; what is chosen counts as one cycle more."""
+    """Return what is left of a regime, the chosen scale counted as one cycle more: few cycles tell little."""
     left, cycles = _left(regime), len(np.unique(regime.block[regime.judged]))
     return replace(left, whitened=float(np.sqrt((cycles * left.whitened**2 + 1.0) / (cycles + 1.0))))
 

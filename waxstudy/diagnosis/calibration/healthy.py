@@ -58,7 +58,7 @@ class Healthy:
         return Estimator(self.problem).slopes_at(self.fitted)
 
     def together(self, channel: str) -> float:
-        """Return how many samples of a channel count as one, at most those of a cycle; one of what is whitened."""
+        """Return how many samples count as one, at most those of a cycle; what is whitened over time counts each."""
         residual = None if channel in self.whitened else self.fitted.regime_of(channel)
         if residual is None or not residual.judged.any():
             return 1.0

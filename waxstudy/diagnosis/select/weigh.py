@@ -321,7 +321,7 @@ class Weighing:
         healthy = self.healthy.left(residual.channel)
         if not count or healthy is None:
             return 0.0
-        # a valve that moves more often is missed more often, but not in a regime: of samples and cycles what tells less
+        # a valve that moves more often is missed more often; moves and rest that are weighed apart are not
         cycles, segment = len(np.unique(residual.block[residual.judged])), self.problem.segment
         is_whole = residual.channel in segment.judged and not segment.with_room
         more = max(1.0, cycles / count * healthy.samples / healthy.cycles) if is_whole else 1.0
