@@ -20,6 +20,7 @@ CLEAR = 4  # noticeable steps from neutral that a record should show
 LEVELS = ("control_output", "displacement")
 SPARSE_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
+FLOWS = 0.5  # least share of its most that passes a valve which never closes
 DRIVES = ("supply_temperature_C", "outdoor_temperature_C")
 
 
@@ -72,8 +73,10 @@ def _best_known(segment: Segment, record: Record) -> str:
 
 
 def _stands(record: Record, channel: str) -> bool:
-    """Whether a level stays where it is, but for noise."""
+    """Whether a level stays where it is, but for noise, or a flow never stops: other circuits move it."""
     low, high = np.nanquantile(record.values[channel], (0.01, 0.99))
+    if channel == "flow_L_h":
+        return bool(low > FLOWS * high)
     return channel in LEVELS and bool(high - low < STEADY)
 
 
