@@ -92,6 +92,15 @@ def test_what_no_effect_makes_stays_unexplained_at_its_stage() -> None:
     assert remains.p < 1.0 - WEIGHTS.named
 
 
+@pytest.mark.parametrize(("nothing", "is_told"), [(0.1, True), (0.3, False)])
+def test_what_is_surely_amiss_and_has_no_name_is_told(nothing: float, is_told: bool) -> None:
+    seen, believed, cut = ready()
+    selection = weighed(segment_at("valve", cut), seen, believed)
+    beliefs = {"none": nothing, "unknown": 0.4, "low-authority": 0.6 - nothing}
+    remains = list(unexplained(replace(selection, posterior=beliefs), 1))
+    assert [each.p for each in remains if each.is_finding] == ([nothing] if is_told else [])
+
+
 def test_what_was_found_is_not_unexplained_besides() -> None:
     seen, believed, cut = ready()
     segment = segment_at("valve", cut)
@@ -163,6 +172,18 @@ def test_what_neither_moves_nor_should_cannot_be_judged() -> None:
     assert too_short(segment_at("valve", cut), still, believed) == "displacement never changes in this record"
     off = replace(still, values={**still.values, "heating_signal": np.zeros(len(seen))})
     assert too_short(segment_at("actuator", cut), off, believed) == "displacement never changes in this record"
+
+
+def test_a_valve_that_nothing_drives_and_that_never_closes_can_be_judged() -> None:
+    """Its room is so warm that the controller asks for nothing; other circuits move the flow."""
+    seen, believed, _ = ready()
+    flow_L_h = 75.0 + 5.0 * np.sin(np.arange(len(seen)) / 100.0)
+    left = {name: each for name, each in seen.values.items() if name != "displacement"}
+    open_ = replace(seen, values={**left, "heating_signal": np.zeros(len(seen)), "flow_L_h": flow_L_h})
+    cut = list(segments(open_, believed))
+    assert too_short(segment_at("valve", cut), open_, believed) == ""
+    closes = replace(open_, values={**open_.values, "flow_L_h": np.where(flow_L_h > 75.0, flow_L_h, 0.0)})
+    assert too_short(segment_at("valve", cut), closes, believed) == "heating_signal never changes in this record"
 
 
 def test_what_stands_although_it_should_move_can_be_judged() -> None:

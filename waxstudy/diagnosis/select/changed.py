@@ -63,12 +63,16 @@ class Choice:
 
     @classmethod
     def of(cls, beliefs: Mapping[str, float]) -> Choice:
-        """Return the answer of least expected cost: nothing where that is likelier, names, or the smallest groups."""
+        """Return the answer of least expected cost: nothing, names, or the smallest groups.
+
+        A wrong name costs so many times what saying nothing does where something is there.
+        """
         sets: dict[frozenset[str], float] = {}
         for name, probability in beliefs.items():
             effects = frozenset(name.split("+")) - {NONE, UNKNOWN}
             sets[effects] = sets.get(effects, 0.0) + probability
-        if sets.get(frozenset(), 0.0) > 1.0 - WEIGHTS.named:
+        wrong, there = sets.get(frozenset(), 0.0), 1.0 - beliefs.get(NONE, 0.0)
+        if WEIGHTS.named / (1.0 - WEIGHTS.named) * wrong > there:
             return cls(())
         best = max((each for each in sets if each), key=lambda each: sets[each])
         groups = [_group(name, best, sets) for name in sorted(best)]

@@ -14,7 +14,7 @@ from waxstudy.diagnosis.result import Unexplained, When, in_floors
 from waxstudy.diagnosis.select.evidence import Left, departure, travel_left
 from waxstudy.diagnosis.select.null import by_block, redrawn
 from waxstudy.diagnosis.select.patterns import concentrated
-from waxstudy.diagnosis.select.posterior import UNKNOWN
+from waxstudy.diagnosis.select.posterior import NONE, UNKNOWN
 from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.weights import WEIGHTS
 
@@ -39,11 +39,13 @@ def unexplained(selection: Selection, seed: int) -> Iterator[Unexplained]:
 def _unknown(selection: Selection) -> Iterator[Unexplained]:
     """Yield the channel of a link that is missed by most, where something unknown is likelier there than not.
 
-    Else those that a motor is missed by, as far as real ones stray.
+    Or where something is surely amiss and has no name. Else those that a motor is missed by, as far as real ones stray.
     """
     floor = selection.floor.plain
     unknown = sum(p for names, p in selection.posterior.items() if UNKNOWN in names.split("+"))
-    if unknown < WEIGHTS.likelier:
+    nothing = selection.posterior.get(NONE, 0.0)
+    is_nameless = not selection.found and nothing < 1.0 - WEIGHTS.named
+    if unknown < WEIGHTS.likelier and not is_nameless:
         yield from _strayed(selection, unknown)
     else:
         worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
@@ -51,7 +53,8 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
         course = concentrated(worst, together(worst), selection.problem.record)
         when = When(course.words, list(course.spans_h)) if course else None
         gap = worst.gap(), floor[worst.channel]
-        yield Unexplained(stage, *gap, 1.0 - unknown, channel=worst.channel, when=when)
+        p = nothing if is_nameless else 1.0 - unknown
+        yield Unexplained(stage, *gap, p, channel=worst.channel, when=when)
 
 
 def _strayed(selection: Selection, unknown: float) -> Iterator[Unexplained]:
