@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, dataset, effects, plain, planted, rows, with_effects
 from waxstudy.dataset.read import Dataset
+from waxstudy.dataset.stand_ins import GAINS
 from waxstudy.diagnosis.calibration import told
 from waxstudy.diagnosis.calibration.calibrate import Calibration, _covariance, calibrate
 from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
@@ -25,6 +26,7 @@ from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
+from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import Calibrated
@@ -111,6 +113,26 @@ def test_a_calibrated_room_is_followed_closely_and_without_bias() -> None:
     assert air.rmse < 0.15
     assert air.cv_rmse_percent == pytest.approx(100.0 * air.rmse / 21.0, rel=0.1)
     assert abs(air.nmbe_percent) < 0.3
+
+
+@pytest.mark.slow
+def test_the_hours_at_which_people_heat_a_room_are_found_though_nobody_recorded_gains() -> None:
+    made = dataset(rows("REAL", DAYS, interval_s=300.0, without=(GAINS,)), "REAL")
+    record = record_of(made)
+    believed = documents(record, made)
+    assert made.room
+    assert believed.inputs
+    hour = (np.arange(len(record)) + 0.5) * 300.0 / 3600.0 % 24.0
+    cooking_W = 6.0 * built(made.room).floor_area_m2 * ((hour >= 17.0) & (hour < 19.0))
+    warmer = replace(believed, inputs=replace(believed.inputs, gains_W=believed.inputs.gains_W + cooking_W))
+    segment = next(each for each in segments(record, believed) if each.with_room and not each.is_supply)
+    calibration = calibrate(planted(segment, record, warmer), believed, list(EFFECTS.values()))
+    told_of = list(calibrated(calibration, believed))
+    assert not any(each.is_clear for each in told_of if each.name.startswith("gains at"))  # no document denies it
+    found = {each.name: each.value for each in told_of}
+    assert found["gains at 18 h"].low <= 6.0 <= found["gains at 18 h"].high
+    assert found["gains at 18 h"].low > 0.0
+    assert found["gains at 3 h"].low <= 0.0 <= found["gains at 3 h"].high
 
 
 @pytest.mark.slow
@@ -251,6 +273,10 @@ def test_links_are_independent_and_what_is_unknown_is_named_once_and_last() -> N
         ({"none": 0.6, "let-by": 0.4}, ()),
         ({"none": 0.3, "let-by": 0.7}, ()),
         ({"none": 0.1, "let-by": 0.9}, (("let-by",),)),
+        # a wrong name costs four times what silence does, and silence costs nothing only where nothing is
+        ({"none": 0.22, "let-by": 0.78}, ()),
+        ({"unknown": 0.22, "let-by": 0.78}, (("let-by",),)),
+        ({"unknown": 0.3, "let-by": 0.7}, ()),
         ({"let-by": 0.6, "max-flow": 0.35, "stuck-open": 0.05}, (("let-by", "max-flow"),)),
         ({"let-by+max-flow": 0.9, "let-by": 0.1}, (("let-by",), ("max-flow",))),
     ],

@@ -25,8 +25,11 @@ from waxstudy.dataset.sunlight import (
 from waxstudy.dataset.tables import Site
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
+from waxstudy.diagnosis.model.as_built import AsBuilt
+from waxstudy.diagnosis.model.nuisance import Nuisance, habits
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.search import select
 from waxstudy.diagnosis.select.unexplained import done_by_drives, unexplained
 from waxstudy.plugin import Facade
@@ -55,6 +58,36 @@ def test_the_gains_of_the_believed_room_stand_in_for_gains_that_nobody_recorded(
     seen = record_of(dataset(data.drop(columns=GAINS), "REAL"))
     assert seen.inputs.gains_W == pytest.approx(data[GAINS].to_numpy(), abs=0.1)
     assert seen.inputs.stand_ins == {"gains_W"}
+
+
+def test_a_healthy_record_tells_the_next_one_of_the_hours_at_which_people_heat_a_room() -> None:
+    before, later = (record_of(dataset(rows("REAL", days, without=(GAINS,)), "REAL")) for days in (DAYS, DAYS - 1))
+    known = list(habits(before))
+    departures, covariance = np.linspace(-1.0, 1.0, len(known)), np.diag(np.linspace(0.1, 0.2, len(known)))
+    there = AsBuilt(tuple(known), departures, covariance).seen_in(later)
+    documented = belief("REAL", later)
+    believed = there.believed(documented)
+    assert documented.inputs
+    assert believed.inputs
+    own_W, shapes = documented.inputs.gains_W, later.stand_ins[GAINS].shapes
+    hours_W = sum(at * each.heat_W for at, each in zip(departures[1:], shapes, strict=True))
+    assert believed.inputs.gains_W == pytest.approx(np.exp(departures[0]) * own_W + hours_W)
+    room = next(each for each in segments(later, believed) if each.with_room and not each.is_supply)
+    unknowns = SegmentProblem(room, later, believed, as_built=there).nuisances
+    assert [each.name for each in unknowns[: len(known)]] == [each.name for each in known]
+    assert [each.sd for each in unknowns[: len(known)]] == pytest.approx(np.diag(covariance) ** 0.5)
+    assert not {each.name for each in known} & {each.name for each in unknowns[len(known) :]}
+    further = unknowns[0].apply(believed, 0.3).inputs  # on from where the factor is
+    assert further
+    assert further.gains_W == pytest.approx(np.exp(departures[0] + 0.3) * own_W + hours_W)
+
+
+def test_a_record_with_gains_needs_no_habits_of_a_healthy_one_without() -> None:
+    known = list(habits(record_of(dataset(rows("REAL", DAYS, without=(GAINS,)), "REAL"))))
+    other = Nuisance("other", 1.0, lambda believed, departure: believed)
+    as_built = AsBuilt((known[0], other, *known[1:]), np.arange(len(known) + 1.0), np.eye(len(known) + 1))
+    there = as_built.seen_in(record_of(dataset(rows("REAL", DAYS), "REAL")))
+    assert (there.knobs, there.departures.tolist(), there.covariance.tolist()) == ((other,), [1.0], [[1.0]])
 
 
 def test_no_factor_is_claimed_of_what_only_stands_in() -> None:

@@ -35,9 +35,12 @@ CLEAR_SHARE, CLEAR_SPREAD = 0.4, 0.35  # of a clear sky's sun, usual and its spr
 # by what the sun was recorded -> log spread of a factor for all days, and of each day's own: horizon and curtains in
 # each, the share of direct light that was not recorded, of panels yield, snow and shadows (docs/import-stand-ins.md)
 RECORDED = {GLOBAL: (0.2, 0.15), DIFFUSE: (0.12, 0.08), PANELS: (0.3, 0.2)}
+SUN_VARIES = 0.03  # spread of the logarithm of that factor from one record of a room to another
 ASSUMED = {GAINS: 0.15, SUN: 0.12}  # spread of the logarithm of a factor where nobody measured what is told
 GAINS_FACTOR = 0.7  # spread of the logarithm of a factor on the room's own schedule
-GAINS_W_M2, GAINS_STEP_H = 2.0, 3.0  # of floor, spread of what comes besides at some hours of every day
+GAINS_W_M2, GAINS_STEP_H = 4.0, 1.0  # of floor, spread of what comes besides at some hours of every day
+# the same from one record of a room to another: people keep their habits, nearly
+GAINS_FACTOR_VARIES, GAINS_VARIES_W_M2 = 0.12, 2.0
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,7 @@ class Shape:
     heat_W: FloatArray
     sd: float
     is_once: bool = False  # some days' own, else every day's
+    varies: float | None = None  # from one record to another; None: one says nothing of another
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,7 @@ class StandIn:
     values: FloatArray
     shapes: Sequence[Shape]
     factor_sd: float  # of the logarithm of a factor on its values; 0 where none is asked for
+    factor_varies: float  # the same from one record to another
     sentence: str
 
 
@@ -136,7 +141,7 @@ def _sun(
             f"{SUN} was not recorded: each day has a sun of its own in the fit, its size free. [site] with latitude "
             "and longitude would tell at which hours."
         )
-        return StandIn(np.zeros(len(time)), shapes, 0.0, sentence)
+        return StandIn(np.zeros(len(time)), shapes, 0.0, 0.0, sentence)
     from waxstudy.dataset.sunlight import clear_sky_W  # brings the compiler along
 
     clear_W = clear_sky_W(room, time, interval_s, site)
@@ -145,7 +150,7 @@ def _sun(
         f"{SUN} was not recorded: {CLEAR_SHARE:.0%} of a clear sky's at [site] stands in for it, and each day may have "
         "less or more in the fit."
     )
-    return StandIn(CLEAR_SHARE * clear_W, shapes, 0.0, sentence)
+    return StandIn(CLEAR_SHARE * clear_W, shapes, 0.0, 0.0, sentence)
 
 
 def _recorded_sun(
@@ -170,7 +175,7 @@ def _recorded_sun(
         f"{SUN} was not recorded: the sun that {told} tells at [site] stands in for it, uncertain by {factor:.0%}, and "
         f"each day by {of_day:.0%} more."
     )
-    return StandIn(heat_W, shapes, factor, sentence)
+    return StandIn(heat_W, shapes, factor, SUN_VARIES, sentence)
 
 
 def _hat(hour: FloatArray, middle_h: float, half_h: float) -> FloatArray:
@@ -196,14 +201,19 @@ def _gains(room: LinearRoom, hour: FloatArray, factor: float) -> StandIn:
     away_h = np.abs((hour[:, None] - GAINS_STEP_H * np.arange(count) + 0.5 * DAY_H) % DAY_H - 0.5 * DAY_H)
     hats = np.clip(1.0 - away_h / GAINS_STEP_H, 0.0, None)
     shapes = [
-        Shape(f"gains at {GAINS_STEP_H * place:g} h", room.floor_area_m2 * hats[:, place], GAINS_W_M2)
+        Shape(
+            f"gains at {GAINS_STEP_H * place:g} h",
+            room.floor_area_m2 * hats[:, place],
+            GAINS_W_M2,
+            varies=GAINS_VARIES_W_M2,
+        )
         for place in range(count)
     ]
     sentence = (
         f"{GAINS} was not recorded: the believed room's own schedule stands in for it, times a factor that is free in "
         "the fit, and with heat at other hours of the day."
     )
-    return StandIn(own_gains_W(room, hour), shapes, factor, sentence)
+    return StandIn(own_gains_W(room, hour), shapes, factor, GAINS_FACTOR_VARIES, sentence)
 
 
 def own_gains_W(room: LinearRoom, hour: FloatArray) -> FloatArray:

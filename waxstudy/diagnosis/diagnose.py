@@ -89,6 +89,7 @@ def _work(
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     # the steps of a study are made as it is read, and no cache can tell them
     calibration = calibrated(baseline, effects, thorough, is_kept=study is None) if baseline else None
+    calibration = calibration.seen_in(record) if calibration else None
     belief = _documented(dataset, record)
     belief = calibration.as_built.believed(belief) if calibration else belief
     return Work(dataset, record, belief, effects, seed, thorough, calibration, baseline)

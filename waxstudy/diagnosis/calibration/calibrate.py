@@ -37,6 +37,10 @@ class Calibration:
     as_built: AsBuilt
     healthy: Mapping[str, Healthy]  # by segment
 
+    def seen_in(self, record: Record) -> Calibration:
+        """Return the same for another record of the loop."""
+        return replace(self, as_built=self.as_built.seen_in(record))
+
 
 def calibrate(record: Record, belief: Belief, effects: Effects, thorough: float = 1.0) -> Calibration:
     """Return what a healthy record says of a loop; `thorough` below 1 looks at less."""
@@ -173,7 +177,7 @@ def lasting_unknowns(segment: Segment, record: Record, belief: Belief, effects: 
     taken = {name for effect in effects for name in effect.absorbs if any(each.effect is effect for each in own)}
     once = {each.name for each in of_record(belief, record, segment.driven_by)}
     rest = [each for each in nuisances(belief, record, segment.driven_by) if each.name not in taken | once]
-    return [*own, *(replace(each, sd=WIDER * each.sd) for each in rest)]
+    return [*own, *(each if each.is_habit else replace(each, sd=WIDER * each.sd) for each in rest)]
 
 
 def _fitted(problem: SegmentProblem) -> Hypothesis:

@@ -75,7 +75,7 @@ class Healthy:
 
     @property
     def tolerated_travel(self) -> float:
-        """How far a motor may differ with nothing amiss, over what real ones stray: not at all from itself."""
+        """By how much a motor may be missed with nothing unknown there, over what models miss: not at all."""
         return 0.0
 
     def left(self, channel: str) -> HealthyLeft | None:

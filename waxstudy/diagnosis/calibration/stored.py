@@ -89,10 +89,10 @@ def _key(record: Record, belief: Belief, effects: Effects, thorough: float) -> s
 def _told(record: Record) -> Iterator[str | bytes]:
     """Yield what stands in for drives that nobody recorded."""
     for channel, found in record.stand_ins.items():
-        yield repr((channel, found.factor_sd))
+        yield repr((channel, found.factor_sd, found.factor_varies))
         yield found.values.tobytes()
         for shape in found.shapes:
-            yield repr((shape.name, shape.sd, shape.is_once))
+            yield repr((shape.name, shape.sd, shape.is_once, shape.varies))
             yield shape.heat_W.tobytes()
 
 

@@ -109,7 +109,8 @@ def _leaves_out(interval: Interval, still: float) -> bool:
 
 def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, description: str) -> Calibrated:
     interval = Interval(departure, departure - NORMAL * sd, departure + NORMAL * sd)
-    is_clear = abs(departure) > CLEAR * knob.sd / WIDER and _leaves_out(interval, 0.0)
+    # no document tells at which hours people heat a room
+    is_clear = not knob.is_habit and abs(departure) > CLEAR * knob.sd / WIDER and _leaves_out(interval, 0.0)
     return Calibrated(knob.name, interval, 0.0, _in_words(knob, departure, description), part, is_clear)
 
 

@@ -15,7 +15,7 @@ from waxstudy.diagnosis.consequence.heat_estimate import HeatData, HeatEstimate,
 from waxstudy.diagnosis.consequence.heat_words import is_resolved, sentence
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.model.nuisance import of_record
+from waxstudy.diagnosis.model.nuisance import habits, of_record
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import HeatBy, HeatPer, HeatPiece, MissingHeat
@@ -75,6 +75,8 @@ def _unknowns(problem: SegmentProblem, slopes: FloatArray) -> tuple[Unknowns, Un
     root = problem.prior / problem.sd
     covariance = np.linalg.inv(root.T @ root)
     of_the_record = {each.name for each in of_record(problem.belief, problem.record, problem.segment.driven_by)}
+    if problem.as_built is None:
+        of_the_record |= {each.name for each in habits(problem.record)}
     is_lost = np.array([each.name in of_the_record for each in problem.nuisances])
     lost, doubted = (Unknowns(slopes[:, each], covariance[np.ix_(each, each)]) for each in (is_lost, ~is_lost))
     return lost, doubted

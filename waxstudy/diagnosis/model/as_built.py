@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import exp
 
@@ -11,7 +11,8 @@ import numpy as np
 
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
-from waxstudy.diagnosis.model.nuisance import Nuisance
+from waxstudy.diagnosis.model.nuisance import Nuisance, habits
+from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Belief, Effect, FloatArray
 
 Edits = Sequence[tuple[type[Effect], Mapping[str, float]]]
@@ -29,6 +30,24 @@ class AsBuilt:
     conventions: Mapping[str, Convention] = field(default_factory=dict)  # by segment: how the log is read
     discrepancies: Mapping[str, Discrepancy] = field(default_factory=dict)  # of a room, by channel
     left: Mapping[str, Left] = field(default_factory=dict)  # of a chain, by channel
+
+    def seen_in(self, record: Record) -> AsBuilt:
+        """Return the same for another record, which has habits of its own days, or recorded what they stand in for."""
+        there = {each.name: each for each in habits(record)}
+        known = [there.get(knob.name) if knob.is_habit else knob for knob in self.knobs]
+        kept = [place for place, knob in enumerate(known) if knob]
+        return replace(
+            self,
+            knobs=tuple(knob for knob in known if knob),
+            departures=self.departures[kept],
+            covariance=self.covariance[np.ix_(kept, kept)],
+        )
+
+    def unknowns(self) -> list[Nuisance]:
+        """Return what is unknown of room and drives where they depart as they do."""
+        sd = np.sqrt(np.diag(self.covariance)).tolist()
+        found = zip(self.knobs, self.departures.tolist(), sd, strict=True)
+        return [replace(knob.beyond(departure), sd=each) for knob, departure, each in found]
 
     def believed(self, belief: Belief) -> Belief:
         """Return what is believed of the loop as it was built."""
@@ -68,7 +87,8 @@ def knobs(effects: Sequence[type[Effect]], stages: Sequence[str], belief: Belief
                 if prior.as_built:
                     apply = partial(_applied, effect, name, neutral)
                     told = f"{effect.name} {name}"
-                    yield Knob(told, prior.as_built, apply, False, prior.varies, effect, name, neutral)
+                    about = told, prior.as_built, apply
+                    yield Knob(*about, varies=prior.varies, effect=effect, parameter=name, neutral=neutral)
 
 
 def _values(effect: type[Effect], name: str, neutral: Mapping[str, float], departure: float) -> dict[str, float]:

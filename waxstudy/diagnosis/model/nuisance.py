@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import exp
 from typing import Any
@@ -31,6 +31,27 @@ class Nuisance:
     apply: Callable[[Belief, float], Belief]
     is_event: bool = False  # something that happened once, no property of the room: it shows from then on only
     varies: float = 0.0  # standard deviation of it from one record to another
+    is_habit: bool = False  # of a drive that nobody recorded, by this record's own days
+
+    def beyond(self, departure: float) -> Nuisance:
+        """Return what is unknown of it where it departs already."""
+        return self
+
+
+@dataclass(frozen=True)
+class Factor(Nuisance):
+    """The logarithm of a factor on a course of heat (n,), which other heat comes on top of."""
+
+    heat_W: FloatArray = field(default_factory=lambda: np.zeros(0), compare=False)
+    of: str = ""  # field of the inputs
+
+    @classmethod
+    def on(cls, name: str, sd: float, varies: float, of: str, heat_W: FloatArray) -> Factor:
+        apply = _of_input(of, partial(_times, heat_W))
+        return cls(name, sd, apply, varies=varies, is_habit=True, heat_W=heat_W, of=of)
+
+    def beyond(self, departure: float) -> Factor:
+        return Factor.on(self.name, self.sd, self.varies, self.of, exp(departure) * self.heat_W)
 
 
 def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float | None = 1.0) -> list[Nuisance]:
@@ -48,8 +69,21 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float |
             found.append(Nuisance(name, sd, _of_input(FIELDS[channel], lambda old, factor: exp(factor) * old)))
     return [
         *(replace(nuisance, sd=tolerance * nuisance.sd) for nuisance in found if tolerance is not None),
+        *habits(record),
         *of_record(belief, record, driven_by),
     ]
+
+
+def habits(record: Record) -> Iterator[Nuisance]:
+    """Yield what is unknown of drives that nobody recorded, and much the same in the next record of a room."""
+    for channel, found in record.stand_ins.items():
+        of = FIELDS[channel]
+        if found.factor_sd:
+            yield Factor.on(f"factor of {channel}", found.factor_sd, found.factor_varies, of, found.values)
+        for shape in found.shapes:
+            if shape.varies is not None:
+                apply = _of_input(of, partial(_more, shape.heat_W))
+                yield Nuisance(shape.name, shape.sd, apply, varies=shape.varies, is_habit=True)
 
 
 def of_record(belief: Belief, record: Record, driven_by: str) -> list[Nuisance]:
@@ -63,13 +97,12 @@ def of_record(belief: Belief, record: Record, driven_by: str) -> list[Nuisance]:
 
 
 def _unrecorded(record: Record) -> Iterator[Nuisance]:
-    """Yield what is unknown of what stands in for drives that nobody recorded."""
+    """Yield what is unknown of drives that nobody recorded, and tells nothing of another record."""
     for channel, found in record.stand_ins.items():
-        field = FIELDS[channel]
-        if found.factor_sd:
-            yield Nuisance(f"factor of {channel}", found.factor_sd, _of_input(field, partial(_times, found.values)))
         for shape in found.shapes:
-            yield Nuisance(shape.name, shape.sd, _of_input(field, partial(_more, shape.heat_W)), shape.is_once)
+            if shape.varies is None:
+                apply = _of_input(FIELDS[channel], partial(_more, shape.heat_W))
+                yield Nuisance(shape.name, shape.sd, apply, shape.is_once)
 
 
 def _times(heat_W: FloatArray, old: FloatArray, departure: float) -> FloatArray:
@@ -103,12 +136,12 @@ def _of_room(uncertainty: Uncertainty) -> Nuisance:
     return Nuisance(uncertainty.name, uncertainty.sd, apply)
 
 
-def _of_input(field: str, changed: Callable[[Any, float], Any]) -> Callable[[Belief, float], Belief]:
+def _of_input(of: str, changed: Callable[[Any, float], Any]) -> Callable[[Belief, float], Belief]:
     """Return what puts another value in the place of a field of the inputs, by a departure."""
 
     def apply(belief: Belief, departure: float) -> Belief:
         assert belief.inputs
-        value = changed(getattr(belief.inputs, field), departure)
-        return replace(belief, inputs=replace(belief.inputs, **{field: value}))
+        value = changed(getattr(belief.inputs, of), departure)
+        return replace(belief, inputs=replace(belief.inputs, **{of: value}))
 
     return apply
