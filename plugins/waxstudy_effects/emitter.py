@@ -37,7 +37,7 @@ class SupplyOffset(Effect):
     api_version = "1.0"
     stage = "emitter"
     Parameters = SupplyOffsetParameters
-    priors = {"offset_K": Prior(-8.0, 8.0, noticeable=0.3, as_built=0.3)}
+    priors = {"offset_K": Prior(-8.0, 8.0, noticeable=0.3, as_built=0.3, varies=0.1)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

@@ -95,6 +95,19 @@ def test_a_stroke_is_a_move_however_often_it_is_sampled(interval_s: float) -> No
     assert 3780.0 - interval_s <= moves.max() <= 3780.0 + max(60.0, interval_s)
 
 
+@pytest.mark.parametrize(("factor", "is_named"), [(1.15, False), (2.0, True)])
+def test_a_motor_strays_from_itself_by_as_much_as_its_model_is_known_to_miss(factor: float, is_named: bool) -> None:
+    """Pauses and pulses of other lengths make other strokes, which one healthy record does not tell."""
+    some = [EFFECTS[name] for name in ("slow-actuator", "limited-travel")]
+    before, seen = house(STROKE, seed=2), house(STROKE, effects(slow_actuator={"factor": factor}))
+    segment, believed = link(seen, STROKE)
+    known = calibrate(before, believed, some)
+    about = segment, seen, known.as_built.believed(believed)
+    whole = SegmentProblem(*about, as_built=known.as_built, parts=np.full(len(seen), FIT))
+    found = posterior(Weighing(whole, some, known.healthy[segment.name], 1.0, lambda name: None).weighed())
+    assert found["slow-actuator" if is_named else "none"] > 0.8
+
+
 @pytest.mark.parametrize("channel", [FLOW, STROKE])
 def test_where_nothing_changed_nothing_is_found(channel: str) -> None:
     assert later(channel, ())["none"] > 0.8

@@ -19,6 +19,7 @@ from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual, regimes_of
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import PLAIN
+from waxstudy.diagnosis.model.nuisance import Nuisance
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
@@ -375,8 +376,11 @@ def test_a_record_is_less_likely_by_how_far_what_it_tells_lies_from_what_calibra
     """Of one parameter that both tell, with its variance from each; what else the record alone tells does not move."""
     slopes = np.array([[3.0, 0.0], [4.0, 0.0], [0.0, 2.0]])
     sd = np.array([0.5, 2.0])
-    weighing: Any = bare(True, sd=sd, prior=np.eye(2), as_built=SimpleNamespace(knobs=[None]))
+    known = [Nuisance(name, 1.0, lambda believed, departure: believed) for name in ("calibrated", "of the record")]
+    of_both: dict[str, Any] = {"sd": sd, "nuisances": known, "prior": np.eye(2)}
+    weighing: Any = bare(True, **of_both, as_built=SimpleNamespace(knobs=[known[0]]))
     weighing.share = {"air_temperature_C": 4.0}  # of its samples count as one
+    weighing.healthy.problem = SimpleNamespace(nuisances=known)
     weighing.estimator = SimpleNamespace(slopes_at=lambda fitted: slopes)
     fitted = leaving(residual([1.0, 2.0, 0.5]), departures=np.array([0.3, -1.0]))
     told, variance = 0.3 - (3.0 + 8.0) / 25.0, 4.0 / 25.0 + 0.5**2

@@ -45,6 +45,15 @@ class Residual:
         return max(1, int(np.sum(self.judged & (self.part == part))))
 
     @property
+    def measured(self) -> str:
+        """The channel, whichever regime of it this is."""
+        return self.channel.partition(" ")[0]
+
+    @property
+    def is_at_rest(self) -> bool:
+        return self.channel == regimes_of(self.measured)[0]
+
+    @property
     def noise_square(self) -> float:
         """What the instrument's noise leaves of a sample, as a mean of whitened squares; a meter at rest has none."""
         return float(np.mean(self.noise[self.judged] ** 2)) if self.noise is not None and self.judged.any() else 0.0

@@ -149,8 +149,10 @@ class Continuous:
     def _within(self, full: float) -> FloatArray:
         """Return by how much a valve may be missed while it moves (n,)."""
         drive = self.record.drive("displacement")
-        steps = np.maximum(np.abs(np.gradient(drive)), np.abs(np.diff(drive, prepend=drive[:1])))
+        steps = _steps(drive)
         moves = steps > MOVES_SD * self.record.noise["displacement"]
+        if self.still and (most := float(np.max(self.still[self.channel]))) > 0.0:
+            steps = np.maximum(steps, _steps(self.still[self.channel]) / most)
         return np.where(moves, np.hypot(RIDGE, STEEP * steps) * full, 0.0)
 
     def _best_shift(self, shifted: FloatArray) -> FloatArray:
@@ -161,6 +163,11 @@ class Continuous:
         losses = [np.bincount(stretch, weights=(error / self.scale) ** 2) for error in tried]
         best = np.argmin(losses, axis=0)[stretch]
         return np.asarray(tried[best, np.arange(len(stretch))])
+
+
+def _steps(values: FloatArray) -> FloatArray:
+    """Return how far a channel goes within a sample (n,), from the one before it or to the one behind it."""
+    return np.asarray(np.maximum(np.abs(np.gradient(values)), np.abs(np.diff(values, prepend=values[:1]))))
 
 
 def stands(values: FloatArray, full: float) -> np.ndarray:

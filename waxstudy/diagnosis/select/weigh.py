@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
+from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
@@ -24,7 +25,7 @@ from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import Belief, FloatArray
+from waxstudy.plugin import FloatArray
 
 DEEPER = 3  # hypotheses that others are tried beside
 HOURS = ("from_h", "to_h")
@@ -166,7 +167,7 @@ class Weighing:
         always, moved = self._always(fitted)
         spread, most = self._spread(fitted)
         price = WEIGHTS.price * parameters - float(np.log(WEIGHTS.prior)) * len(fitted.effects)
-        names = tuple(sorted(self._notable(fitted)))
+        names = tuple(sorted(self._notable(fitted, pattern)))
         return Weighed(
             fitted,
             names,
@@ -203,7 +204,6 @@ class Weighing:
         sd = self.problem.sd
         if not len(sd) or self.problem.as_built is None:
             return 0.0
-        count = len(self.problem.as_built.knobs)
         weight = np.concatenate([each.weights(self.share) for each in fitted.residuals])
         root = self.problem.prior / sd
         ways = np.vstack((self.estimator.slopes_at(fitted) * weight[:, None], root))
@@ -213,7 +213,10 @@ class Weighing:
             left = both + ways @ np.linalg.lstsq(ways, -both, rcond=None)[0]
             return float(left @ left)
 
-        elsewhere = np.concatenate((moved[:count], np.zeros(len(sd) - count)))
+        calibrated = {knob.name for knob in self.problem.as_built.knobs}
+        there = zip(self.healthy.problem.nuisances, moved.tolist(), strict=True)
+        means = {knob.name: step for knob, step in there if knob.name in calibrated}
+        elsewhere = np.array([means.get(knob.name, 0.0) for knob in self.problem.nuisances])
         return 0.5 * max(0.0, loss(elsewhere) - loss(np.zeros(len(sd))))
 
     def _stands(self, fitted: Hypothesis, given: Hypothesis, pattern: Pattern | None = None) -> float:
@@ -293,17 +296,34 @@ class Weighing:
             return residual.block
         return blocks_of_room(residual, self.problem.record.interval_s)
 
-    def _notable(self, fitted: Hypothesis) -> Iterator[str]:
+    def _notable(self, fitted: Hypothesis, pattern: Pattern | None) -> Iterator[str]:
         """Yield the names of effects that depart by more than is worth a name, and than real motors stray."""
         for effect, values in fitted.effects:
             rest = [each for each in fitted.effects if each[0] is not effect]
             without = self.problem.edited(rest, fitted.departures)
-            if departure(effect, values, without) > WEIGHTS.notable and not self._strays(effect, without, fitted):
+            if departure(effect, values, without) <= WEIGHTS.notable:
+                continue
+            # the form of strokes does not come and go
+            is_steady = pattern is None or self.healthy.tolerated_travel > 0.0
+            if effect.stage != "actuator" or not is_steady or not self._strays(rest, fitted):
                 yield effect.name
 
-    def _strays(self, effect: EffectType, without: Belief, fitted: Hypothesis) -> bool:
-        most = self.healthy.tolerated_travel if effect.stage == "actuator" else 0.0
-        return most > 0.0 and travel(self.problem.record, without, self.problem.belief_of(fitted)) <= most
+    def _strays(self, rest: Edits, fitted: Hypothesis) -> bool:
+        """Whether a motor differs from the rest of a hypothesis by no more than real ones stray.
+
+        From itself it strays in its strokes only: a healthy record has no pauses and pulses of all lengths.
+        """
+        without = self.problem.edited(rest, fitted.departures)
+        strays = travel(self.problem.record, without, self.problem.belief_of(fitted)) <= limits()["tolerated"].value
+        return strays and not self._shows_at_rest(fitted, self.problem.at(rest, fitted.departures, fitted.convention))
+
+    def _shows_at_rest(self, fitted: Hypothesis, without: Hypothesis | None) -> bool:
+        """Whether a hypothesis changes a motor or valve at rest, beside another one, by more than is usual there."""
+        pairs = zip(fitted.regimes, without.regimes if without else (), strict=False)
+        resting = [(new, old) for new, old in pairs if old.is_at_rest and old.judged.any()]
+        return any(
+            float(self.healthy.acts(old, new)[old.judged].mean()) > self.healthy.usual(old) ** 2 for new, old in resting
+        )
 
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
