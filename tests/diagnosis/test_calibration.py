@@ -127,12 +127,13 @@ def test_the_hours_at_which_people_heat_a_room_are_found_though_nobody_recorded_
     warmer = replace(believed, inputs=replace(believed.inputs, gains_W=believed.inputs.gains_W + cooking_W))
     segment = next(each for each in segments(record, believed) if each.with_room and not each.is_supply)
     calibration = calibrate(planted(segment, record, warmer), believed, list(EFFECTS.values()))
-    told_of = list(calibrated(calibration, believed))
-    assert not any(each.is_clear for each in told_of if each.name.startswith("gains at"))  # no document denies it
-    found = {each.name: each.value for each in told_of}
-    assert found["gains at 18 h"].low <= 6.0 <= found["gains at 18 h"].high
-    assert found["gains at 18 h"].low > 0.0
-    assert found["gains at 3 h"].low <= 0.0 <= found["gains at 3 h"].high
+    known = calibration.as_built
+    place = {knob.name: place for place, knob in enumerate(known.knobs)}
+    sd = np.sqrt(np.diag(known.covariance))
+    for name, true in (("gains at 18 h", 6.0), ("gains at 3 h", 0.0)):
+        assert known.departures[place[name]] == pytest.approx(true, abs=1.96 * sd[place[name]])
+    assert known.departures[place["gains at 18 h"]] > 1.96 * sd[place["gains at 18 h"]]
+    assert not any(each.name.startswith("gains at") for each in calibrated(calibration, believed))  # no documents
 
 
 @pytest.mark.slow

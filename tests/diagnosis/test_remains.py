@@ -98,7 +98,9 @@ def test_what_is_surely_amiss_and_has_no_name_is_told(nothing: float, is_told: b
     selection = weighed(segment_at("valve", cut), seen, believed)
     beliefs = {"none": nothing, "unknown": 0.4, "low-authority": 0.6 - nothing}
     remains = list(unexplained(replace(selection, posterior=beliefs), 1))
-    assert [each.p for each in remains if each.is_finding] == ([nothing] if is_told else [])
+    assert [(each.p, each.is_nameless) for each in remains if each.is_finding] == ([(nothing, True)] if is_told else [])
+    said = summary("unknown", [], remains, [])
+    assert said == ("Something is amiss at: valve. No effect is sure enough to be named." if is_told else "")
 
 
 def test_what_was_found_is_not_unexplained_besides() -> None:
@@ -182,6 +184,8 @@ def test_a_valve_that_nothing_drives_and_that_never_closes_can_be_judged() -> No
     open_ = replace(seen, values={**left, "heating_signal": np.zeros(len(seen)), "flow_L_h": flow_L_h})
     cut = list(segments(open_, believed))
     assert too_short(segment_at("valve", cut), open_, believed) == ""
+    always = replace(open_, values={**open_.values, "heating_signal": np.ones(len(seen))})
+    assert too_short(segment_at("valve", cut), always, believed) == "heating_signal never changes in this record"
     closes = replace(open_, values={**open_.values, "flow_L_h": np.where(flow_L_h > 75.0, flow_L_h, 0.0)})
     assert too_short(segment_at("valve", cut), closes, believed) == "heating_signal never changes in this record"
 

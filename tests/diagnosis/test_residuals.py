@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.residuals.continuous import Continuous, stands
+from waxstudy.diagnosis.residuals.continuous import RIDGE, STEEP, Continuous, stands
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.switching import Switching, softened
@@ -434,6 +435,20 @@ def test_what_flowed_while_an_opening_jumped_within_a_sample_is_not_judged(jump:
     assert np.array_equal(judged_of("flow_L_h", seen, "displacement").known, seen.settled & ~(jumps & (not is_known)))
     for other in ("heating_signal", "air_temperature_C"):
         assert np.array_equal(judged_of("sensor_temperature_C", seen, other).known, seen.settled)
+
+
+@pytest.mark.parametrize(("through", "share"), [(0.1, 0.2), (0.7, 0.7)])
+def test_a_moving_valve_is_missed_by_a_share_of_its_travel_or_of_what_that_lets_through(
+    through: float, share: float
+) -> None:
+    later = np.arange(DAY) >= 700
+    opening = 0.1 + np.where(later, 0.2, 0.0)
+    flow = Predicted({"flow_L_h": 60.0 * np.where(later, 1.0, 1.0 - through)})
+    about: dict[str, Any] = {"stated_noise": {"displacement": 0.01, "flow_L_h": 0.1}}
+    seen = plain({"displacement": opening, "flow_L_h": 60.0 * opening, "sensor_temperature_C": opening + 20.0}, **about)
+    way = judged_of("flow_L_h", seen, "displacement", [flow])
+    assert way.scale[700] == pytest.approx(np.hypot(RIDGE, STEEP * share) * 60.0 * 0.3, rel=0.01)
+    assert way.scale[600] < 1.0
 
 
 @pytest.mark.parametrize("driven_by", ["heating_signal", "displacement", "air_temperature_C"])

@@ -26,7 +26,7 @@ from waxstudy.dataset.tables import Site
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
 from waxstudy.diagnosis.model.as_built import AsBuilt
-from waxstudy.diagnosis.model.nuisance import Nuisance, habits
+from waxstudy.diagnosis.model.nuisance import Nuisance, habits, nuisances
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -88,6 +88,31 @@ def test_a_record_with_gains_needs_no_habits_of_a_healthy_one_without() -> None:
     as_built = AsBuilt((known[0], other, *known[1:]), np.arange(len(known) + 1.0), np.eye(len(known) + 1))
     there = as_built.seen_in(record_of(dataset(rows("REAL", DAYS), "REAL")))
     assert (there.knobs, there.departures.tolist(), there.covariance.tolist()) == ((other,), [1.0], [[1.0]])
+
+
+@pytest.mark.parametrize(("before", "later"), [((), (GAINS,)), ((GAINS,), ())])
+def test_what_a_healthy_record_cannot_tell_of_gains_is_as_unknown_as_without_it(
+    before: tuple[str, ...], later: tuple[str, ...]
+) -> None:
+    healthy, seen = (record_of(dataset(rows("REAL", DAYS, without=each), "REAL")) for each in (before, later))
+    believed = belief("REAL", seen)
+    room = next(each for each in segments(seen, believed) if each.with_room and not each.is_supply)
+    known = nuisances(belief("REAL", healthy), healthy, "flow_L_h")
+    there = AsBuilt(tuple(known), np.zeros(len(known)), np.eye(len(known))).seen_in(seen)
+    alone = {each.name: each.sd for each in nuisances(believed, seen, "flow_L_h")}
+    unknowns = SegmentProblem(room, seen, believed, as_built=there).nuisances
+    told = {each.name: each.sd for each in unknowns}
+    of_gains = {name: sd for name, sd in alone.items() if "gains" in name}
+    assert of_gains
+    assert {name: told.get(name) for name in of_gains} == of_gains
+
+
+def test_of_a_record_without_what_drives_a_room_a_healthy_one_tells_nothing() -> None:
+    healthy = record_of(dataset(rows("REAL", DAYS), "REAL"))
+    known = nuisances(belief("REAL", healthy), healthy, "flow_L_h")
+    as_built = AsBuilt(tuple(known), np.ones(len(known)), np.eye(len(known)))
+    seen = record_of(dataset(rows("REAL", DAYS, without=("outdoor_temperature_C",)), "REAL"))
+    assert as_built.seen_in(seen).knobs == ()
 
 
 def test_no_factor_is_claimed_of_what_only_stands_in() -> None:

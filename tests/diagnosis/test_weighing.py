@@ -369,6 +369,15 @@ def test_beside_an_effect_of_a_room_what_its_form_may_leave_is_no_second_one(
     assert more == pytest.approx(10.0 - 0.2**2 * (max(0.0, gain) + max(0.0, ease)))
 
 
+@pytest.mark.parametrize(("channels", "strays"), [(["air_temperature_C"], False), (regimes_of("displacement"), True)])
+def test_a_motor_strays_from_itself_where_its_strokes_are_told_apart(channels: list[str], strays: bool) -> None:
+    weighing: Any = bare(is_room=False)
+    weighing.none = leaving(*(residual([1.0], channel) for channel in channels))
+    assert weighing._may_stray(None) is strays
+    weighing.healthy.tolerated_travel = 1.0  # nobody knows the motor
+    assert weighing._may_stray(None)
+
+
 @pytest.mark.parametrize("moved", [0.0, 0.5, -2.0, -0.2])
 def test_a_record_is_less_likely_by_how_far_what_it_tells_lies_from_what_calibration_would_have_found(
     moved: float,
@@ -376,16 +385,16 @@ def test_a_record_is_less_likely_by_how_far_what_it_tells_lies_from_what_calibra
     """Of one parameter that both tell, with its variance from each; what else the record alone tells does not move."""
     slopes = np.array([[3.0, 0.0], [4.0, 0.0], [0.0, 2.0]])
     sd = np.array([0.5, 2.0])
-    known = [Nuisance(name, 1.0, lambda believed, departure: believed) for name in ("calibrated", "of the record")]
-    of_both: dict[str, Any] = {"sd": sd, "nuisances": known, "prior": np.eye(2)}
+    known = [Nuisance(name, 1.0, lambda believed, departure: believed) for name in ("calibrated", "of the record", "a")]
+    of_both: dict[str, Any] = {"sd": sd, "nuisances": known[:2], "prior": np.eye(2)}
     weighing: Any = bare(True, **of_both, as_built=SimpleNamespace(knobs=[known[0]]))
     weighing.share = {"air_temperature_C": 4.0}  # of its samples count as one
-    weighing.healthy.problem = SimpleNamespace(nuisances=known)
+    weighing.healthy.problem = SimpleNamespace(nuisances=known[::-1])  # it has another that the record lacks
     weighing.estimator = SimpleNamespace(slopes_at=lambda fitted: slopes)
     fitted = leaving(residual([1.0, 2.0, 0.5]), departures=np.array([0.3, -1.0]))
     told, variance = 0.3 - (3.0 + 8.0) / 25.0, 4.0 / 25.0 + 0.5**2
     expected = 0.5 * ((told - moved) ** 2 - told**2) / variance
-    assert weighing._unlike(fitted, np.array([moved, 9.0])) == pytest.approx(max(0.0, expected))
+    assert weighing._unlike(fitted, np.array([7.0, 9.0, moved])) == pytest.approx(max(0.0, expected))
     assert bare(True, sd=sd)._unlike(fitted, np.array([moved, 9.0])) == 0.0  # nothing was calibrated
     assert bare(False, as_built=weighing.problem.as_built)._unlike(fitted, np.array([moved])) == 0.0
 

@@ -63,6 +63,7 @@ class StandIn:
     factor_sd: float  # of the logarithm of a factor on its values; 0 where none is asked for
     factor_varies: float  # the same from one record to another
     sentence: str
+    source: str = ""  # what its values are from
 
 
 def stand_ins(
@@ -175,7 +176,7 @@ def _recorded_sun(
         f"{SUN} was not recorded: the sun that {told} tells at [site] stands in for it, uncertain by {factor:.0%}, and "
         f"each day by {of_day:.0%} more."
     )
-    return StandIn(heat_W, shapes, factor, SUN_VARIES, sentence)
+    return StandIn(heat_W, shapes, factor, min(factor, SUN_VARIES), sentence, source)
 
 
 def _hat(hour: FloatArray, middle_h: float, half_h: float) -> FloatArray:
@@ -213,7 +214,8 @@ def _gains(room: LinearRoom, hour: FloatArray, factor: float) -> StandIn:
         f"{GAINS} was not recorded: the believed room's own schedule stands in for it, times a factor that is free in "
         "the fit, and with heat at other hours of the day."
     )
-    return StandIn(own_gains_W(room, hour), shapes, factor, GAINS_FACTOR_VARIES, sentence)
+    varies = min(factor, GAINS_FACTOR_VARIES)
+    return StandIn(own_gains_W(room, hour), shapes, factor, varies, sentence, "the room's own gains")
 
 
 def own_gains_W(room: LinearRoom, hour: FloatArray) -> FloatArray:

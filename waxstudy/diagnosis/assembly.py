@@ -94,7 +94,7 @@ def assembled(
     linked = list(zip(selections, beliefs, strict=True))
     several = {each.name: each for selection in reversed(selections) for each in _found(selection, work.seed)}
     found = sorted(several.values(), key=lambda effect: STAGES.index(effect.stage))
-    remains = [replace(each, probability=_held(selection, UNKNOWN)) for selection, rest in pairs for each in rest]
+    remains = [replace(each, probability=_amiss(selection, each)) for selection, rest in pairs for each in rest]
     untestable = list(_untestable(work, cut, short, selections))
     verdict = _verdict(found, remains, selections, untestable)
     stages = {effect.name: effect.stage for effect in work.effects}
@@ -139,6 +139,11 @@ def assembled(
 def _days(baseline: Dataset) -> str:
     first, last = (baseline.time[[0, -1]] - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")
     return f"{baseline.name}, {first} to {last}"
+
+
+def _amiss(selection: Selection, left: Unexplained) -> float:
+    """Return how probable it is that something unknown, or where it has no name anything, is amiss at a link."""
+    return 1.0 - left.p if left.is_nameless else _held(selection, UNKNOWN)
 
 
 def _held(selection: Selection, name: str) -> float:

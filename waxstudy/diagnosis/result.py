@@ -150,8 +150,9 @@ class Unexplained:
     is_covered: bool = False  # within what the believed model's published uncertainty covers
     is_of_drives: bool = False  # as little as what drives the room and was not recorded could make
     channel: str = ""  # that it is judged by
-    probability: float = nan  # that something unknown is there
+    probability: float = nan  # that something unknown is there, or where it `is_nameless` anything
     when: When | None = None  # where it is missed by more at certain times
+    is_nameless: bool = False  # something is surely amiss, which may be of the library: no effect is sure enough
 
     @property
     def is_finding(self) -> bool:

@@ -13,6 +13,7 @@ from waxstudy.diagnosis.criteria import ROOM_STAGES
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Unexplained, Untestable, Verdict
 from waxstudy.diagnosis.select.candidate import Candidate
+from waxstudy.diagnosis.select.posterior import NONE
 from waxstudy.diagnosis.select.search import Selection, Withdrawn
 from waxstudy.diagnosis.select.testability import in_words
 from waxstudy.plugin import LinearRoom, Role
@@ -35,11 +36,21 @@ def summary(
     if verdict in ("effect", "group"):
         return " ".join(group_sentence(effect) for effect in found)
     if verdict == "unknown":
-        places = ", ".join(dict.fromkeys(each.stage for each in remains if each.is_finding))
-        return f"Something that no known effect explains lies at: {places}."
+        return " ".join(_unnamed(remains))
     if verdict == "untestable":
         return f"This record cannot be judged: {_main_reason(untestable)}."
     return _nothing(f"nothing changed since {since}" if since else NOTHING, stages or Stages())
+
+
+def _unnamed(remains: Sequence[Unexplained]) -> Iterator[str]:
+    """Yield where something is amiss that no effect explains, and where none that may is sure enough."""
+    findings = [each for each in remains if each.is_finding]
+    unknown = dict.fromkeys(each.stage for each in findings if not each.is_nameless)
+    nameless = dict.fromkeys(each.stage for each in findings if each.is_nameless)
+    if unknown:
+        yield f"Something that no known effect explains lies at: {', '.join(unknown)}."
+    if nameless:
+        yield f"Something is amiss at: {', '.join(nameless)}. No effect is sure enough to be named."
 
 
 @dataclass(frozen=True)
@@ -68,7 +79,10 @@ def why_not(selection: Selection, candidate: Candidate) -> str:
     """Return why an effect that was tried is not named."""
     name = candidate.effect.name
     if selection.posterior:
-        return "less likely than what is named" if selection.found else "less likely than that nothing is amiss"
+        if selection.found:
+            return "less likely than what is named"
+        likelier = selection.posterior.get(name, 0.0) > selection.posterior.get(NONE, 0.0)
+        return "not sure enough to be named" if likelier else "less likely than that nothing is amiss"
     for each in selection.withdrawn:
         if name in each.found.group:
             return each.criterion.name

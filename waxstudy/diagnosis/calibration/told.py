@@ -30,6 +30,8 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
         _descriptions(documented),
     )
     for knob, departure, each in of_loop:
+        if knob.is_habit:
+            continue  # no document tells at which hours people heat a room
         is_of_room = knob.apply(documented, knob.sd).room != documented.room
         part: Part = "room" if is_of_room else "chain" if knob.name in chain else "drives"
         if not isinstance(knob, Knob):
@@ -109,8 +111,7 @@ def _leaves_out(interval: Interval, still: float) -> bool:
 
 def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, description: str) -> Calibrated:
     interval = Interval(departure, departure - NORMAL * sd, departure + NORMAL * sd)
-    # no document tells at which hours people heat a room
-    is_clear = not knob.is_habit and abs(departure) > CLEAR * knob.sd / WIDER and _leaves_out(interval, 0.0)
+    is_clear = abs(departure) > CLEAR * knob.sd / WIDER and _leaves_out(interval, 0.0)
     return Calibrated(knob.name, interval, 0.0, _in_words(knob, departure, description), part, is_clear)
 
 

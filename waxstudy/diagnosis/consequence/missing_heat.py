@@ -75,8 +75,8 @@ def _unknowns(problem: SegmentProblem, slopes: FloatArray) -> tuple[Unknowns, Un
     root = problem.prior / problem.sd
     covariance = np.linalg.inv(root.T @ root)
     of_the_record = {each.name for each in of_record(problem.belief, problem.record, problem.segment.driven_by)}
-    if problem.as_built is None:
-        of_the_record |= {each.name for each in habits(problem.record)}
+    known = {knob.name for knob in problem.as_built.knobs} if problem.as_built else set()
+    of_the_record |= {each.name for each in habits(problem.record)} - known
     is_lost = np.array([each.name in of_the_record for each in problem.nuisances])
     lost, doubted = (Unknowns(slopes[:, each], covariance[np.ix_(each, each)]) for each in (is_lost, ~is_lost))
     return lost, doubted

@@ -32,7 +32,12 @@ class AsBuilt:
     left: Mapping[str, Left] = field(default_factory=dict)  # of a chain, by channel
 
     def seen_in(self, record: Record) -> AsBuilt:
-        """Return the same for another record, which has habits of its own days, or recorded what they stand in for."""
+        """Return the same for another record, which has habits of its own days, or recorded what they stand in for.
+
+        Of one without what drives a room nothing of it can be said.
+        """
+        if not record.has_inputs:
+            return replace(self, knobs=(), departures=np.zeros(0), covariance=np.zeros((0, 0)))
         there = {each.name: each for each in habits(record)}
         known = [there.get(knob.name) if knob.is_habit else knob for knob in self.knobs]
         kept = [place for place, knob in enumerate(known) if knob]
@@ -73,6 +78,10 @@ class Knob(Nuisance):
     effect: type[Effect] = Effect
     parameter: str = ""
     neutral: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def tells(self) -> frozenset[str]:
+        return frozenset((self.name, *self.effect.absorbs))
 
     def values(self, departure: float) -> dict[str, float]:
         """Return the parameters of the effect after a departure, within the bounds that it is looked for in."""

@@ -33,6 +33,11 @@ class Nuisance:
     varies: float = 0.0  # standard deviation of it from one record to another
     is_habit: bool = False  # of a drive that nobody recorded, by this record's own days
 
+    @property
+    def tells(self) -> frozenset[str]:
+        """The names of all that it tells of."""
+        return frozenset((self.name,))
+
     def beyond(self, departure: float) -> Nuisance:
         """Return what is unknown of it where it departs already."""
         return self
@@ -63,10 +68,7 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float |
     if room := belief.room:
         assert issubclass(room.component, Room)
         found = [_of_room(each) for each in room.component.uncertainties(room.parameters)]
-    for name, channel, measured, assumed in HEATS:
-        if record.has(channel):
-            sd = record.spreads.get(channel, assumed if channel in record.assumed else measured)
-            found.append(Nuisance(name, sd, _of_input(FIELDS[channel], lambda old, factor: exp(factor) * old)))
+    found += heats(record)
     return [
         *(replace(nuisance, sd=tolerance * nuisance.sd) for nuisance in found if tolerance is not None),
         *habits(record),
@@ -74,12 +76,20 @@ def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float |
     ]
 
 
+def heats(record: Record) -> Iterator[Nuisance]:
+    """Yield how well drives are known that were recorded or assumed."""
+    for name, channel, measured, assumed in HEATS:
+        if record.has(channel):
+            sd = record.spreads.get(channel, assumed if channel in record.assumed else measured)
+            yield Nuisance(name, sd, _of_input(FIELDS[channel], lambda old, factor: exp(factor) * old))
+
+
 def habits(record: Record) -> Iterator[Nuisance]:
     """Yield what is unknown of drives that nobody recorded, and much the same in the next record of a room."""
     for channel, found in record.stand_ins.items():
         of = FIELDS[channel]
         if found.factor_sd:
-            yield Factor.on(f"factor of {channel}", found.factor_sd, found.factor_varies, of, found.values)
+            yield Factor.on(f"factor on {found.source}", found.factor_sd, found.factor_varies, of, found.values)
         for shape in found.shapes:
             if shape.varies is not None:
                 apply = _of_input(of, partial(_more, shape.heat_W))

@@ -15,7 +15,7 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
 from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.model.nuisance import Nuisance, habits, nuisances, of_record
+from waxstudy.diagnosis.model.nuisance import Nuisance, habits, heats, nuisances, of_record
 from waxstudy.diagnosis.model.perturbation import Perturbation
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Prediction, Segment
@@ -64,8 +64,9 @@ class SegmentProblem:
         if self.as_built is None:
             tolerance = None if self.is_exact_room else self.room_tolerance
             return nuisances(self.belief, self.record, self.segment.driven_by, tolerance)
-        known = {knob.name for knob in self.as_built.knobs}
-        unseen = [each for each in habits(self.record) if each.name not in known]  # the healthy record has these drives
+        known = {name for knob in self.as_built.knobs for name in knob.tells}
+        # drives that only one of the two records has
+        unseen = [each for each in (*heats(self.record), *habits(self.record)) if each.name not in known]
         return [*self.as_built.unknowns(), *unseen, *of_record(self.belief, self.record, self.segment.driven_by)]
 
     def _prior(self) -> FloatArray:

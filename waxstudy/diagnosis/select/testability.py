@@ -10,6 +10,7 @@ from waxstudy.dataset.channels import CHANNELS, SHOW_ROOM
 from waxstudy.diagnosis.criteria import ROOM_STAGES, Question, limit
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, stepped
 from waxstudy.diagnosis.model.segments import SHOWN, Segment
+from waxstudy.diagnosis.observations.noise import ON
 from waxstudy.diagnosis.observations.record import AIR, Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
 from waxstudy.diagnosis.select.search import OF_AIR, Selection
@@ -37,7 +38,7 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     if _is_constant(record, channel):
         if not _should_move(segment, record, belief, channel):
             return f"{channel} never changes in this record"
-    elif _is_constant(record, segment.driven_by) and not _stands(record, channel):
+    elif _is_constant(record, segment.driven_by) and not _stands(record, channel, segment.driven_by):
         return f"{segment.driven_by} never changes in this record"
     share = float(_known(record, channel).mean())
     if share < least_share:
@@ -72,11 +73,14 @@ def _best_known(segment: Segment, record: Record) -> str:
     return max(shown, key=lambda each: _known(record, each).mean())
 
 
-def _stands(record: Record, channel: str) -> bool:
-    """Whether a level stays where it is, but for noise, or a flow never stops: other circuits move it."""
+def _stands(record: Record, channel: str, driven_by: str) -> bool:
+    """Whether a level stays where it is, but for noise, or a flow that nothing drives never stops.
+
+    Other circuits and the pump move it: of a valve that is always open it shows nothing.
+    """
     low, high = np.nanquantile(record.values[channel], (0.01, 0.99))
     if channel == "flow_L_h":
-        return bool(low > FLOWS * high)
+        return bool(low > FLOWS * high and np.nanmax(record.values[driven_by]) <= ON)
     return channel in LEVELS and bool(high - low < STEADY)
 
 

@@ -53,8 +53,9 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
         course = concentrated(worst, together(worst), selection.problem.record)
         when = When(course.words, list(course.spans_h)) if course else None
         gap = worst.gap(), floor[worst.channel]
+        is_nameless &= unknown < WEIGHTS.likelier
         p = nothing if is_nameless else 1.0 - unknown
-        yield Unexplained(stage, *gap, p, channel=worst.channel, when=when)
+        yield Unexplained(stage, *gap, p, channel=worst.channel, when=when, is_nameless=is_nameless)
 
 
 def _strayed(selection: Selection, unknown: float) -> Iterator[Unexplained]:

@@ -303,10 +303,13 @@ class Weighing:
             without = self.problem.edited(rest, fitted.departures)
             if departure(effect, values, without) <= WEIGHTS.notable:
                 continue
-            # the form of strokes does not come and go
-            is_steady = pattern is None or self.healthy.tolerated_travel > 0.0
-            if effect.stage != "actuator" or not is_steady or not self._strays(rest, fitted):
+            if effect.stage != "actuator" or not self._may_stray(pattern) or not self._strays(rest, fitted):
                 yield effect.name
+
+    def _may_stray(self, pattern: Pattern | None) -> bool:
+        """Whether motors stray: from what is believed, else in strokes that are told apart and always differ alike."""
+        is_told = any(each.is_at_rest for each in self.none.regimes)
+        return self.healthy.tolerated_travel > 0.0 or (is_told and pattern is None)
 
     def _strays(self, rest: Edits, fitted: Hypothesis) -> bool:
         """Whether a motor differs from the rest of a hypothesis by no more than real ones stray.

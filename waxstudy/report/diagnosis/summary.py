@@ -234,7 +234,8 @@ def _gap_left(diagnosis: Diagnosis, left: Unexplained) -> str:
 
 def _how_sure_of(left: Unexplained) -> str:
     if math.isfinite(left.probability):
-        return f"something unknown {chance(left.probability)} probable"
+        what = "something amiss" if left.is_nameless else "something unknown"
+        return f"{what} {chance(left.probability)} probable"
     return f"p = {probability(left.p)}"
 
 
