@@ -9,13 +9,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.diagnosis.realities import belief, effects, estimator, planted, record, with_effects
+from tests.diagnosis.realities import belief, dataset, effects, estimator, planted, record, rows, with_effects
+from waxstudy.dataset.stand_ins import GAINS
 from waxstudy.diagnosis.consequence.heat_estimate import HeatData, HeatEstimate, Pieces, Unknowns, estimated
 from waxstudy.diagnosis.consequence.heat_words import sentence
-from waxstudy.diagnosis.consequence.missing_heat import missing_heat
+from waxstudy.diagnosis.consequence.missing_heat import _unknowns, missing_heat
+from waxstudy.diagnosis.diagnose import record_of
+from waxstudy.diagnosis.model.as_built import AsBuilt
+from waxstudy.diagnosis.model.nuisance import habits
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import HeatPer, HeatPiece, Interval, MissingHeat
 from waxstudy.diagnosis.select.search import Selection
 from waxstudy.plugin import Belief, FloatArray
@@ -93,6 +98,23 @@ def test_of_a_healthy_room_nothing_is_said_to_be_missing() -> None:
 
 
 # --- the estimate ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("is_calibrated", [False, True])
+def test_hours_of_gains_are_lost_of_a_record_unless_a_healthy_one_tells_them(is_calibrated: bool) -> None:
+    """What is lost is fitted along with heat; what is known of habits blurs it."""
+    seen = record_of(dataset(rows("REAL", 4, without=(GAINS,)), "REAL"))
+    believed = belief("REAL", seen)
+    room = next(each for each in segments(seen, believed) if each.with_room and not each.is_supply)
+    of_gains = list(habits(seen))
+    known = AsBuilt(tuple(of_gains), np.zeros(len(of_gains)), np.eye(len(of_gains)))
+    problem = SegmentProblem(room, seen, believed, as_built=known if is_calibrated else None)
+    slopes = np.arange(float(len(problem.nuisances)))[None, :]
+    lost, doubted = _unknowns(problem, slopes)
+    places = [place for place, each in enumerate(problem.nuisances) if each.is_habit]
+    assert len(places) == len(of_gains) > 0
+    assert set(places) <= set((doubted if is_calibrated else lost).slopes[0])
+    assert lost.slopes.shape[1] + doubted.slopes.shape[1] == len(problem.nuisances)
 
 
 def test_pieces_are_whole_hours_by_the_clock() -> None:
