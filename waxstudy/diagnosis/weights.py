@@ -47,6 +47,7 @@ class Weights:
     always: float
     promised: float
     clearly: float
+    flows: float
     soft: float
     unseen_chain: float
     unseen_room: float

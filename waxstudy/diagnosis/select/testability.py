@@ -14,6 +14,7 @@ from waxstudy.diagnosis.observations.noise import ON
 from waxstudy.diagnosis.observations.record import AIR, Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
 from waxstudy.diagnosis.select.search import OF_AIR, Selection
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import CHAIN, Belief, SimulationError
 
 FEW = 0.1  # of a first look's points
@@ -21,7 +22,6 @@ CLEAR = 4  # noticeable steps from neutral that a record should show
 LEVELS = ("control_output", "displacement")
 SPARSE_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
-FLOWS = 0.5  # least share of its most that passes a valve which never closes
 DRIVES = ("supply_temperature_C", "outdoor_temperature_C")
 
 
@@ -80,7 +80,7 @@ def _stands(record: Record, channel: str, driven_by: str) -> bool:
     """
     low, high = np.nanquantile(record.values[channel], (0.01, 0.99))
     if channel == "flow_L_h":
-        return bool(low > FLOWS * high and np.nanmax(record.values[driven_by]) <= ON)
+        return bool(low > WEIGHTS.flows * high and np.nanmax(record.values[driven_by]) <= ON)
     return channel in LEVELS and bool(high - low < STEADY)
 
 

@@ -25,7 +25,7 @@ from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import Belief, FloatArray
 
 DEEPER = 3  # hypotheses that others are tried beside
 HOURS = ("from_h", "to_h")
@@ -216,6 +216,7 @@ class Weighing:
         calibrated = {knob.name for knob in self.problem.as_built.knobs}
         there = zip(self.healthy.problem.nuisances, moved.tolist(), strict=True)
         means = {knob.name: step for knob, step in there if knob.name in calibrated}
+        # what was not calibrated is where it was
         elsewhere = np.array([means.get(knob.name, 0.0) for knob in self.problem.nuisances])
         return 0.5 * max(0.0, loss(elsewhere) - loss(np.zeros(len(sd))))
 
@@ -303,7 +304,7 @@ class Weighing:
             without = self.problem.edited(rest, fitted.departures)
             if departure(effect, values, without) <= WEIGHTS.notable:
                 continue
-            if effect.stage != "actuator" or not self._may_stray(pattern) or not self._strays(rest, fitted):
+            if effect.stage != "actuator" or not self._may_stray(pattern) or not self._strays(without, rest, fitted):
                 yield effect.name
 
     def _may_stray(self, pattern: Pattern | None) -> bool:
@@ -311,12 +312,11 @@ class Weighing:
         is_told = any(each.is_at_rest for each in self.none.regimes)
         return self.healthy.tolerated_travel > 0.0 or (is_told and pattern is None)
 
-    def _strays(self, rest: Edits, fitted: Hypothesis) -> bool:
-        """Whether a motor differs from the rest of a hypothesis by no more than real ones stray.
+    def _strays(self, without: Belief, rest: Edits, fitted: Hypothesis) -> bool:
+        """Whether a motor differs from that without an effect by no more than real ones stray; `rest`: the others.
 
         From itself it strays in its strokes only: a healthy record has no pauses and pulses of all lengths.
         """
-        without = self.problem.edited(rest, fitted.departures)
         strays = travel(self.problem.record, without, self.problem.belief_of(fitted)) <= limits()["tolerated"].value
         return strays and not self._shows_at_rest(fitted, self.problem.at(rest, fitted.departures, fitted.convention))
 
