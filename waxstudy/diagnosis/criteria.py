@@ -17,7 +17,7 @@ from operator import ge, gt, le, lt
 from typing import Any, NamedTuple
 
 COMPARE = {"<=": le, "<": lt, ">=": ge, ">": gt}
-FAR_APART_S = 300.0  # interval from which on samples hide what happened between them
+SHORTEST_PULSE_S = 60.0  # samples farther apart hide pulses: `min_pulse_s` of a modulator is this, or more
 ROOM_STAGES = ("emitter", "room")
 
 

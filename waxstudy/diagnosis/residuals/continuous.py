@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from waxstudy.diagnosis.criteria import FAR_APART_S
+from waxstudy.diagnosis.criteria import SHORTEST_PULSE_S
 from waxstudy.diagnosis.estimate.hypothesis import REGIMES, Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
@@ -120,7 +120,7 @@ class Continuous:
             known &= ~record.is_gap(driven_by)
         if driven_by == "displacement":
             known &= np.abs(np.diff(record.filled("displacement"), prepend=0.0)) < JUMP
-        if record.interval_s >= FAR_APART_S and driven_by in (*record.binary, "displacement"):
+        if record.interval_s > SHORTEST_PULSE_S and driven_by in (*record.binary, "displacement"):
             known &= ~is_lone(record.filled(self.channel), record.filled(driven_by))
         return known
 
