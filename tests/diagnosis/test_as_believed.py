@@ -120,6 +120,24 @@ def test_a_motor_that_sticks_in_a_single_cycle_is_nothing_unknown(stuck: Sequenc
     assert (posterior(found.weighed())["unknown"] > 0.5) is is_unknown
 
 
+def test_an_effect_that_leaves_most_of_the_gap_in_its_own_unit_explains_little() -> None:
+    """A valve that sticks shut every other time is no smaller flow, though weights make little of an open one."""
+    seen = record_of(dataset(rows("REAL", 6)[["time", "displacement", "flow_L_h"]], "REAL"))
+    believed = belief("REAL", seen)
+    (link,) = segments(seen, believed)
+    made = planted(link, seen, believed)
+    shut = np.isin(made.cycle, np.unique(made.cycle)[2::2])
+    values = {**made.values, "flow_L_h": np.where(shut, 0.0, made.values["flow_L_h"])}
+    found = as_believed(link, replace(made, values=values), believed, ["max-flow"], 0.25).weighed()
+    small = next(each for each in found if each.names == ("max-flow",) and each.pattern is None)
+    assert small.gain > 1e5
+    assert small.fitted.residuals[0].gap() > 0.7 * found[0].fitted.residuals[0].gap()
+    assert small.left > 0.7
+    told = posterior(found)
+    assert told["unknown"] > 0.5
+    assert told["max-flow"] < 0.5
+
+
 # --- a controller ------------------------------------------------------------------------------------
 
 

@@ -27,6 +27,7 @@ class HealthyLeft(NamedTuple):
     samples: int
     cycles: int
     noise_square: float  # of the instrument, of a sample
+    gap: float  # in the channel's unit
 
 
 class UsualWhere(NamedTuple):
@@ -86,7 +87,7 @@ class Healthy:
             return None
         whitened = float(np.sqrt(residual.loss() / count))
         cycles = len(np.unique(residual.block[residual.judged]))
-        return HealthyLeft(whitened, count, cycles, residual.noise_square)
+        return HealthyLeft(whitened, count, cycles, residual.noise_square, residual.gap())
 
     def usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample of a channel, over what it is weighed by; less is luck."""

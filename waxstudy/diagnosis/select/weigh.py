@@ -244,11 +244,25 @@ class Weighing:
         """Return which share of what is missed of a chain beyond what nothing amiss leaves a hypothesis leaves."""
         if self.problem.segment.with_room:
             return WEIGHTS.least_share  # what a room leaves is judged by its healthy record alone
-        before, after = self._beyond(self._nothing(fitted)), self._beyond(fitted)
+        before, after = 0.0, 0.0
+        for old, new in zip(self._nothing(fitted).regimes, fitted.regimes, strict=True):
+            missed = self._beyond(old)
+            before, after = before + missed, after + max(self._beyond(new), self._kept(old, new) * missed)
         return float(max(WEIGHTS.least_share, min(1.0, (after / before) ** 0.5))) if before > 0.0 else 1.0
 
-    def _beyond(self, fitted: Hypothesis) -> float:
-        return sum(max(0.0, each.loss() - self.healthy.usual_loss(each)) for each in fitted.regimes)
+    def _beyond(self, residual: Residual) -> float:
+        return max(0.0, residual.loss() - self.healthy.usual_loss(residual))
+
+    def _kept(self, none: Residual, residual: Residual) -> float:
+        """Return which share of the squares of a channel's gap a hypothesis keeps, in the channel's own unit.
+
+        Weights hang on what is predicted and measured: a fit by them alone may make the gap itself larger.
+        """
+        healthy = self.healthy.left(residual.channel)
+        if healthy is None or none.gap() == 0.0:
+            return 0.0
+        beyond = residual.gap() ** 2 - (limits()["gap"].value * healthy.gap) ** 2
+        return float(np.clip(beyond / none.gap() ** 2, 0.0, 1.0))
 
     def _nothing(self, fitted: Hypothesis) -> Hypothesis:
         """Return the link without effects, read in the best way or in a hypothesis's, whichever misses less."""
@@ -348,7 +362,8 @@ class Weighing:
         cycles, segment = len(np.unique(residual.block[residual.judged])), self.problem.segment
         is_whole = residual.channel in segment.judged and not segment.with_room
         more = max(1.0, cycles / count * healthy.samples / healthy.cycles) if is_whole else 1.0
-        explained = max(0.0, none.loss() - residual.loss()) / count
+        kept = 0.0 if segment.with_room else self._kept(none, residual)
+        explained = max(0.0, min(none.loss() - residual.loss(), (1.0 - kept) * none.loss())) / count
         usual = float(np.sqrt(more * self.healthy.usual(residual) ** 2 + WEIGHTS.form**2 * explained))
         squares = residual.whitened[residual.judged] ** 2
         left = _lasting(squares, np.ones(count), residual.block[residual.judged]) ** 0.5
