@@ -88,6 +88,7 @@ class WithConstantTimes(WaxMotor):
     """The actuator's times do not depend on its past, where `variable-times` is believed."""
 
     name = "constant-times"
+    absorbs = ("slow-actuator",)
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
@@ -160,6 +161,7 @@ class WithVariableTimes(Effect):
     stage = "actuator"
     Parameters = Coefficients
     priors = COEFFICIENT_PRIORS
+    absorbs = ("slow-actuator",)
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

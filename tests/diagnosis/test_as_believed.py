@@ -120,6 +120,22 @@ def test_a_motor_that_sticks_in_a_single_cycle_is_nothing_unknown(stuck: Sequenc
     assert (posterior(found.weighed())["unknown"] > 0.5) is is_unknown
 
 
+def test_effects_of_which_one_takes_the_other_s_place_are_not_tried_together() -> None:
+    """All times of a motor, stated anew, and a factor on them say the same twice, and reach times that no motor has."""
+    seen, believed, link = motor()
+    made = planted(link, seen, believed)
+    logged = np.convolve(np.pad(made.values["displacement"], 15, "edge"), np.full(31, 1.0 / 31.0), mode="valid")
+    found = as_believed(
+        link,
+        replace(made, values={**made.values, "displacement": logged}),
+        believed,
+        ["slow-actuator", "constant-times", "limited-travel"],
+    ).weighed()
+    tried = {frozenset(each.fitted.names) for each in found}
+    assert frozenset({"constant-times", "limited-travel"}) in tried
+    assert not [names for names in tried if {"constant-times", "slow-actuator"} <= names]
+
+
 def test_an_effect_that_leaves_most_of_the_gap_in_its_own_unit_explains_little() -> None:
     """A valve that sticks shut every other time is no smaller flow, though weights make little of an open one."""
     seen = record_of(dataset(rows("REAL", 6)[["time", "displacement", "flow_L_h"]], "REAL"))

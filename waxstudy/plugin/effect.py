@@ -101,7 +101,7 @@ class Effect(Component):
     kind = "effect"
     stage: ClassVar[str]  # one of STAGES
     priors: ClassVar[Mapping[str, Prior]] = {}
-    # names of uncertainties whose place it takes: with them both, neither could be told
+    # names of uncertainties and effects whose place it takes: with them both, neither could be told
     absorbs: ClassVar[Sequence[str]] = ()
 
     @classmethod

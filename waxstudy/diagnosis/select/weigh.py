@@ -63,7 +63,7 @@ class Weighing:
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
         if best and score(best[0]) > score(found[0]) and not self.estimator.is_quick:
             for each in self._open(best):
-                others = [effect for effect in self.effects if effect.name not in each.fitted.names]
+                others = [effect for effect in self.effects if _may_be_beside(effect, each.fitted)]
                 found += [self._beside(each, pair) for pair in self._one_more(others, each.fitted, self.tick)]
         return found
 
@@ -371,6 +371,12 @@ class Weighing:
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
         scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / healthy.samples)
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
+
+
+def _may_be_beside(effect: EffectType, given: Hypothesis) -> bool:
+    """Whether an effect is none of the given ones, and none of them takes the place of another."""
+    taken = {name for other, _ in given.effects for name in (other.name, *other.absorbs)}
+    return effect.name not in taken and not set(given.names) & set(effect.absorbs)
 
 
 def _told(effect: EffectType, values: Values) -> int:
