@@ -16,7 +16,7 @@ from tests.diagnosis.realities import EFFECTS, Effects, belief, dataset, effects
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
 from waxstudy.diagnosis.calibration.healthy import Healthy, HealthyLeft, UsualWhere
 from waxstudy.diagnosis.diagnose import record_of
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual, regimes_of
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual, motions_of
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.model.nuisance import Nuisance
@@ -100,10 +100,10 @@ def test_a_slow_motor_is_found_and_explains_all_of_it() -> None:
 
 
 def test_a_gain_is_half_of_what_is_missed_less_in_samples_that_count_and_not_below_what_is_usual() -> None:
-    """In each regime by itself."""
+    """In each motion by itself."""
     weighing, (none, slow, _) = of(SLOW, SLOW)
-    gain, together = 0.0, {each: weighing.healthy.together(each) for each in regimes_of("displacement")}
-    for old, new in zip(none.fitted.regimes, slow.fitted.regimes, strict=True):
+    gain, together = 0.0, {each: weighing.healthy.together(each) for each in motions_of("displacement")}
+    for old, new in zip(none.fitted.by_motion, slow.fitted.by_motion, strict=True):
         healthy = weighing.healthy.left(new.channel)
         assert healthy
         usual = healthy.whitened**2 * new.judged.sum()
@@ -111,7 +111,7 @@ def test_a_gain_is_half_of_what_is_missed_less_in_samples_that_count_and_not_bel
         gain += 0.5 * (before - after) / together[new.channel]
     assert max(together.values()) > 10.0
     assert slow.gain == pytest.approx(gain)
-    of_sample = np.array(list(together.values()))[only(none).regime]
+    of_sample = np.array(list(together.values()))[only(none).motion]
     counted = [only(each).whitened / of_sample**0.5 for each in (none, slow)]
     assert (slow.spread, slow.most) == pytest.approx(gain_spread(counted[0], counted[1], weighing.problem.record.cycle))
 
@@ -120,7 +120,7 @@ def test_what_is_missed_stands_out_where_an_effect_acts_over_what_healthy_record
     weighing, (none, slow, _) = of(SLOW, SLOW)
     assert not only(none).judged.all()  # what is not judged makes nothing stand out less
     per_cycle, luck = np.zeros((2, int(only(none).block.max()) + 1)), 0.0
-    for missed, new in zip(none.fitted.regimes, slow.fitted.regimes, strict=True):
+    for missed, new in zip(none.fitted.by_motion, slow.fitted.by_motion, strict=True):
         change = missed.judged * (missed.whitened - new.whitened) ** 2
         usual, cycles = weighing.healthy.usual_where(missed, slow.fitted.effects, ())
         both = change * (missed.whitened / usual) ** 2, change
@@ -135,11 +135,11 @@ def test_what_is_missed_stands_out_where_an_effect_acts_over_what_healthy_record
 def test_what_is_usual_where_an_effect_acts_is_of_the_samples_that_it_changes() -> None:
     """A healthy record leaves most at the edges of a slower motor's strokes, and hardly anything where it rests."""
     weighing, (none, slow, *_) = of(NOTHING, SLOW)
-    healthy, (_, missed) = weighing.healthy, none.fitted.regimes
-    still = healthy.fitted.regimes[1]
+    healthy, (_, missed) = weighing.healthy, none.fitted.by_motion
+    still = healthy.fitted.by_motion[1]
     made = healthy.problem.at(slow.fitted.effects, healthy.fitted.departures, healthy.fitted.convention)
     assert made
-    change = still.judged * (made.regimes[1].whitened - still.whitened) ** 2
+    change = still.judged * (made.by_motion[1].whitened - still.whitened) ** 2
     expected = np.sqrt(np.sum(change * still.whitened**2) / change.sum())
     found = healthy.usual_where(missed, slow.fitted.effects, ())
     assert found.whitened == pytest.approx(max(expected, WEIGHTS.least_left))
@@ -152,7 +152,7 @@ def test_what_is_usual_where_an_effect_acts_is_of_the_samples_that_it_changes() 
 
 def test_a_misfit_is_told_in_standard_deviations_of_what_cycles_tell() -> None:
     weighing, (none, _, _) = of(SLOW, SLOW)
-    missed = none.fitted.regimes[1]  # the strokes are missed most
+    missed = none.fitted.by_motion[1]  # the strokes are missed most
     healthy = weighing.healthy.left(missed.channel)
     assert healthy
     count, cycles = int(missed.judged.sum()), len(np.unique(missed.block[missed.judged]))
@@ -164,18 +164,18 @@ def test_a_misfit_is_told_in_standard_deviations_of_what_cycles_tell() -> None:
 
 def test_what_an_effect_leaves_is_excused_by_a_tenth_of_what_it_explains() -> None:
     weighing, (none, slow, _) = of(NOTHING, SLOW)[0], of(NOTHING, SLOW)[1][:3]
-    missed = slow.fitted.regimes[1]
+    missed = slow.fitted.by_motion[1]
     healthy = weighing.healthy.left(missed.channel)
     assert healthy
     count = int(missed.judged.sum())
-    explained = (none.fitted.regimes[1].loss() - missed.loss()) / count
+    explained = (none.fitted.by_motion[1].loss() - missed.loss()) / count
     cycles = len(np.unique(missed.block[missed.judged]))
     usual = np.sqrt(healthy.whitened**2 + WEIGHTS.form**2 * explained)
     together = min(weighing.healthy.together(missed.channel), count / cycles)
     scatter = np.sqrt(WEIGHTS.scatter**2 + 0.5 * together / count + 0.5 * together / healthy.samples)
     assert slow.misfit == pytest.approx(np.log(lasting(missed, missed.judged) / usual) / scatter)
     over = [
-        sum(max(0.0, regime.loss() - weighing.healthy.usual_loss(regime)) for regime in each.fitted.regimes)
+        sum(max(0.0, motion.loss() - weighing.healthy.usual_loss(motion)) for motion in each.fitted.by_motion)
         for each in (slow, none)
     ]
     assert slow.left == pytest.approx(np.sqrt(over[0] / over[1]))
@@ -230,7 +230,7 @@ def test_a_second_effect_gains_what_it_adds_beyond_the_form_of_the_first() -> No
         counted = [only(each).whitened * only(each).weights(weighing.share) for each in (given, pair)]
         spread, told = gain_spread(counted[0], counted[1], weighing.problem.record.cycle)
         gained, may = weighing.of(pair.fitted).gain - given.gain, 0.0
-        for none, one, two in zip(*(each.fitted.regimes for each in (found[0], given, pair)), strict=True):
+        for none, one, two in zip(*(each.fitted.by_motion for each in (found[0], given, pair)), strict=True):
             change, first, both_, of_form = none.whitened - one.whitened, one.whitened, two.whitened, 0.0
             for cycle in set(two.block):
                 here = two.judged & (two.block == cycle)
@@ -251,7 +251,7 @@ def test_what_each_judged_cycle_is_missed_by_is_the_loss_of_its_samples() -> Non
     weighing, found = of(NOTHING, SLOW)
     for each in found[:2]:
         missed = only(each)
-        losses = [regime.loss() / weighing.share[regime.channel] for regime in missed.regimes]
+        losses = [motion.loss() / weighing.share[motion.channel] for motion in missed.by_motion]
         assert each.by_cycle.sum() == pytest.approx(sum(losses))
         assert len(each.by_cycle) == len(set(missed.block[missed.judged])) < len(set(missed.block))
 
@@ -369,7 +369,7 @@ def test_beside_an_effect_of_a_room_what_its_form_may_leave_is_no_second_one(
     assert more == pytest.approx(10.0 - 0.2**2 * (max(0.0, gain) + max(0.0, ease)))
 
 
-@pytest.mark.parametrize(("channels", "strays"), [(["air_temperature_C"], False), (regimes_of("displacement"), True)])
+@pytest.mark.parametrize(("channels", "strays"), [(["air_temperature_C"], False), (motions_of("displacement"), True)])
 def test_a_motor_strays_from_itself_where_its_strokes_are_told_apart(channels: list[str], strays: bool) -> None:
     weighing: Any = bare(is_room=False)
     weighing.none = leaving(*(residual([1.0], channel) for channel in channels))

@@ -91,7 +91,7 @@ def _with_always(
         fitted = _fitted(problem)
         if len(found) == MOST_ALWAYS:
             return problem, fitted, found
-        estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.regimes}
+        estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.by_motion}
         tried = [
             (_gain(fitted, one, share) - price, one)
             for effect in named
@@ -119,25 +119,25 @@ def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> 
     Errors are weighed by what the other one leaves, where that is more than noise.
     """
     gain = 0.0
-    for old, new in zip(fitted.regimes, other.regimes, strict=True):
+    for old, new in zip(fitted.by_motion, other.by_motion, strict=True):
         left = max(1.0, _left(new).whitened ** 2)
         gain += 0.5 * (old.loss() - new.loss()) / share[old.channel] / left
     return gain
 
 
 def _left_of(fitted: Hypothesis) -> dict[str, Left]:
-    """Return what is left of each channel, and of its regimes where these are weighed by themselves."""
+    """Return what is left of each channel, and of its motions where these are weighed by themselves."""
     whole = {each.channel: _left(each) for each in fitted.residuals}
-    return whole | {each.channel: _of_regime(each) for each in fitted.regimes if each.channel not in whole}
+    return whole | {each.channel: _of_motion(each) for each in fitted.by_motion if each.channel not in whole}
 
 
 def _left(residual: Residual) -> Left:
     return Left(residual.gap(), float(np.sqrt(residual.loss() / max(1, int(residual.judged.sum())))))
 
 
-def _of_regime(regime: Residual) -> Left:
-    """Return what is left of a regime, the chosen scale counted as one cycle more: few cycles tell little."""
-    left, cycles = _left(regime), len(np.unique(regime.block[regime.judged]))
+def _of_motion(motion: Residual) -> Left:
+    """Return what is left of a motion, the chosen scale counted as one cycle more: few cycles tell little."""
+    left, cycles = _left(motion), len(np.unique(motion.block[motion.judged]))
     return replace(left, whitened=float(np.sqrt((cycles * left.whitened**2 + 1.0) / (cycles + 1.0))))
 
 

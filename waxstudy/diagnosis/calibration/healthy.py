@@ -60,7 +60,7 @@ class Healthy:
 
     def together(self, channel: str) -> float:
         """Return how many samples count as one, at most those of a cycle; what is whitened over time counts each."""
-        residual = None if channel in self.whitened else self.fitted.regime_of(channel)
+        residual = None if channel in self.whitened else self.fitted.motion_of(channel)
         if residual is None or not residual.judged.any():
             return 1.0
         cycles = len(np.unique(residual.block[residual.judged]))
@@ -81,7 +81,7 @@ class Healthy:
 
     def left(self, channel: str) -> HealthyLeft | None:
         """Return what is left of a channel, None where it shows nothing."""
-        residual = self.fitted.regime_of(channel)
+        residual = self.fitted.motion_of(channel)
         count = int(residual.judged.sum()) if residual else 0
         if residual is None or not count:
             return None
@@ -100,9 +100,9 @@ class Healthy:
 
     def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> UsualWhere:
         """Return what nothing amiss leaves of the samples that effects change beside given ones, as far as they do."""
-        healthy = self.fitted.regime_of(residual.channel)
+        healthy = self.fitted.motion_of(residual.channel)
         pair = [self.problem.at(each, self.fitted.departures, self.fitted.convention) for each in (given, effects)]
-        made = [other for each in pair if each and (other := each.regime_of(residual.channel))] if healthy else []
+        made = [other for each in pair if each and (other := each.motion_of(residual.channel))] if healthy else []
         acts = self.acts(*made) if len(made) == len(pair) else np.zeros(1)
         if healthy is None or not acts.any():
             return UsualWhere(self.usual(residual))
@@ -134,7 +134,7 @@ class Healthy:
 
     def _refitted(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
         """Return the log likelihood with all that was calibrated fitted again, by slopes, and the step (k,) there."""
-        share = {each.channel: self.together(each.channel) for each in fitted.regimes}
+        share = {each.channel: self.together(each.channel) for each in fitted.by_motion}
         weight = np.concatenate([each.weights(share) for each in fitted.residuals])
         missed, slopes, sd = fitted.whitened * weight, self.slopes * weight[:, None], self.problem.sd
         root = self.problem.prior / sd if len(sd) else np.zeros((0, 0))

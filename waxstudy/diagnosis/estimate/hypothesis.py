@@ -12,7 +12,7 @@ from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Value
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.plugin import Belief, FloatArray
 
-REGIMES = ("resting", "moving")  # of a motor or valve
+MOTIONS = ("resting", "moving")  # of a motor or valve
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Residual:
     part: np.ndarray  # (m,) FIT, SELECT, SHRINK
     sample: np.ndarray  # (m,) index of the record's sample
     form: float = 0.0  # in `unit`: the most that the form of a room's model may leave, as a root mean square
-    regime: np.ndarray | None = None  # (m,) place in `REGIMES`, where each is weighed by itself; None where none is
+    motion: np.ndarray | None = None  # (m,) place in `MOTIONS`, where each is weighed by itself; None where none is
     noise: FloatArray | None = None  # (m,) standard deviation of the instrument's, whitened; None where none is told
 
     def loss(self, part: int | None = None) -> float:
@@ -46,12 +46,12 @@ class Residual:
 
     @property
     def measured(self) -> str:
-        """The channel, whichever regime of it this is."""
+        """The channel, whichever motion of it this is."""
         return self.channel.partition(" ")[0]
 
     @property
     def is_at_rest(self) -> bool:
-        return self.channel == regimes_of(self.measured)[0]
+        return self.channel == motions_of(self.measured)[0]
 
     @property
     def noise_square(self) -> float:
@@ -59,27 +59,27 @@ class Residual:
         return float(np.mean(self.noise[self.judged] ** 2)) if self.noise is not None and self.judged.any() else 0.0
 
     @property
-    def regimes(self) -> list[Residual]:
-        """What is missed in each regime, by a name of its own; itself where regimes are not told apart."""
-        if self.regime is None:
+    def by_motion(self) -> list[Residual]:
+        """What is missed in each motion, by a name of its own; itself where motions are not told apart."""
+        if self.motion is None:
             return [self]
-        return [self._where(self.regime == place, name) for place, name in enumerate(regimes_of(self.channel))]
+        return [self._where(self.motion == place, name) for place, name in enumerate(motions_of(self.channel))]
 
     def _where(self, chosen: np.ndarray, name: str) -> Residual:
         error, whitened = self.error * chosen, self.whitened * chosen
-        return replace(self, channel=name, error=error, whitened=whitened, judged=self.judged & chosen, regime=None)
+        return replace(self, channel=name, error=error, whitened=whitened, judged=self.judged & chosen, motion=None)
 
     def weights(self, share: Mapping[str, float]) -> FloatArray:
-        """Return the root of what each sample counts (m,), from how many of a regime count as one."""
-        if self.regime is None:
+        """Return the root of what each sample counts (m,), from how many of a motion count as one."""
+        if self.motion is None:
             return np.full(len(self.whitened), share.get(self.channel, 1.0) ** -0.5)
-        each = np.array([share.get(name, 1.0) ** -0.5 for name in regimes_of(self.channel)])
-        return np.asarray(each[self.regime])
+        each = np.array([share.get(name, 1.0) ** -0.5 for name in motions_of(self.channel)])
+        return np.asarray(each[self.motion])
 
 
-def regimes_of(channel: str) -> list[str]:
-    """Return what the regimes of a motor's or valve's channel are called."""
-    return [f"{channel} {each}" for each in REGIMES]
+def motions_of(channel: str) -> list[str]:
+    """Return what the motions of a motor's or valve's channel are called."""
+    return [f"{channel} {each}" for each in MOTIONS]
 
 
 @dataclass(frozen=True)
@@ -99,13 +99,13 @@ class Hypothesis:
         return tuple(effect.name for effect, _ in self.effects)
 
     @property
-    def regimes(self) -> list[Residual]:
-        """What is missed of every channel, in each regime where these are weighed by themselves."""
-        return [regime for each in self.residuals for regime in each.regimes]
+    def by_motion(self) -> list[Residual]:
+        """What is missed of every channel, in each motion where these are weighed by themselves."""
+        return [motion for each in self.residuals for motion in each.by_motion]
 
-    def regime_of(self, name: str) -> Residual | None:
-        """Return what is missed of a channel, or of one of its regimes, by its name; None where it is not judged."""
-        return next((each for each in self.regimes if each.channel == name), None)
+    def motion_of(self, name: str) -> Residual | None:
+        """Return what is missed of a channel, or of one of its motions, by its name; None where it is not judged."""
+        return next((each for each in self.by_motion if each.channel == name), None)
 
     def residual_of(self, channel: str) -> Residual:
         return next(each for each in self.residuals if each.channel == channel)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from waxstudy.diagnosis.criteria import SHORTEST_PULSE_S
-from waxstudy.diagnosis.estimate.hypothesis import REGIMES, Residual
+from waxstudy.diagnosis.estimate.hypothesis import MOTIONS, Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
@@ -39,7 +39,7 @@ class Continuous:
         parts: np.ndarray,
         still: Predicted | None,
         more: float = 1.0,
-        left: Sequence[float] | None = None,  # by regime, over what is chosen; None: these are not told apart
+        left: Sequence[float] | None = None,  # by motion, over what is chosen; None: these are not told apart
     ) -> None:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
         self.still, self.more, self.left = still, more, left
@@ -66,13 +66,13 @@ class Continuous:
         believed = float(np.max(self.still[self.channel])) if self.still else 1.0
         resting, within = self._scale(float(np.nanmax(self.record.values[self.channel])) or believed)
         whole = np.hypot(resting, within)
-        if self.left is None or self.regime is None:
+        if self.left is None or self.motion is None:
             return self.more * whole
-        return np.asarray(np.maximum(resting, np.array(self.left)[self.regime] * whole))
+        return np.asarray(np.maximum(resting, np.array(self.left)[self.motion] * whole))
 
     @cached_property
-    def regime(self) -> np.ndarray | None:
-        """Place in `REGIMES` of each sample (n,), if each is weighed by itself."""
+    def motion(self) -> np.ndarray | None:
+        """Place in `MOTIONS` of each sample (n,), if each is weighed by itself."""
         if self.left is None:
             return None
         if self.segment.driven_by == "displacement":
@@ -81,7 +81,7 @@ class Continuous:
             moves = self._moves(self.channel, self.measured)
             if self.still:
                 moves |= self._moves(self.channel, self.still[self.channel])
-        return np.where(moves, REGIMES.index("moving"), REGIMES.index("resting"))
+        return np.where(moves, MOTIONS.index("moving"), MOTIONS.index("resting"))
 
     def _moves(self, channel: str, values: FloatArray) -> np.ndarray:
         """Return where a channel moves within a minute (n,), however often it is sampled."""
@@ -110,7 +110,7 @@ class Continuous:
         unit = UNITS.get(channel, "K")
         where = record.cycle, self.parts, self.sample
         about = channel, unit, error, error / self.scale, self.known, *where
-        return Residual(*about, regime=self.regime, noise=self.noise / self.scale)
+        return Residual(*about, motion=self.motion, noise=self.noise / self.scale)
 
     def _known(self) -> np.ndarray:
         """Return where it is judged (n,)."""

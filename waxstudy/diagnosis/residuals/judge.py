@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.hypothesis import Residual, regimes_of
+from waxstudy.diagnosis.estimate.hypothesis import Residual, motions_of
 from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
@@ -70,13 +70,13 @@ class Judge:
             error = error_of(self._belief, channel)
             known = self._as_built.discrepancies.get(channel) if self._as_built else None
             return RoomMeans(channel, self.record, self.parts, error, self.is_exact_room, known)
-        return Continuous(*common, more, self._by_regime(channel))
+        return Continuous(*common, more, self._by_motion(channel))
 
-    def _by_regime(self, channel: str) -> list[float] | None:
-        """Return what the healthy record leaves of each regime of a channel, None where it has no such link."""
+    def _by_motion(self, channel: str) -> list[float] | None:
+        """Return what the healthy record leaves of each motion of a channel, None where it has no such link."""
         if self._as_built is None or self.segment.name not in self._as_built.conventions or channel not in STROKES:
             return None
-        found = [self._as_built.left.get(name) for name in regimes_of(channel)]
+        found = [self._as_built.left.get(name) for name in motions_of(channel)]
         return [each.whitened if each else 1.0 for each in found]
 
 

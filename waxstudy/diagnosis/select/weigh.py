@@ -79,8 +79,8 @@ class Weighing:
         return singles
 
     def _shares(self) -> dict[str, float]:
-        """Return how many samples of each channel, or regime of it, count as one."""
-        return {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.regimes}
+        """Return how many samples of each channel, or motion of it, count as one."""
+        return {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.by_motion}
 
     def _settle(self, singles: Sequence[Hypothesis]) -> None:
         """Look for a better fit of nothing where the best effects led the room: else they gain what it had left."""
@@ -151,7 +151,7 @@ class Weighing:
             return WEIGHTS.form_of_room**2 * (max(0.0, given.gain) + max(0.0, given.ease))
         may, losses = 0.0, (self._losses(given.fitted), self._losses(fitted))
         none = self._none_read(given.fitted.convention)
-        for old, first, both in zip(none.regimes, given.fitted.regimes, fitted.regimes, strict=True):
+        for old, first, both in zip(none.by_motion, given.fitted.by_motion, fitted.by_motion, strict=True):
             change = old.whitened - first.whitened
             of_form = float(np.sum(_of_form(first, change) - _of_form(both, change))) / self.share.get(old.channel, 1.0)
             gained = max(0.0, losses[0][old.channel] - losses[1][old.channel])
@@ -228,13 +228,13 @@ class Weighing:
         if self.problem.segment.with_room:
             return np.inf
         weights, missed, luck = list[FloatArray](), list[FloatArray](), 0.0
-        for old, new in zip(given.regimes, fitted.regimes, strict=True):
+        for old, new in zip(given.by_motion, fitted.by_motion, strict=True):
             weights.append(self.healthy.acts(old, new))
             # the healthy record has no such times as a pattern has
             where = self.healthy.usual_where(old, () if pattern else fitted.effects, given.effects)
             missed.append(weights[-1] * (old.whitened / where.whitened) ** 2)
             luck += float(weights[-1].sum()) / where.cycles
-        block = np.concatenate([self._block(each) for each in given.regimes])
+        block = np.concatenate([self._block(each) for each in given.by_motion])
         over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
         acts = sum(float(each.sum()) for each in weights)
         scatter = float(np.hypot(self.healthy.stands_scatter, (0.5 * luck / acts) ** 0.5 if acts else 0.0))
@@ -245,7 +245,7 @@ class Weighing:
         if self.problem.segment.with_room:
             return WEIGHTS.least_share  # what a room leaves is judged by its healthy record alone
         before, after = 0.0, 0.0
-        for old, new in zip(self._nothing(fitted).regimes, fitted.regimes, strict=True):
+        for old, new in zip(self._nothing(fitted).by_motion, fitted.by_motion, strict=True):
             missed = self._beyond(old)
             before, after = before + missed, after + max(self._beyond(new), self._kept(old, new) * missed)
         return float(max(WEIGHTS.least_share, min(1.0, (after / before) ** 0.5))) if before > 0.0 else 1.0
@@ -285,7 +285,7 @@ class Weighing:
 
     def _losses(self, fitted: Hypothesis) -> dict[str, float]:
         """Return the same of each channel of a chain."""
-        pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.regimes}
+        pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.by_motion}
         return {channel: loss / self.share.get(channel, 1.0) for channel, loss in pairs.items()}
 
     def _missed(self, fitted: Hypothesis) -> FloatArray:
@@ -323,7 +323,7 @@ class Weighing:
 
     def _may_stray(self, pattern: Pattern | None) -> bool:
         """Whether motors stray: from what is believed, else in strokes that are told apart and always differ alike."""
-        is_told = any(each.is_at_rest for each in self.none.regimes)
+        is_told = any(each.is_at_rest for each in self.none.by_motion)
         return self.healthy.tolerated_travel > 0.0 or (is_told and pattern is None)
 
     def _strays(self, without: Belief, rest: Edits, fitted: Hypothesis) -> bool:
@@ -336,7 +336,7 @@ class Weighing:
 
     def _shows_at_rest(self, fitted: Hypothesis, without: Hypothesis | None) -> bool:
         """Whether a hypothesis changes a motor or valve at rest, beside another one, by more than is usual there."""
-        pairs = zip(fitted.regimes, without.regimes if without else (), strict=False)
+        pairs = zip(fitted.by_motion, without.by_motion if without else (), strict=False)
         resting = [(new, old) for new, old in pairs if old.is_at_rest and old.judged.any()]
         return any(
             float(self.healthy.acts(old, new)[old.judged].mean()) > self.healthy.usual(old) ** 2 for new, old in resting
@@ -344,7 +344,7 @@ class Weighing:
 
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
-        pairs = zip(self._none_read(fitted.convention).regimes, fitted.regimes, strict=True)
+        pairs = zip(self._none_read(fitted.convention).by_motion, fitted.by_motion, strict=True)
         counted = (self._misfit(old, new) for old, new in pairs if not self._is_covered(fitted, new))
         return max(counted, default=0.0)
 
