@@ -17,7 +17,6 @@ from operator import ge, gt, le, lt
 from typing import Any, NamedTuple
 
 COMPARE = {"<=": le, "<": lt, ">=": ge, ">": gt}
-SHORTEST_PULSE_S = 60.0  # samples farther apart hide pulses: `min_pulse_s` of a modulator is this, or more
 ROOM_STAGES = ("emitter", "room")
 
 

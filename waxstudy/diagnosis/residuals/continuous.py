@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 
-from waxstudy.diagnosis.criteria import SHORTEST_PULSE_S
 from waxstudy.diagnosis.estimate.hypothesis import MOTIONS, Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
@@ -18,6 +17,7 @@ CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4  # of an opening within a sample: nobody knows when, nor what flowed meanwhile
 RESTS, LONE = 0.05, 0.1  # of full scale: a drive that does not move, a sample that stands alone
+SHORTEST_PULSE_S = 60.0  # samples farther apart hide pulses: `min_pulse_s` of a modulator is this, or more
 MOVED = ("control_output", "flow_L_h")  # which noise of the drive moves
 SMOOTHED = ("sensor_temperature_C", "control_output")  # as the segment's drive: what is linear misses nothing by it
 RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
