@@ -24,11 +24,12 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.appraise import _of_form, _told
 from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
-from waxstudy.diagnosis.select.weigh import Weighing, _of_form, _told
+from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -224,9 +225,9 @@ def test_a_second_effect_gains_what_it_adds_beyond_the_form_of_the_first() -> No
     """Also beside one that is there since day 3, and with its own spread over cycles."""
     weighing, found = of(NOTHING, SLOW, 1.0)
     both = found[5].fitted
-    assert found[5] == weighing._beside(found[1], both)
+    assert found[5] == weighing.beside(found[1], both)
     for given in (found[1], found[3]):
-        pair = weighing._beside(given, both)
+        pair = weighing.beside(given, both)
         counted = [only(each).whitened * only(each).weights(weighing.share) for each in (given, pair)]
         spread, told = gain_spread(counted[0], counted[1], weighing.problem.record.cycle)
         gained, may = weighing.of(pair.fitted).gain - given.gain, 0.0
@@ -365,7 +366,7 @@ def test_beside_an_effect_of_a_room_what_its_form_may_leave_is_no_second_one(
     both = replace(first, gain=gain + 10.0)
     monkeypatch.setattr(Weighing, "of", lambda self, fitted, given=None, pattern=None: both)
     monkeypatch.setattr(Weighing, "_spread", lambda self, fitted, given=None: (1.0, np.inf))
-    more = bare(is_room=True)._beside(first, both.fitted).gain - gain
+    more = bare(is_room=True).beside(first, both.fitted).gain - gain
     assert more == pytest.approx(10.0 - 0.2**2 * (max(0.0, gain) + max(0.0, ease)))
 
 
@@ -401,7 +402,7 @@ def test_a_record_is_less_likely_by_how_far_what_it_tells_lies_from_what_calibra
 
 @pytest.mark.parametrize("left", [2.0, None])
 def test_what_stands_out_is_told_where_it_is_changed(left: float | None) -> None:
-    weighing = bare(False, HealthyLeft(left, 100, 10, 0.0) if left else None)
+    weighing = bare(False, HealthyLeft(left, 100, 10, 0.0, left) if left else None)
     missed, rest = [6.0, 0.0, 6.0, 0.0, 6.0, 0.0], [0.0, 0.0, 6.0, 0.0, 0.0, 0.0]
     signal = {"channel": "heating_signal", "unit": "s"}
     for way, least in ((signal, WEIGHTS.least_off), ({}, WEIGHTS.least_left)):
@@ -431,7 +432,7 @@ def test_a_misfit_is_over_what_the_healthy_record_left_and_not_below_what_any_ma
     missed = leaving(residual(np.full(100, 8.0), channel, unit))
     scatter = np.sqrt(own**2 + 0.5 * 6.0 / 100 + 0.5 * 6.0 / 50)
     for left in (0.1, 2.0):
-        weighing = bare(is_room, HealthyLeft(left, 50, cycles, 0.0))
+        weighing = bare(is_room, HealthyLeft(left, 50, cycles, 0.0, left))
         weighing.none, weighing.share = missed, {channel: 6.0}
         usual = max(left, least) * more**0.5
         assert weighing.misfit(missed) == pytest.approx(np.log(8.0 / usual) / scatter)
@@ -444,14 +445,25 @@ def test_a_misfit_is_over_what_the_healthy_record_left_and_not_below_what_any_ma
 
 @pytest.mark.parametrize(("cycles", "is_missed"), [(0, False), (1, False), (2, True)])
 def test_what_is_missed_in_one_cycle_alone_is_no_misfit(cycles: int, is_missed: bool) -> None:
-    weighing = bare(False, HealthyLeft(1.0, 100, 10, 0.0))
+    weighing = bare(False, HealthyLeft(1.0, 100, 10, 0.0, 1.0))
     weighing.none = leaving(residual(np.where(np.arange(100) < 10 * cycles, 50.0, 1.0)))
     assert (weighing.misfit(weighing.none) > 3.0) is is_missed
     assert (weighing.misfit(weighing.none) > 0.0) is is_missed
 
 
+@pytest.mark.parametrize(("gap", "kept"), [(1.4, 0.0), (3.0, (9.0 - 2.25) / 100.0), (10.0, 0.9775), (30.0, 1.0)])
+def test_what_is_kept_of_a_gap_is_told_in_its_unit_beyond_what_a_healthy_record_may_leave(
+    gap: float, kept: float
+) -> None:
+    weighing, none = bare(False, HealthyLeft(1.0, 100, 10, 0.0, 1.0)), residual(np.full(100, 10.0))
+    by_weights_little = replace(none, error=np.full(100, gap), whitened=np.full(100, 0.1))
+    assert weighing._kept(none, by_weights_little) == pytest.approx(kept)
+    assert bare(False)._kept(none, by_weights_little) == 0.0  # nobody knows what is usual
+    assert weighing._kept(residual(np.zeros(100)), by_weights_little) == 0.0
+
+
 def test_where_nothing_is_judged_or_known_there_is_no_misfit_and_of_several_channels_the_largest_counts() -> None:
-    weighing, large, small = bare(True, HealthyLeft(1.0, 100, 10, 0.0)), np.full(100, 9.0), np.full(100, 3.0)
+    weighing, large, small = bare(True, HealthyLeft(1.0, 100, 10, 0.0, 1.0)), np.full(100, 9.0), np.full(100, 3.0)
     nowhere = replace(residual(0.0 * large), judged=np.zeros(100, dtype=bool))
     weighing.none = leaving(residual(small), residual(large), nowhere)
     one = leaving(residual(large))

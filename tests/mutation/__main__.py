@@ -32,6 +32,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "waxstudy/simulation/shift.py": ("tests/simulation/test_shift.py",),
     "waxstudy/diagnosis/criteria.py": ("tests/diagnosis/test_criteria.py",),
     "waxstudy/diagnosis/select/evidence.py": ("tests/diagnosis/test_evidence.py",),
+    "waxstudy/diagnosis/select/appraise.py": ("tests/diagnosis/test_weighing.py",),
     "waxstudy/diagnosis/select/weigh.py": ("tests/diagnosis/test_weighing.py",),
     "waxstudy/diagnosis/select/posterior.py": ("tests/diagnosis/test_weigh.py",),
     "waxstudy/diagnosis/select/gain_spread.py": ("tests/diagnosis/test_weigh.py",),

@@ -7,32 +7,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
-from waxstudy.diagnosis.criteria import limits
+from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.estimator import Estimator
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.estimate.start_points import Screen
-from waxstudy.diagnosis.model.as_built import Knob
-from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.model.travel import travel
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.evidence import departure, travel_left
-from waxstudy.diagnosis.select.gain_spread import gain_spread
+from waxstudy.diagnosis.select.appraise import Appraisal
 from waxstudy.diagnosis.select.patterns import Pattern, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import Belief, FloatArray
 
 DEEPER = 3  # hypotheses that others are tried beside
-HOURS = ("from_h", "to_h")
 Tick = Callable[[str], None]
 
 
-class Weighing:
+class Weighing(Appraisal):
     """Weighs what may have changed at one link."""
 
     def __init__(
@@ -43,15 +36,12 @@ class Weighing:
         thorough: float,
         tick: Tick,
     ) -> None:
-        self.problem, self.tick, self.healthy = problem, tick, healthy
-        self.estimator = Estimator(problem, thorough, keeps=True, near=problem.near)
+        super().__init__(problem, healthy, Estimator(problem, thorough, keeps=True, near=problem.near))
+        self.tick = tick
         self.effects = [effect for effect in effects if not effect.hindrance(problem.belief)]
-        self.share = self._shares()
         if problem.segment.with_room:
             make: Callable[..., EffectType] = timed  # a cached function takes hashable arguments, which classes are
             self.effects += [make(effect) for effect in self.effects if can_be_timed(effect, problem.belief)]
-        self.none = self.estimator.settled(self.estimator.base)
-        self.read: dict[Convention, Hypothesis] = {}  # nothing, where the record is read in another way
 
     def weighed(self) -> list[Weighed]:
         """Return the hypotheses: none, each effect, and the best few with every other."""
@@ -64,7 +54,7 @@ class Weighing:
         if best and score(best[0]) > score(found[0]) and not self.estimator.is_quick:
             for each in self._open(best):
                 others = [effect for effect in self.effects if _may_be_beside(effect, each.fitted)]
-                found += [self._beside(each, pair) for pair in self._one_more(others, each.fitted, self.tick)]
+                found += [self.beside(each, pair) for pair in self._one_more(others, each.fitted, self.tick)]
         return found
 
     def _open(self, best: Sequence[Weighed]) -> list[Weighed]:
@@ -77,10 +67,6 @@ class Weighing:
         singles = list(self._one_more(self.effects, self.none, self.tick))
         self._settle(singles)
         return singles
-
-    def _shares(self) -> dict[str, float]:
-        """Return how many samples of each channel, or motion of it, count as one."""
-        return {each.channel: self.healthy.together(each.channel) for each in self.healthy.fitted.by_motion}
 
     def _settle(self, singles: Sequence[Hypothesis]) -> None:
         """Look for a better fit of nothing where the best effects led the room: else they gain what it had left."""
@@ -134,276 +120,8 @@ class Weighing:
             ],
         )
 
-    def _beside(self, given: Weighed, fitted: Hypothesis) -> Weighed:
-        """Return a hypothesis with one more effect: it gains what days and cycles say that it adds, each by itself."""
-        weighed = self.of(fitted, given.fitted)
-        more = weighed.gain - given.gain - self._form_may_tell(given, fitted)
-        spread, most = self._spread(fitted, given.fitted)
-        return replace(weighed, gain=given.gain + min(more / spread, most), spread=given.spread, most=given.most)
-
-    def _form_may_tell(self, given: Weighed, fitted: Hypothesis) -> float:
-        """Return how much of what a second effect gains the form of the first one may leave.
-
-        Of a room that is a share of what the first one told. Of a chain the first one's residuals along its own change
-        count, as far as the second one takes them away; in each channel no more than is gained there.
-        """
-        if self.problem.segment.with_room:
-            return WEIGHTS.form_of_room**2 * (max(0.0, given.gain) + max(0.0, given.ease))
-        may, losses = 0.0, (self._losses(given.fitted), self._losses(fitted))
-        none = self._none_read(given.fitted.convention)
-        for old, first, both in zip(none.by_motion, given.fitted.by_motion, fitted.by_motion, strict=True):
-            change = old.whitened - first.whitened
-            of_form = float(np.sum(_of_form(first, change) - _of_form(both, change))) / self.share.get(old.channel, 1.0)
-            gained = max(0.0, losses[0][old.channel] - losses[1][old.channel])
-            may += 0.5 * min(max(0.0, of_form), gained)
-        return may
-
-    def of(self, fitted: Hypothesis, given: Hypothesis | None = None, pattern: Pattern | None = None) -> Weighed:
-        """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
-        parameters = sum(_told(effect, values) for effect, values in fitted.effects)
-        ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
-        nothing = self._nothing(fitted)
-        gain = 0.5 * (self._loss(nothing) - self._loss(fitted)) - ease
-        always, moved = self._always(fitted)
-        spread, most = self._spread(fitted)
-        price = WEIGHTS.price * parameters - float(np.log(WEIGHTS.prior)) * len(fitted.effects)
-        names = tuple(sorted(self._notable(fitted, pattern)))
-        return Weighed(
-            fitted,
-            names,
-            gain,
-            ease,
-            always / spread if always > 0.0 else always,
-            self.misfit(fitted),
-            price,
-            spread,
-            most,
-            self._by_cycle(fitted),
-            unlike=self._unlike(fitted, moved) if always > 0.0 else 0.0,
-            left=self._left(fitted),
-            is_of_room=self.problem.segment.with_room,
-            stands=self._stands(fitted, given or nothing, pattern),
-            pattern=pattern,
-        )
-
-    def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
-        """Return how much likelier the healthy record were, had effects been there then, and what else would differ.
-
-        Of what was calibrated on it is known how much of it was there: more of it is a change.
-        """
-        known = self.problem.as_built.knobs if self.problem.as_built else ()
-        calibrated = {each.effect for each in known if isinstance(each, Knob)}
-        open_ = [(effect, values) for effect, values in fitted.effects if effect not in calibrated]
-        return self.healthy.had_it(open_) if open_ else (0.0, np.zeros(len(self.problem.sd)))
-
-    def _unlike(self, fitted: Hypothesis, moved: FloatArray) -> float:
-        """Return how much less likely a room's record is if what was calibrated lies elsewhere, all else fitted again.
-
-        What a healthy record cannot tell from an effect would have taken its place there, and did not change since.
-        """
-        sd = self.problem.sd
-        if not len(sd) or self.problem.as_built is None:
-            return 0.0
-        weight = np.concatenate([each.weights(self.share) for each in fitted.residuals])
-        root = self.problem.prior / sd
-        ways = np.vstack((self.estimator.slopes_at(fitted) * weight[:, None], root))
-
-        def loss(mean: FloatArray) -> float:
-            both = np.concatenate((fitted.whitened * weight, root @ (fitted.departures - mean)))
-            left = both + ways @ np.linalg.lstsq(ways, -both, rcond=None)[0]
-            return float(left @ left)
-
-        calibrated = {knob.name for knob in self.problem.as_built.knobs}
-        there = zip(self.healthy.problem.nuisances, moved.tolist(), strict=True)
-        means = {knob.name: step for knob, step in there if knob.name in calibrated}
-        # what was not calibrated is where it was
-        elsewhere = np.array([means.get(knob.name, 0.0) for knob in self.problem.nuisances])
-        return 0.5 * max(0.0, loss(elsewhere) - loss(np.zeros(len(sd))))
-
-    def _stands(self, fitted: Hypothesis, given: Hypothesis, pattern: Pattern | None = None) -> float:
-        """Return how far what another hypothesis leaves of a chain stands out where this one changes it.
-
-        The cycle that stands out most is left out: what happened once may be chance.
-        """
-        if self.problem.segment.with_room:
-            return np.inf
-        weights, missed, luck = list[FloatArray](), list[FloatArray](), 0.0
-        for old, new in zip(given.by_motion, fitted.by_motion, strict=True):
-            weights.append(self.healthy.acts(old, new))
-            # the healthy record has no such times as a pattern has
-            where = self.healthy.usual_where(old, () if pattern else fitted.effects, given.effects)
-            missed.append(weights[-1] * (old.whitened / where.whitened) ** 2)
-            luck += float(weights[-1].sum()) / where.cycles
-        block = np.concatenate([self._block(each) for each in given.by_motion])
-        over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
-        acts = sum(float(each.sum()) for each in weights)
-        scatter = float(np.hypot(self.healthy.stands_scatter, (0.5 * luck / acts) ** 0.5 if acts else 0.0))
-        return 0.5 * float(np.log(max(1.0, over))) / scatter
-
-    def _left(self, fitted: Hypothesis) -> float:
-        """Return which share of what is missed of a chain beyond what nothing amiss leaves a hypothesis leaves."""
-        if self.problem.segment.with_room:
-            return WEIGHTS.least_share  # what a room leaves is judged by its healthy record alone
-        before, after = 0.0, 0.0
-        for old, new in zip(self._nothing(fitted).by_motion, fitted.by_motion, strict=True):
-            missed = self._beyond(old)
-            before, after = before + missed, after + max(self._beyond(new), self._kept(old, new) * missed)
-        return float(max(WEIGHTS.least_share, min(1.0, (after / before) ** 0.5))) if before > 0.0 else 1.0
-
-    def _beyond(self, residual: Residual) -> float:
-        return max(0.0, residual.loss() - self.healthy.usual_loss(residual))
-
-    def _kept(self, none: Residual, residual: Residual) -> float:
-        """Return which share of the squares of a channel's gap a hypothesis keeps, in the channel's own unit.
-
-        Weights hang on what is predicted and measured: a fit by them alone may make the gap itself larger.
-        """
-        healthy = self.healthy.left(residual.channel)
-        if healthy is None or none.gap() == 0.0:
-            return 0.0
-        beyond = residual.gap() ** 2 - (limits()["gap"].value * healthy.gap) ** 2
-        return float(np.clip(beyond / none.gap() ** 2, 0.0, 1.0))
-
-    def _nothing(self, fitted: Hypothesis) -> Hypothesis:
-        """Return the link without effects, read in the best way or in a hypothesis's, whichever misses less."""
-        other = self._none_read(fitted.convention)
-        return self.none if other is self.none else min(self.none, other, key=self._loss)
-
-    def _none_read(self, convention: Convention) -> Hypothesis:
-        if convention == self.none.convention:
-            return self.none
-        if convention not in self.read:
-            self.read[convention] = self.estimator.refined((), self.none.departures, convention, ALL) or self.none
-        return self.read[convention]
-
-    def _loss(self, fitted: Hypothesis) -> float:
-        """Return what a hypothesis misses; of a chain at least what a healthy record does."""
-        strain = self.estimator.strain(fitted)
-        if self.problem.segment.with_room:
-            return self.healthy.room_loss(fitted) + strain
-        return strain + sum(self._losses(fitted).values())
-
-    def _losses(self, fitted: Hypothesis) -> dict[str, float]:
-        """Return the same of each channel of a chain."""
-        pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.by_motion}
-        return {channel: loss / self.share.get(channel, 1.0) for channel, loss in pairs.items()}
-
-    def _missed(self, fitted: Hypothesis) -> FloatArray:
-        """Return whitened residuals (m,), weighed by how many of them count as one."""
-        return np.concatenate([each.whitened * each.weights(self.share) for each in fitted.residuals])
-
-    def _spread(self, fitted: Hypothesis, given: Hypothesis | None = None) -> tuple[float, float]:
-        missed = self._missed(given or self._nothing(fitted))
-        block = np.concatenate([self._block(each) for each in fitted.residuals])
-        return gain_spread(missed, self._missed(fitted), block)
-
-    def _by_cycle(self, fitted: Hypothesis) -> FloatArray:
-        """Return the squares that a hypothesis leaves of each judged cycle of a chain (cycles,); none of a room."""
-        if self.problem.segment.with_room:
-            return np.zeros(0)
-        judged = np.concatenate([each.judged for each in fitted.residuals])
-        _, member = np.unique(np.concatenate([each.block for each in fitted.residuals])[judged], return_inverse=True)
-        return np.asarray(np.bincount(member, self._missed(fitted)[judged] ** 2))
-
-    def _block(self, residual: Residual) -> np.ndarray:
-        """Return the number of the cycle, of a room of the quarter of a day, of each residual."""
-        if not self.problem.segment.with_room:
-            return residual.block
-        return blocks_of_room(residual, self.problem.record.interval_s)
-
-    def _notable(self, fitted: Hypothesis, pattern: Pattern | None) -> Iterator[str]:
-        """Yield the names of effects that depart by more than is worth a name, and than real motors stray."""
-        for effect, values in fitted.effects:
-            rest = [each for each in fitted.effects if each[0] is not effect]
-            without = self.problem.edited(rest, fitted.departures)
-            if departure(effect, values, without) <= WEIGHTS.notable:
-                continue
-            if effect.stage != "actuator" or not self._may_stray(pattern) or not self._strays(without, rest, fitted):
-                yield effect.name
-
-    def _may_stray(self, pattern: Pattern | None) -> bool:
-        """Whether motors stray: from what is believed, else in strokes that are told apart and always differ alike."""
-        is_told = any(each.is_at_rest for each in self.none.by_motion)
-        return self.healthy.tolerated_travel > 0.0 or (is_told and pattern is None)
-
-    def _strays(self, without: Belief, rest: Edits, fitted: Hypothesis) -> bool:
-        """Whether a motor differs from that without an effect by no more than real ones stray; `rest`: the others.
-
-        From itself it strays in its strokes only: a healthy record has no pauses and pulses of all lengths.
-        """
-        strays = travel(self.problem.record, without, self.problem.belief_of(fitted)) <= limits()["tolerated"].value
-        return strays and not self._shows_at_rest(fitted, self.problem.at(rest, fitted.departures, fitted.convention))
-
-    def _shows_at_rest(self, fitted: Hypothesis, without: Hypothesis | None) -> bool:
-        """Whether a hypothesis changes a motor or valve at rest, beside another one, by more than is usual there."""
-        pairs = zip(fitted.by_motion, without.by_motion if without else (), strict=False)
-        resting = [(new, old) for new, old in pairs if old.is_at_rest and old.judged.any()]
-        return any(
-            float(self.healthy.acts(old, new)[old.judged].mean()) > self.healthy.usual(old) ** 2 for new, old in resting
-        )
-
-    def misfit(self, fitted: Hypothesis) -> float:
-        """Return by how much the channel that is missed most is missed by more than in the healthy record."""
-        pairs = zip(self._none_read(fitted.convention).by_motion, fitted.by_motion, strict=True)
-        counted = (self._misfit(old, new) for old, new in pairs if not self._is_covered(fitted, new))
-        return max(counted, default=0.0)
-
-    def _is_covered(self, fitted: Hypothesis, residual: Residual) -> bool:
-        """Whether a motor is missed by no more than real ones stray."""
-        most = self.healthy.tolerated_travel
-        return most > 0.0 and travel_left(self.problem, fitted, residual) <= most
-
-    def _misfit(self, none: Residual, residual: Residual) -> float:
-        count = int(residual.judged.sum())
-        healthy = self.healthy.left(residual.channel)
-        if not count or healthy is None:
-            return 0.0
-        # a valve that moves more often is missed more often; moves and rest that are weighed apart are not
-        cycles, segment = len(np.unique(residual.block[residual.judged])), self.problem.segment
-        is_whole = residual.channel in segment.judged and not segment.with_room
-        more = max(1.0, cycles / count * healthy.samples / healthy.cycles) if is_whole else 1.0
-        kept = 0.0 if segment.with_room else self._kept(none, residual)
-        explained = max(0.0, min(none.loss() - residual.loss(), (1.0 - kept) * none.loss())) / count
-        usual = float(np.sqrt(more * self.healthy.usual(residual) ** 2 + WEIGHTS.form**2 * explained))
-        squares = residual.whitened[residual.judged] ** 2
-        left = _lasting(squares, np.ones(count), residual.block[residual.judged]) ** 0.5
-        # errors of different cycles do not hang together, however alike something that is always amiss makes them
-        share = min(self.share.get(residual.channel, 1.0), count / cycles)
-        scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / healthy.samples)
-        return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
-
 
 def _may_be_beside(effect: EffectType, given: Hypothesis) -> bool:
     """Whether an effect is none of the given ones, and none of them takes the place of another."""
     taken = {name for other, _ in given.effects for name in (other.name, *other.absorbs)}
     return effect.name not in taken and not set(given.names) & set(effect.absorbs)
-
-
-def _told(effect: EffectType, values: Values) -> int:
-    """Return how many parameters of an effect say anything: of what acts always its hours are none."""
-    acts_always = effect.hours(effect.Parameters(**values)) is None
-    return len(effect.priors.keys() - (HOURS if acts_always else ()))
-
-
-def _of_form(left: Residual, change: FloatArray) -> FloatArray:
-    """Return the squares that would go of each judged cycle if an effect were stronger or weaker there (cycles,).
-
-    Its strength may differ by the share of an effect that its form may leave. `change` (m,) is what the effect does to
-    the residuals. What is left across it has another cause; errors of switches have no sign and always lie along it.
-    """
-    _, member = np.unique(left.block[left.judged], return_inverse=True)
-    here, moved = left.whitened[left.judged], change[left.judged]
-    along, power = np.bincount(member, here * moved), np.bincount(member, moved * moved)
-    best = np.divide(along, power, out=np.zeros_like(along), where=power > 0.0)
-    more = np.clip(best, -WEIGHTS.form, WEIGHTS.form)
-    return np.asarray(more * (2.0 * along - more * power))
-
-
-def _lasting(missed: FloatArray, power: FloatArray, block: np.ndarray) -> float:
-    """Return what is missed over a power without the day or cycle of most: what happened once may be chance."""
-    _, member = np.unique(block, return_inverse=True)
-    sums = np.array([np.bincount(member, missed), np.bincount(member, power)])
-    if sums.shape[1] > 1:
-        sums = np.delete(sums, np.argmax(sums[0]), axis=1)
-    over, whole = sums.sum(axis=1)
-    return float(over / whole) if whole else 0.0

@@ -1,4 +1,4 @@
-"""Claims about motors and valves beside a healthy record: each regime is weighed by what it leaves there."""
+"""Claims about motors and valves beside a healthy record: each motion is weighed by what it leaves there."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, plain, planted, record
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
-from waxstudy.diagnosis.estimate.hypothesis import REGIMES, Residual, regimes_of
+from waxstudy.diagnosis.estimate.hypothesis import MOTIONS, Residual, motions_of
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
@@ -89,8 +89,8 @@ def test_a_stroke_is_a_move_however_often_it_is_sampled(interval_s: float) -> No
     seen = plain({STROKE: stroke}, interval_s, stated_noise={STROKE: 0.01})
     segment = Segment(("actuator",), "heating_signal", (STROKE,))
     way = Continuous(STROKE, segment, seen, np.zeros(len(time_s)), None, left=(1.0, 1.0))
-    assert way.regime is not None
-    moves = time_s[way.regime == REGIMES.index("moving")]
+    assert way.motion is not None
+    moves = time_s[way.motion == MOTIONS.index("moving")]
     assert 3600.0 - max(60.0, interval_s) <= moves.min() <= 3600.0
     assert 3780.0 - interval_s <= moves.max() <= 3780.0 + max(60.0, interval_s)
 
@@ -113,32 +113,32 @@ def test_where_nothing_changed_nothing_is_found(channel: str) -> None:
     assert later(channel, ())["none"] > 0.8
 
 
-def test_regimes_are_told_apart_beside_a_healthy_record_only() -> None:
+def test_rest_and_moves_are_told_apart_beside_a_healthy_record_only() -> None:
     seen = house(FLOW)
     segment, believed = link(seen, FLOW)
     known = healthy(FLOW).as_built
     without_link = replace(known, conventions={})
-    for as_built, names in ((None, [FLOW]), (without_link, [FLOW]), (known, regimes_of(FLOW))):
+    for as_built, names in ((None, [FLOW]), (without_link, [FLOW]), (known, motions_of(FLOW))):
         problem = SegmentProblem(segment, seen, believed, as_built=as_built)
         found = problem.at((), np.zeros(0), segment.conventions[0])
         assert found
-        assert [each.channel for each in found.regimes] == names
+        assert [each.channel for each in found.by_motion] == names
 
 
-def test_a_regime_is_weighed_by_what_is_left_of_it() -> None:
+def test_a_motion_is_weighed_by_what_is_left_of_it() -> None:
     """A flow wanders while the valve rests; of its strokes less is left than is chosen."""
-    resting, moving = (healthy(FLOW).as_built.left[name].whitened for name in regimes_of(FLOW))
+    resting, moving = (healthy(FLOW).as_built.left[name].whitened for name in motions_of(FLOW))
     assert moving < 0.5
     assert resting > 1.0
 
 
 @given(st.lists(st.tuples(st.floats(-3.0, 3.0), st.booleans(), st.integers(0, 1)), min_size=1, max_size=40))
-def test_regimes_add_up_to_the_whole(samples: list[tuple[float, bool, int]]) -> None:
-    missed, judged, regime = (np.array(each) for each in zip(*samples, strict=True))
+def test_rest_and_moves_add_up_to_the_whole(samples: list[tuple[float, bool, int]]) -> None:
+    missed, judged, motion = (np.array(each) for each in zip(*samples, strict=True))
     none = np.zeros(len(missed), dtype=int)
-    whole = Residual(FLOW, "L/h", 2.0 * missed, missed, judged, none, none, none, regime=regime)
-    assert sum(each.loss() for each in whole.regimes) == pytest.approx(whole.loss())
-    assert sum(each.judged.sum() for each in whole.regimes) == judged.sum()
-    share = dict(zip(regimes_of(FLOW), (4.0, 9.0), strict=True))
+    whole = Residual(FLOW, "L/h", 2.0 * missed, missed, judged, none, none, none, motion=motion)
+    assert sum(each.loss() for each in whole.by_motion) == pytest.approx(whole.loss())
+    assert sum(each.judged.sum() for each in whole.by_motion) == judged.sum()
+    share = dict(zip(motions_of(FLOW), (4.0, 9.0), strict=True))
     weighed = missed * whole.weights(share)
-    assert weighed @ weighed == pytest.approx(sum(each.loss() / share[each.channel] for each in whole.regimes))
+    assert weighed @ weighed == pytest.approx(sum(each.loss() / share[each.channel] for each in whole.by_motion))
