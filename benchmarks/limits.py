@@ -34,6 +34,7 @@ from waxstudy.diagnosis import criteria, diagnose
 from waxstudy.diagnosis.criteria import ONE_IS_ENOUGH, Criterion, Question
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.select.search import Selection
 from waxstudy.plugin.trial import engine_of
@@ -103,7 +104,9 @@ def fits_kept() -> Iterator[None]:
 
 
 def _plain(value: Any) -> Any:
-    """Return what can be a key in place of hypotheses, arrays, lists and mappings."""
+    """Return what can be a key in place of hypotheses, screens, arrays, lists and mappings."""
+    if isinstance(value, Screen):
+        return _plain((value.least, value.share))
     if isinstance(value, Hypothesis):
         return _plain((value.effects, value.departures, value.convention))
     if isinstance(value, np.ndarray):

@@ -15,6 +15,7 @@ from waxstudy.diagnosis import criteria, diagnose
 from waxstudy.diagnosis.criteria import Question, failed, limit, limits, meets, meets_one
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.select.evidence import AirLeft, Evidence
 from waxstudy.plugin import Effect
@@ -87,8 +88,11 @@ def test_a_fit_is_made_once_and_any_other_problem_start_or_part_is_another(monke
         ]:
             estimator.fit(Effect, given, parts)
         assert len(made) == 4
+        for least in 2 * [1.0, 2.0]:
+            one.fit(Effect, start, (0,), Screen(least, {"flow_L_h": 3.0}))
+        assert len(made) == 6
     one.fit(Effect, start, (0,))
-    assert len(made) == 5
+    assert len(made) == 7
 
 
 def test_a_link_that_is_weighed_is_weighed_once(monkeypatch: pytest.MonkeyPatch) -> None:
