@@ -198,7 +198,9 @@ class Estimator(Generic[P]):
         look = StartPoints(self.problem, self.score, effect, given, parts, *about)
         found = [(*look.best(convention), convention) for convention in self.conventions]
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
-        possible = [*look.scanned(*possible[0]), *possible[1:]] if possible else []
+        if possible and not self.has_nuisances:
+            scanned = list(look.scanned(*possible[0]))
+            possible = [*scanned, *(look.better(each, scanned[0][1]) for each in possible[1:])]
         if look.promised and look.is_hopeless:
             _, values, convention = look.promised
             return self.problem.at((*given.effects, (effect, values)), given.departures, convention)

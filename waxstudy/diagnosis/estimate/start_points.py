@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from operator import itemgetter
 
 import numpy as np
@@ -144,13 +145,25 @@ class StartPoints:
         if best[0] < IMPOSSIBLE:
             yield *best, convention
 
+    def better(self, place: tuple[float, Values, Convention], values: Values) -> tuple[float, Values, Convention]:
+        """Return a place, or the same way to read the record with other values, whichever misses less.
+
+        Hours that were looked at all over the day in one way are a start in any other.
+        """
+        convention = place[2]
+        other = self.score(self._with(values, convention), self.parts), values, convention
+        return min(place, other, key=itemgetter(0))
+
     def _scanned(
         self, score: float, values: Values, hours: Sequence[str], convention: Convention
     ) -> tuple[float, Values]:
-        """Return the best of a place and those at other hours, one after the other, twice."""
+        """Return the best of a place, the most promising hours, and others, one after the other, twice."""
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
         still = self._at(self.given.effects, convention) if self.screen else None
-        best = score, values
+        between = self._between(values, hours, convention)
+        best = min(
+            (score, values), (self.score(self._with(between, convention), self.parts), between), key=itemgetter(0)
+        )
         for name in (*hours, *hours):
             prior = self.effect.priors[name]
             for at in np.linspace(prior.low, prior.high, round(SCANNED * min(1.0, self.thorough)), endpoint=False):
@@ -159,6 +172,25 @@ class StartPoints:
                 self._screened(tried, look, still, neutral, convention)
                 best = min(best, (self.score(look, self.parts), tried), key=itemgetter(0))
         return best
+
+    def _between(self, values: Values, hours: Sequence[str], convention: Convention) -> Values:
+        """Return values with the hours between which an effect that acts always would gain most.
+
+        As if what happens at each hour hung on nothing before it: one hour after the other may lead nowhere.
+        """
+        if len(hours) != 2:  # of another package: something else that is no matter where the effect does nothing
+            return values
+        first, last = hours
+        always = {**values, first: self.effect.priors[first].low, last: self.effect.priors[last].high}
+        still, look = self._at(self.given.effects, convention), self._with(always, convention)
+        gain = np.zeros(SCANNED)
+        for old, new in zip(still.residuals if still else (), look.residuals if look else (), strict=False):
+            fitted, hour = np.isin(new.part, self.parts), self.problem.clock_h[new.sample].astype(int)
+            gain += np.bincount(hour[fitted], (old.whitened**2 - new.whitened**2)[fitted], SCANNED)
+        until = np.concatenate(([0.0], np.cumsum((*gain, *gain))))
+        spans = product(range(SCANNED), range(1, SCANNED))
+        start, lasts = max(spans, key=lambda span: until[sum(span)] - until[span[0]])
+        return {**values, first: float(start), last: float((start + lasts) % SCANNED)}
 
     def _scaled(
         self, values: Values, look: Hypothesis | None, before: FloatArray, neutral: Values

@@ -177,6 +177,11 @@ class Record:
         return ((self.start_s + (np.arange(len(self)) + 0.5) * self.interval_s) // DAY_S).astype(int)
 
     @cached_property
+    def clock_h(self) -> FloatArray:
+        """Hour of the day of the middle of each sample's interval (n,)."""
+        return np.asarray((self.start_s + (np.arange(len(self)) + 0.5) * self.interval_s) % DAY_S / 3600.0)
+
+    @cached_property
     def rises_s(self) -> FloatArray:
         """Times after midnight [s] at which the heating signal switches on, in the middle of an interval."""
         rises = np.flatnonzero(np.diff(self.filled("heating_signal")) > 0.5) + 1

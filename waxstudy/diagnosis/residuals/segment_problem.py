@@ -55,6 +55,7 @@ class SegmentProblem:
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
         self.prior = self._prior()
         self.events: Sequence[int] = [place for place, nuisance in enumerate(self.nuisances) if nuisance.is_event]
+        self.clock_h = record.clock_h
         self.is_smooth = not all(channel in record.binary for channel in segment.judged)
         self.discounts_noise = "control_output" in segment.judged and "control_output" not in record.binary
         self._seen = record.memory(arrays=4)

@@ -54,7 +54,6 @@ def _named(record: Record) -> Iterator[Pattern]:
     length_h = count * interval_h
     yield Pattern("growing", np.asarray(2.0 * time_h / length_h), ((0.0, length_h),))
     first_h = record.start_s / 3600.0
-    clock_h = (time_h + first_h) % DAY_H
     days = int(record.day.max())
     for day in range(1, days + 1):
         begin_h = day * DAY_H - first_h
@@ -64,7 +63,7 @@ def _named(record: Record) -> Iterator[Pattern]:
     for hour in range(24):
         for hours in LENGTHS_H:
             words = f"every day from {hour:02d}:00 to {int(hour + hours) % 24:02d}:00"
-            yield _pattern(words, (clock_h - hour) % DAY_H < hours, interval_h)
+            yield _pattern(words, (record.clock_h - hour) % DAY_H < hours, interval_h)
     for rest in (0, 1):
         yield _pattern(f"every other day from day {rest + 1} on", record.day % 2 == rest, interval_h)
     for words, acts in _of_week(record):
