@@ -76,6 +76,7 @@ def fits_kept() -> Iterator[None]:
     Links that are weighed are asked no criteria, and are kept whole.
     """
     found: dict[Any, Hypothesis | None] = {}
+    alive: list[Any] = []  # problems, so that no other one gets the identity of one that is gone
     links: dict[str, Selection] = {}
 
     def kept_link(work: Any, segment: Segment, *given: Any) -> Selection:
@@ -85,9 +86,10 @@ def fits_kept() -> Iterator[None]:
 
     def kept(name: str, estimator: Estimator[Any], *given: Any, **named: Any) -> Hypothesis | None:
         problem = estimator.problem
-        of = name, problem.name, problem.holds_out, problem.is_exact_room, estimator.thorough
+        of = name, id(problem), estimator.thorough, estimator.keeps
         asked = *of, _plain(given), _plain(sorted(named.items()))
         if asked not in found:
+            alive.append(problem)
             found[asked] = own[name](estimator, *given, **named)
         return found[asked]
 

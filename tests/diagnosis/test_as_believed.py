@@ -149,9 +149,7 @@ def test_an_effect_that_leaves_most_of_the_gap_in_its_own_unit_explains_little()
     assert small.gain > 1e5
     assert small.fitted.residuals[0].gap() > 0.7 * found[0].fitted.residuals[0].gap()
     assert small.left > 0.7
-    told = posterior(found)
-    assert told["unknown"] > 0.5
-    assert told["max-flow"] < 0.5
+    assert posterior(found)["unknown"] > 0.5
 
 
 # --- a controller ------------------------------------------------------------------------------------

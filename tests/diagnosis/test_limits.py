@@ -88,11 +88,14 @@ def test_a_fit_is_made_once_and_any_other_problem_start_or_part_is_another(monke
         ]:
             estimator.fit(Effect, given, parts)
         assert len(made) == 4
-        for least in 2 * [1.0, 2.0]:
-            one.fit(Effect, start, (0,), Screen(least, {"flow_L_h": 3.0}))
-        assert len(made) == 6
+        for least, share in 2 * [(1.0, 3.0), (2.0, 3.0), (1.0, 4.0)]:
+            one.fit(Effect, start, (0,), Screen(least, {"flow_L_h": share}))
+        assert len(made) == 7
+        other.problem.name = "a"  # a link with days held out has the name of the whole one
+        other.fit(Effect, moved, (0,))
+        assert len(made) == 8
     one.fit(Effect, start, (0,))
-    assert len(made) == 7
+    assert len(made) == 9
 
 
 def test_a_link_that_is_weighed_is_weighed_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -29,7 +29,7 @@ from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
-from waxstudy.diagnosis.select.weigh import Weighing
+from waxstudy.diagnosis.select.weigh import Weighing, _may_be_beside
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -175,11 +175,11 @@ def test_what_an_effect_leaves_is_excused_by_a_tenth_of_what_it_explains() -> No
     together = min(weighing.healthy.together(missed.channel), count / cycles)
     scatter = np.sqrt(WEIGHTS.scatter**2 + 0.5 * together / count + 0.5 * together / healthy.samples)
     assert slow.misfit == pytest.approx(np.log(lasting(missed, missed.judged) / usual) / scatter)
-    over = [
-        sum(max(0.0, motion.loss() - weighing.healthy.usual_loss(motion)) for motion in each.fitted.by_motion)
-        for each in (slow, none)
-    ]
-    assert slow.left == pytest.approx(np.sqrt(over[0] / over[1]))
+    left, before = 0.0, 0.0
+    for old, new in zip(none.fitted.by_motion, slow.fitted.by_motion, strict=True):
+        over = [max(0.0, each.loss() - weighing.healthy.usual_loss(each)) for each in (old, new)]
+        before, left = before + over[0], left + max(over[1], weighing._kept(old, new) * over[0])
+    assert slow.left == pytest.approx(np.sqrt(left / before))
 
 
 def test_what_is_there_since_some_day_is_told_so_at_a_price_and_changes_no_day_before() -> None:
@@ -459,7 +459,34 @@ def test_what_is_kept_of_a_gap_is_told_in_its_unit_beyond_what_a_healthy_record_
     by_weights_little = replace(none, error=np.full(100, gap), whitened=np.full(100, 0.1))
     assert weighing._kept(none, by_weights_little) == pytest.approx(kept)
     assert bare(False)._kept(none, by_weights_little) == 0.0  # nobody knows what is usual
+    once = replace(none, error=np.where(np.arange(100) < 10, 500.0, 0.0))
+    assert weighing._kept(none, once) == 0.0  # a cycle that slipped
+    assert weighing._kept(replace(none, unit="s"), replace(by_weights_little, unit="s")) == 0.0
     assert weighing._kept(residual(np.zeros(100)), by_weights_little) == 0.0
+
+
+def test_what_is_taken_off_the_gap_bounds_what_an_effect_explains_and_its_form_excuses() -> None:
+    left: Any = HealthyLeft(1.0, 100, 10, 0.0, 1.0)
+    weighing, none = bare(False, left), residual(np.full(100, 10.0))
+    weighing.none, weighing.read = leaving(none), {}
+    weighing._nothing = lambda fitted: weighing.none  # type: ignore[method-assign]
+    weighing.healthy.usual_loss = lambda each: 100.0  # type: ignore[method-assign]
+    whole, weighed_only = (
+        leaving(replace(none, error=np.full(100, error), whitened=np.full(100, 2.0))) for error in (1.0, 10.0)
+    )
+    kept = (100.0 - 2.25) / 100.0
+    assert weighing._left(whole) == pytest.approx((300.0 / 9900.0) ** 0.5)
+    assert weighing._left(weighed_only) == pytest.approx(kept**0.5)
+    usual = [(1.0 + WEIGHTS.form**2 * explained) ** 0.5 for explained in (96.0, (1.0 - kept) * 100.0)]
+    found = [weighing.misfit(each) for each in (whole, weighed_only)]
+    assert found[1] / found[0] == pytest.approx(np.log(2.0 / usual[1]) / np.log(2.0 / usual[0]))
+
+
+def test_an_effect_is_not_tried_beside_one_that_takes_its_place_in_either_order() -> None:
+    slow, constant, limited = (EFFECTS[name] for name in ("slow-actuator", "constant-times", "limited-travel"))
+    for given, other, may in ((slow, constant, False), (constant, slow, False), (limited, slow, True)):
+        assert _may_be_beside(other, replace(leaving(), effects=((given, {}),))) is may
+    assert not _may_be_beside(slow, replace(leaving(), effects=((slow, {}),)))
 
 
 def test_where_nothing_is_judged_or_known_there_is_no_misfit_and_of_several_channels_the_largest_counts() -> None:

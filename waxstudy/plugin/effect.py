@@ -101,7 +101,7 @@ class Effect(Component):
     kind = "effect"
     stage: ClassVar[str]  # one of STAGES
     priors: ClassVar[Mapping[str, Prior]] = {}
-    # names of uncertainties and effects whose place it takes: with them both, neither could be told
+    # names of uncertainties that rest while it is there, and of effects that are not tried beside it
     absorbs: ClassVar[Sequence[str]] = ()
 
     @classmethod

@@ -21,9 +21,9 @@ from waxstudy.plugin import FloatArray
 
 
 class HealthyLeft(NamedTuple):
-    """What is left of a channel of the healthy record, over what it is weighed by; of so many samples and cycles."""
+    """What is left of a channel of the healthy record, of so many samples and cycles."""
 
-    whitened: float
+    whitened: float  # over what it is weighed by
     samples: int
     cycles: int
     noise_square: float  # of the instrument, of a sample

@@ -200,7 +200,8 @@ class Estimator(Generic[P]):
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         if possible and not self.has_nuisances:
             scanned = list(look.scanned(*possible[0]))
-            possible = [*scanned, *(look.better(each, scanned[0][1]) for each in possible[1:])]
+            likeliest = min(scanned, key=itemgetter(0))[1]
+            possible = [*scanned, *(look.better(each, likeliest) for each in possible[1:])]
         if look.promised and look.is_hopeless:
             _, values, convention = look.promised
             return self.problem.at((*given.effects, (effect, values)), given.departures, convention)

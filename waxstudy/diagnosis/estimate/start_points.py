@@ -10,7 +10,7 @@ from operator import itemgetter
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values, stepped
+from waxstudy.diagnosis.estimate.parameter_space import HOURS, Edits, EffectType, Space, Values, stepped
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.plugin import FloatArray
@@ -134,7 +134,7 @@ class StartPoints:
         """
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
         hours = [name for name in self.space.names if neutral is not None and name not in neutral]
-        if self.straight or neutral is None or not hours:
+        if neutral is None or not hours:
             yield score, values, convention
             return
         yield *self._scanned(score, values, hours, convention), convention
@@ -151,40 +151,43 @@ class StartPoints:
         Hours that were looked at all over the day in one way are a start in any other.
         """
         convention = place[2]
-        other = self.score(self._with(values, convention), self.parts), values, convention
+        other = *self._looked(values, convention), convention
         return min(place, other, key=itemgetter(0))
 
     def _scanned(
         self, score: float, values: Values, hours: Sequence[str], convention: Convention
     ) -> tuple[float, Values]:
-        """Return the best of a place, the most promising hours, and others, one after the other, twice."""
-        neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
-        still = self._at(self.given.effects, convention) if self.screen else None
-        between = self._between(values, hours, convention)
-        best = min(
-            (score, values), (self.score(self._with(between, convention), self.parts), between), key=itemgetter(0)
-        )
+        """Return the best of a place, of the hours that promise most, and of each hour in turn, twice."""
+        most = self._looked(self._between(values, hours, convention), convention)
+        best = min((score, values), most, key=itemgetter(0))
         for name in (*hours, *hours):
             prior = self.effect.priors[name]
             for at in np.linspace(prior.low, prior.high, round(SCANNED * min(1.0, self.thorough)), endpoint=False):
-                tried = {**best[1], name: float(at)}
-                look = self._with(tried, convention)
-                self._screened(tried, look, still, neutral, convention)
-                best = min(best, (self.score(look, self.parts), tried), key=itemgetter(0))
+                best = min(best, self._looked({**best[1], name: float(at)}, convention), key=itemgetter(0))
         return best
+
+    def _looked(self, values: Values, convention: Convention) -> tuple[float, Values]:
+        """Return the score of values, with them; what they promise is noted."""
+        neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
+        still = self._at(self.given.effects, convention) if self.screen else None
+        look = self._with(values, convention)
+        self._screened(values, look, still, neutral, convention)
+        return self.score(look, self.parts), values
 
     def _between(self, values: Values, hours: Sequence[str], convention: Convention) -> Values:
         """Return values with the hours between which an effect that acts always would gain most.
 
         As if what happens at each hour hung on nothing before it: one hour after the other may lead nowhere.
         """
-        if len(hours) != 2:  # of another package: something else that is no matter where the effect does nothing
+        if set(hours) != set(HOURS):  # else something that is no matter where the effect does nothing
             return values
-        first, last = hours
+        first, last = HOURS
         always = {**values, first: self.effect.priors[first].low, last: self.effect.priors[last].high}
         still, look = self._at(self.given.effects, convention), self._with(always, convention)
+        if still is None or look is None:
+            return values
         gain = np.zeros(SCANNED)
-        for old, new in zip(still.residuals if still else (), look.residuals if look else (), strict=False):
+        for old, new in zip(still.residuals, look.residuals, strict=True):
             fitted, hour = np.isin(new.part, self.parts), self.problem.clock_h[new.sample].astype(int)
             gain += np.bincount(hour[fitted], (old.whitened**2 - new.whitened**2)[fitted], SCANNED)
         until = np.concatenate(([0.0], np.cumsum((*gain, *gain))))

@@ -11,7 +11,7 @@ from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
 from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
+from waxstudy.diagnosis.estimate.parameter_space import HOURS, Edits, EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.travel import travel
@@ -23,8 +23,6 @@ from waxstudy.diagnosis.select.patterns import Pattern
 from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, FloatArray
-
-HOURS = ("from_h", "to_h")
 
 
 class Appraisal:
@@ -147,7 +145,7 @@ class Appraisal:
         return 0.5 * float(np.log(max(1.0, over))) / scatter
 
     def _left(self, fitted: Hypothesis) -> float:
-        """Return which share of what is missed of a chain beyond what nothing amiss leaves a hypothesis leaves."""
+        """Return the share that a hypothesis leaves of what a chain misses beyond the usual, by `_kept` at least."""
         if self.problem.segment.with_room:
             return WEIGHTS.least_share  # what a room leaves is judged by its healthy record alone
         before, after = 0.0, 0.0
@@ -160,15 +158,16 @@ class Appraisal:
         return max(0.0, residual.loss() - self.healthy.usual_loss(residual))
 
     def _kept(self, none: Residual, residual: Residual) -> float:
-        """Return which share of the squares of a channel's gap a hypothesis keeps, in the channel's own unit.
+        """Return which share of the squares of a channel's gap a hypothesis keeps, beyond what may be usual.
 
-        Weights hang on what is predicted and measured: a fit by them alone may make the gap itself larger.
+        Some samples weigh far more than others: a fit may lower the weighed squares while the gap grows. Switches do
+        not. The cycle of most is left out.
         """
-        healthy = self.healthy.left(residual.channel)
-        if healthy is None or none.gap() == 0.0:
+        healthy, before = self.healthy.left(residual.channel), _gap_square(none)
+        if healthy is None or residual.unit == "s" or before == 0.0:
             return 0.0
-        beyond = residual.gap() ** 2 - (limits()["gap"].value * healthy.gap) ** 2
-        return float(np.clip(beyond / none.gap() ** 2, 0.0, 1.0))
+        beyond = _gap_square(residual) - (limits()["gap"].value * healthy.gap) ** 2
+        return float(np.clip(beyond / before, 0.0, 1.0))
 
     def _nothing(self, fitted: Hypothesis) -> Hypothesis:
         """Return the link without effects, read in the best way or in a hypothesis's, whichever misses less."""
@@ -297,6 +296,12 @@ def _of_form(left: Residual, change: FloatArray) -> FloatArray:
     best = np.divide(along, power, out=np.zeros_like(along), where=power > 0.0)
     more = np.clip(best, -WEIGHTS.form, WEIGHTS.form)
     return np.asarray(more * (2.0 * along - more * power))
+
+
+def _gap_square(residual: Residual) -> float:
+    """Return the mean square error in the channel's unit, without the cycle of most."""
+    judged = residual.judged
+    return _lasting(residual.error[judged] ** 2, np.ones(int(judged.sum())), residual.block[judged])
 
 
 def _lasting(missed: FloatArray, power: FloatArray, block: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""What is otherwise than in a healthy record, or than believed: every hypothesis fitted to the whole record."""
+"""Which hypotheses of a link are tried, each fitted to the whole record."""
 
 from __future__ import annotations
 
