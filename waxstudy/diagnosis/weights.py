@@ -48,6 +48,8 @@ class Weights:
     promised: float
     clearly: float
     flows: float
+    far_apart_s: float
+    pulse_s: float
     soft: float
     unseen_chain: float
     unseen_room: float

@@ -126,7 +126,7 @@ def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> 
 
 
 def _left_of(fitted: Hypothesis) -> dict[str, Left]:
-    """Return what is left of each channel, and of its motions where these are weighed by themselves."""
+    """Return what is left of each channel, and of its rest and moves where these are weighed apart."""
     whole = {each.channel: _left(each) for each in fitted.residuals}
     return whole | {each.channel: _of_motion(each) for each in fitted.by_motion if each.channel not in whole}
 

@@ -46,7 +46,7 @@ class Residual:
 
     @property
     def measured(self) -> str:
-        """The channel, whichever motion of it this is."""
+        """The channel, be this all of it, its rest or its moves."""
         return self.channel.partition(" ")[0]
 
     @property
@@ -60,7 +60,7 @@ class Residual:
 
     @property
     def by_motion(self) -> list[Residual]:
-        """What is missed in each motion, by a name of its own; itself where motions are not told apart."""
+        """What is missed at rest and on the move, by names of their own; itself where these are not told apart."""
         if self.motion is None:
             return [self]
         return [self._where(self.motion == place, name) for place, name in enumerate(motions_of(self.channel))]
@@ -78,7 +78,7 @@ class Residual:
 
 
 def motions_of(channel: str) -> list[str]:
-    """Return what the motions of a motor's or valve's channel are called."""
+    """Return what a motor's or valve's channel is called at rest and on the move."""
     return [f"{channel} {each}" for each in MOTIONS]
 
 
@@ -100,7 +100,7 @@ class Hypothesis:
 
     @property
     def by_motion(self) -> list[Residual]:
-        """What is missed of every channel, in each motion where these are weighed by themselves."""
+        """What is missed of every channel, at rest and on the move where these are weighed apart."""
         return [motion for each in self.residuals for motion in each.by_motion]
 
     def motion_of(self, name: str) -> Residual | None:

@@ -151,25 +151,29 @@ class StartPoints:
         Hours that were looked at all over the day in one way are a start in any other.
         """
         convention = place[2]
-        other = *self._looked(values, convention), convention
+        other = *self._looked(values, convention, self._still(convention)), convention
         return min(place, other, key=itemgetter(0))
 
     def _scanned(
         self, score: float, values: Values, hours: Sequence[str], convention: Convention
     ) -> tuple[float, Values]:
         """Return the best of a place, of the hours that promise most, and of each hour in turn, twice."""
-        most = self._looked(self._between(values, hours, convention), convention)
+        still = self._still(convention)  # once: a long record is not remembered
+        most = self._looked(self._between(values, hours, convention), convention, still)
         best = min((score, values), most, key=itemgetter(0))
         for name in (*hours, *hours):
             prior = self.effect.priors[name]
             for at in np.linspace(prior.low, prior.high, round(SCANNED * min(1.0, self.thorough)), endpoint=False):
-                best = min(best, self._looked({**best[1], name: float(at)}, convention), key=itemgetter(0))
+                best = min(best, self._looked({**best[1], name: float(at)}, convention, still), key=itemgetter(0))
         return best
 
-    def _looked(self, values: Values, convention: Convention) -> tuple[float, Values]:
+    def _still(self, convention: Convention) -> Hypothesis | None:
+        """Return what looks are screened against: the given hypothesis; nothing without a screen."""
+        return self._at(self.given.effects, convention) if self.screen else None
+
+    def _looked(self, values: Values, convention: Convention, still: Hypothesis | None) -> tuple[float, Values]:
         """Return the score of values, with them; what they promise is noted."""
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
-        still = self._at(self.given.effects, convention) if self.screen else None
         look = self._with(values, convention)
         self._screened(values, look, still, neutral, convention)
         return self.score(look, self.parts), values

@@ -11,14 +11,13 @@ from waxstudy.diagnosis.estimate.hypothesis import MOTIONS, Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4  # of an opening within a sample: nobody knows when, nor what flowed meanwhile
 RESTS, LONE = 0.05, 0.1  # of full scale: a drive that does not move, a sample that stands alone
-FAR_APART_S = 300.0  # interval from which on samples hide what a drive did between them
-PULSE_S = 60.0  # chosen: a motor that is there and back between samples farther apart
 MOVED = ("control_output", "flow_L_h")  # which noise of the drive moves
 SMOOTHED = ("sensor_temperature_C", "control_output")  # as the segment's drive: what is linear misses nothing by it
 RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
@@ -121,8 +120,8 @@ class Continuous:
             known &= ~record.is_gap(driven_by)
         if driven_by == "displacement":
             known &= np.abs(np.diff(record.filled("displacement"), prepend=0.0)) < JUMP
-        hides_pulses = driven_by == "displacement" and record.interval_s > PULSE_S
-        if hides_pulses or (driven_by in record.binary and record.interval_s >= FAR_APART_S):
+        hides_pulses = driven_by == "displacement" and record.interval_s > WEIGHTS.pulse_s
+        if hides_pulses or (driven_by in record.binary and record.interval_s >= WEIGHTS.far_apart_s):
             known &= ~is_lone(record.filled(self.channel), record.filled(driven_by))
         return known
 

@@ -120,7 +120,7 @@ class Appraisal:
         calibrated = {knob.name for knob in self.problem.as_built.knobs}
         there = zip(self.healthy.problem.nuisances, moved.tolist(), strict=True)
         means = {knob.name: step for knob, step in there if knob.name in calibrated}
-        # what was not calibrated is where it was
+        # steps: what was not calibrated did not move
         elsewhere = np.array([means.get(knob.name, 0.0) for knob in self.problem.nuisances])
         return 0.5 * max(0.0, loss(elsewhere) - loss(np.zeros(len(sd))))
 
@@ -145,7 +145,7 @@ class Appraisal:
         return 0.5 * float(np.log(max(1.0, over))) / scatter
 
     def _left(self, fitted: Hypothesis) -> float:
-        """Return the share that a hypothesis leaves of what a chain misses beyond the usual, by `_kept` at least."""
+        """Return the share that a hypothesis leaves of what a chain misses beyond the usual, at least `_kept` of it."""
         if self.problem.segment.with_room:
             return WEIGHTS.least_share  # what a room leaves is judged by its healthy record alone
         before, after = 0.0, 0.0
