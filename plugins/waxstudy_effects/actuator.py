@@ -13,6 +13,7 @@ from waxstudy_paper.actuators import PRODUCTS, ConstantTimes, IdealActuator, Var
 STEADY = "chosen: Table 2, product B, in the steady 15-15 min profile"
 TABLE_2 = "Table 2, product B"
 COEFFICIENTS = tuple(PRODUCTS["B"])
+MOST_PAST = 1.2  # of product B's dependence on the past, with which a dead time may just vanish
 
 
 def actuator_of(belief: Belief) -> Choice:
@@ -39,6 +40,19 @@ class FourTimes(Parameters):
     )
 
 
+class WaxTimes(FourTimes):
+    """Times after a long past, and how far a short one shortens them."""
+
+    past: float = parameter(
+        0.0,
+        unit="1",
+        ge=0.0,
+        le=MOST_PAST,
+        description="Dependence of the times on pause and heating before: 0 none, 1 as Table 2 has it of product B.",
+        source="chosen: all three pauses and ramps of a motor depend on it alike",
+    )
+
+
 SLOWEST_S = 900.0
 FOUR_PRIORS = {
     "dead_time_s": Prior(0.0, SLOWEST_S, noticeable=20.0),
@@ -49,20 +63,85 @@ FOUR_PRIORS = {
 
 
 class WaxMotor(Effect):
-    """The valve is moved by a wax motor, the actuator `constant-times`, where an ideal one is believed.
+    """The valve is moved by a wax motor, the actuator `variable-times`, where an ideal one is believed.
 
-    A pause after each switch, then a ramp from where the opening is; a signal above 0.5 counts as on.
+    Its times after a long past, and by how much a short one shortens them, in the form that Table 2 has of product B.
+    A signal above 0.5 counts as on.
     """
 
     name = "wax-motor"
     api_version = "1.0"
     stage = "actuator"
-    Parameters = FourTimes
-    priors = FOUR_PRIORS
+    Parameters = WaxTimes
+    priors = {**FOUR_PRIORS, "past": Prior(0.0, MOST_PAST, noticeable=0.3)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:
         return "" if is_ideal(belief) else "a real actuator is believed already"
+
+    @classmethod
+    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
+        return None
+
+    @classmethod
+    def apply(cls, belief: Belief, p: Any) -> Belief:
+        return belief.with_block("actuator", Choice.of(VariableTimes, with_past(p)))
+
+    @classmethod
+    def sentence(cls, p: Any) -> str:
+        return (
+            f"The actuator takes its time: {p.dead_time_s:.0f} s until it moves and {p.rise_time_s:.0f} s to open, "
+            f"{p.hold_time_s:.0f} s until it moves back and {p.fall_time_s:.0f} s to close"
+            + (", less after short pauses and short heating." if p.past >= cls.priors["past"].noticeable else ".")
+        )
+
+    @classmethod
+    def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
+        same = [{**steady_times(product), "past": 0.0} for product in PRODUCTS]
+        return [*same, *({**longest_times(product), "past": 1.0} for product in PRODUCTS)]
+
+
+def longest_times(product: str) -> dict[str, float]:
+    """Return the times [s] of a product after a long pause and long heating (Table 2)."""
+    p = PRODUCTS[product]
+    hold_s = p["hold_a_s"] + p["hold_b_s"]
+    return dict(zip(FOUR_PRIORS, (p["dead_b_s"], p["rise_b_s"], hold_s, p["fall_s"]), strict=True))
+
+
+def with_past(p: Any) -> dict[str, float]:
+    """Return the coefficients of a motor with these times after a long past, and so much dependence on it."""
+    b = PRODUCTS["B"]
+    longest = longest_times("B")
+    hold_a_s = p.past * p.hold_time_s * b["hold_a_s"] / longest["hold_time_s"]
+    return {
+        **b,  # time constants
+        "dead_a_s": p.past * p.dead_time_s * b["dead_a_s"] / b["dead_b_s"],
+        "dead_b_s": p.dead_time_s,
+        "rise_a_s": p.past * p.rise_time_s * b["rise_a_s"] / b["rise_b_s"],
+        "rise_b_s": p.rise_time_s,
+        "hold_a_s": hold_a_s,
+        "hold_b_s": p.hold_time_s - hold_a_s,
+        "fall_s": p.fall_time_s,
+    }
+
+
+class WithConstantTimes(Effect):
+    """The actuator's times do not depend on its past, where `variable-times` is believed.
+
+    A pause after each switch, then a ramp from where the opening is; a signal above 0.5 counts as on.
+    """
+
+    name = "constant-times"
+    api_version = "1.0"
+    stage = "actuator"
+    Parameters = FourTimes
+    priors = FOUR_PRIORS
+    absorbs = ("slow-actuator",)
+
+    @classmethod
+    def hindrance(cls, belief: Belief) -> str:
+        is_other = issubclass(actuator_of(belief).component, VariableTimes)
+        return "" if is_other else "no actuator with times that vary is believed"
 
     @classmethod
     def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
@@ -75,32 +154,13 @@ class WaxMotor(Effect):
     @classmethod
     def sentence(cls, p: Any) -> str:
         return (
-            f"The actuator takes its time: {p.dead_time_s:.0f} s until it moves and {p.rise_time_s:.0f} s to open, "
-            f"{p.hold_time_s:.0f} s until it moves back and {p.fall_time_s:.0f} s to close."
+            f"The actuator's times do not depend on its past: {p.dead_time_s:.0f} s dead, {p.rise_time_s:.0f} s rise, "
+            f"{p.hold_time_s:.0f} s hold, {p.fall_time_s:.0f} s fall."
         )
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
         return [steady_times(product) for product in PRODUCTS]
-
-
-class WithConstantTimes(WaxMotor):
-    """The actuator's times do not depend on its past, where `variable-times` is believed."""
-
-    name = "constant-times"
-    absorbs = ("slow-actuator",)
-
-    @classmethod
-    def hindrance(cls, belief: Belief) -> str:
-        is_other = issubclass(actuator_of(belief).component, VariableTimes)
-        return "" if is_other else "no actuator with times that vary is believed"
-
-    @classmethod
-    def sentence(cls, p: Any) -> str:
-        return (
-            f"The actuator's times do not depend on its past: {p.dead_time_s:.0f} s dead, {p.rise_time_s:.0f} s rise, "
-            f"{p.hold_time_s:.0f} s hold, {p.fall_time_s:.0f} s fall."
-        )
 
 
 class Coefficients(Parameters):

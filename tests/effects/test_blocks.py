@@ -7,6 +7,7 @@ import pytest
 
 from tests.effects.believed import CONTINUOUS, IDEAL, MODULATED, REAL, Words, belief, output, with_effect
 from waxstudy.plugin import Belief, FloatArray
+from waxstudy_effects.actuator import longest_times
 
 STEP_S = 5.0
 
@@ -150,6 +151,20 @@ def test_a_wax_motor_waits_and_then_opens_in_its_times() -> None:
     assert first_s(opening, 1.0 - 1e-9, 600.0) == 300.0
     assert first_s(1.0 - opening, 1e-9, 1800.0) == 55.0
     assert first_s(1.0 - opening, 1.0 - 1e-9, 1800.0) == 130.0
+
+
+def test_a_wax_motor_without_past_has_constant_times_and_with_all_of_it_those_of_table_2() -> None:
+    signal = pulses(60.0, 1800.0, 300.0, 240.0, 900.0, 120.0, 600.0, 1800.0, 7200.0, 1800.0)
+    times = {"dead_time_s": 200.0, "rise_time_s": 100.0, "hold_time_s": 50.0, "fall_time_s": 80.0}
+    motors = {
+        "constant-times": output(with_effect("constant-times", belief(REAL), **times), "actuator", signal),
+        "variable-times": output(belief(REAL), "actuator", signal),  # product B
+        "without": output(with_effect("wax-motor", belief(), **times), "actuator", signal),
+        "with": output(with_effect("wax-motor", belief(), **longest_times("B"), past=1.0), "actuator", signal),
+    }
+    assert motors["without"] == pytest.approx(motors["constant-times"], abs=1e-9)
+    assert motors["with"] == pytest.approx(motors["variable-times"], abs=1e-9)
+    assert np.abs(motors["with"] - motors["without"]).max() > 0.5
 
 
 def dead_times_s(name: str, chain: Words, **values: float) -> tuple[float, float]:

@@ -28,7 +28,7 @@ TABLE: Mapping[str, tuple[str, str]] = {
     "modulation": ("modulator", "period_s min_pulse_s"),
     "pwm-period": ("modulator", "period_s"),
     "min-pulse": ("modulator", "min_pulse_s"),
-    "wax-motor": ("actuator", "dead_time_s rise_time_s hold_time_s fall_time_s"),
+    "wax-motor": ("actuator", "dead_time_s rise_time_s hold_time_s fall_time_s past"),
     "constant-times": ("actuator", "dead_time_s rise_time_s hold_time_s fall_time_s"),
     "variable-times": (
         "actuator",
