@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import exp, isfinite, log
 from typing import Any
 
@@ -36,6 +36,9 @@ def priors(subject: Subject) -> Problems:
     if getattr(effect, "stage", None) not in STAGES:
         stage = getattr(effect, "stage", None)
         yield f"its stage is {stage!r}{hint(str(stage), STAGES)} (stages: {', '.join(STAGES)})"
+    names = effect.absorbs if isinstance(effect.absorbs, Sequence) and not isinstance(effect.absorbs, str) else (None,)
+    if not all(isinstance(name, str) for name in names):
+        yield f"its `absorbs` must be a sequence of names, as ('heat-loss',), not {effect.absorbs!r}"
     if not isinstance(effect.priors, Mapping) or not all(isinstance(p, Prior) for p in effect.priors.values()):
         yield 'its priors must be a table {"fraction": Prior(low, high, noticeable=...)}'
         return

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from textwrap import indent
 
 FINDINGS = "findings = classmethod(lambda cls, run: "
+ABSORBS = "absorbs = "
 SIGNATURES = {
     "Weather": "load(cls, p, facades)",
     "Room": "build(cls, p)",
@@ -34,6 +34,11 @@ IN_EFFECT = """
 """
 
 
+def placed(body: str) -> str:
+    """Return a body where it stands in the class, further out what is no part of its method."""
+    return "\n".join((4 if line.startswith((FINDINGS, ABSORBS)) else 8) * " " + line for line in body.splitlines())
+
+
 def source(kind: str, body: str) -> str:
     """Source of a plugin of one component of this kind."""
     return f'''\
@@ -56,7 +61,7 @@ class Broken({kind}):
 
     @classmethod
     def {SIGNATURES[kind]}:
-{indent(body, 8 * " ").replace(8 * " " + FINDINGS, 4 * " " + FINDINGS)}
+{placed(body)}
 
 
 @hookimpl
@@ -155,5 +160,9 @@ EFFECTS: Mapping[str, tuple[str, str]] = {
         "apply changes the belief that it is given: return another, with belief.changed or replace",
     ),
     "effect-of-nothing": ("return belief", "it changes nothing at any point of its range: controller 'on-off'"),
+    "effect-that-absorbs-a-text": (
+        f'return replace(belief, inputs=replace(belief.inputs, supply_C={COLDER} - p.fraction))\n{ABSORBS}"heat-loss"',
+        "its `absorbs` must be a sequence of names, as ('heat-loss',)",
+    ),
     "effect-that-gives-none": ("return None", "apply gives None, not a Belief"),
 }
