@@ -170,6 +170,15 @@ def test_an_effect_of_a_chain_outdoes_another_only_as_far_as_cycles_tell_them_ap
     assert _with_peers([NOTHING, first, second], [0.0, 100.0, 99.95]) == [0.0, 100.0, 99.95]
 
 
+@pytest.mark.parametrize("most", [8.0, 15.0, 40.0, 80.0])
+def test_of_two_effects_that_leave_no_doubt_none_is_held_down_by_how_little_is_left_of_it(most: float) -> None:
+    first, second = (replace(SLOW, left=each, by_cycle=np.full(9, each)) for each in (0.01, 0.3))
+    second, nothing = replace(second, most=most), 100.0 - SLOW.most
+    told = _with_peers([NOTHING, first, second], [nothing, 100.0, -60.0])
+    as_good, by_itself = 100.0 - WEIGHTS.unknown_price, 100.0 - WEIGHTS.beyond_doubt + most
+    assert told == pytest.approx([nothing, 100.0, min(as_good, by_itself)])
+
+
 def test_an_effect_that_cycles_do_not_tell_from_a_better_one_must_stand_out_by_itself() -> None:
     """Else nothing is left of it, nor does it make something unknown likelier that looks like it."""
     scattered = (np.array([0.0, 5.0] * 4 + [0.0]), np.array([5.0, 0.0] * 4 + [5.0]))

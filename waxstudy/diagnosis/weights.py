@@ -37,6 +37,7 @@ class Weights:
     ordinary: float
     surely_off: float
     sure: float
+    beyond_doubt: float
     alike: float
     least_share: float
     block_s: float

@@ -133,7 +133,8 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     """Return what speaks for each: a single effect of a chain outdoes another only so far as cycles tell them apart.
 
     One that leaves nothing amiss is outdone by little. A finer name must be earned: real motors have no form of the
-    library exactly. No effect is raised above what speaks for it against nothing alone.
+    library exactly. No effect is raised above what speaks for it against nothing alone; where one
+    leaves no doubt that something is there, more certainty tells nothing between two that take most of it away.
     """
     singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and not each.is_of_room]
     if not singles:
@@ -142,7 +143,8 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     told = list(gains)
     for place in singles:
         each = found[place]
-        alone = gains[0] + min(each.most, WEIGHTS.sure * each.stands**2)
+        nothing = max(gains[0], gains[best] - WEIGHTS.beyond_doubt) if _is_peer(each) else gains[0]
+        alone = nothing + min(each.most, WEIGHTS.sure * each.stands**2)
         told[place] = max(gains[place], min(gains[best] - _outdone(each, found[best]), alone))
     return told
 
