@@ -22,7 +22,8 @@ from tests.test_tutorial import TUTORIAL
 __all__ = ["record", "study"]
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-START = ROOT / "docs" / "index.md"  # of its outputs the diagnosis is compared
+# of their outputs the diagnosis is compared, of the record that is made there
+SHOWN = {ROOT / "docs" / "index.md": "data/first", ROOT / "docs" / "baseline.md": "data/room-10"}
 # fewer members and longer steps than printed: attribution runs each member 44 times, and the sweep ten times the study
 SHORTER = {"members = 16": "members = 2", "step_s = 5": "step_s = 20"}
 DIAGNOSIS = (ROOT / "docs/diagnosis-tutorial.md", ROOT / "docs/diagnosis-tutorial-flow.md")  # their output is compared
@@ -83,10 +84,11 @@ def test_the_commands_of_the_pages_run_in_the_order_printed(
         done = waxstudy(*command.split()[1:], env=WIDTH)
         assert done.returncode == 0, f"{command}: {done.stderr}"
         said[command] = done.stdout
-    shown = START.read_text(encoding="utf-8")
-    (diagnosis,) = re.findall(r"^waxstudy diagnose .*\n```\n```\n(.*?)^```", shown, re.MULTILINE | re.DOTALL)
-    both = [command for command in printed if "data/first" in command]
-    assert told("".join(said[command] for command in both)) == told(diagnosis)
+    for page, made in SHOWN.items():
+        shown = page.read_text(encoding="utf-8")
+        (diagnosis,) = re.findall(r"^waxstudy diagnose .*\n```\n```\n(.*?)^```", shown, re.MULTILINE | re.DOTALL)
+        of_it = [command for command in printed if re.match(rf"waxstudy (reality|diagnose) .*{made}", command)]
+        assert told("".join(said[command] for command in of_it)) == told(diagnosis)
     for block in blocks(ROOT / "docs" / "attribution.md", "python"):
         subprocess.run([sys.executable, "-c", block], cwd=tmp_path, check=True)
     assert (tmp_path / "results" / "table5.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")

@@ -154,7 +154,36 @@ def test_a_folder_without_a_dataset_is_told_where_it_was_looked_for(loop: Path, 
         done = entry("diagnose", "named")
         assert done.code == INVALID
         assert f'[baseline] path = "{path}": {said}' in done.stderr
+    itself = entry("diagnose", "named", "--baseline", "named")
+    assert (itself.code, "a record cannot be its own baseline" in itself.stderr) == (INVALID, True)
     assert entry("diagnose", loop / "loop", "--baseline", "nowhere").code == USAGE
+
+
+def test_a_baseline_that_is_given_goes_before_the_one_that_the_file_names(
+    loop: Path, entry: Entry, tmp_path: Path
+) -> None:
+    named = shutil.copytree(loop / "loop", tmp_path / "named")
+    with (named / "dataset.toml").open("a") as file:
+        file.write('\n[baseline]\npath = "../moved-away"\n')
+    short = shifted(loop / "loop", tmp_path / "short", first=5 * 288)
+    for options in (("--baseline", short), ("--baseline-days", "2021-01-01..2021-01-02")):
+        done = entry("diagnose", named, *options)
+        assert done.code == INVALID
+        assert "a baseline of 2.0 days is too short" in done.stderr
+        assert "moved-away" not in done.stderr
+
+
+def test_the_days_that_a_record_has_are_those_that_it_tells_of(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    """A sample at midnight ends the day before, of which it is all that there is."""
+    since_midnight = shutil.copytree(loop / "loop", tmp_path / "midnight")
+    data = pd.read_csv(loop / "loop" / "data.csv")
+    first = pd.Timestamp(data["time"].iloc[0])
+    lone = data.iloc[:1].assign(time=str(first.normalize()))
+    assert first > first.normalize()
+    pd.concat([lone, data]).to_csv(since_midnight / "data.csv", index=False)
+    done = entry("diagnose", since_midnight, "--baseline-days", "2020-01-01..2020-01-04")
+    last = first.normalize() + pd.Timedelta(days=6)
+    assert f"(the record has {first.date()}..{last.date()})" in done.stderr
 
 
 # --- taken, with a warning ---------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -176,7 +177,9 @@ def test_what_cannot_be_is_refused_with_its_line(tmp_path: Path, key: str, value
 
 def test_a_number_that_is_not_known_is_told_with_the_nearest_key(tmp_path: Path) -> None:
     told = read(tmp_path, {**CORNER, "window_gg": 0.5, "colour": "white"})
-    assert "[building] window_gg is not known and not read; did you mean 'window_g'?" in told.warnings
+    (warning,) = [each for each in told.warnings if "window_gg" in each]
+    assert warning.endswith("[building] window_gg is not known and not read; did you mean 'window_g'?")
+    assert re.match(r"\S*dataset\.toml:[1-9]\d*: ", warning)
     assert any("not read: partitions, colour" in sentence for sentence in told.assumptions)
 
 

@@ -107,6 +107,13 @@ def test_a_lone_thermometer_is_told_to_show_no_room_unless_it_is_named_so(entry:
     assert "sensor_temperature_C" not in read(Path("living"))
 
 
+def test_a_house_without_a_room_thermometer_is_told_what_judges_a_room(entry: Entry) -> None:
+    done = imported(entry, house().drop(columns=["room_temperature"]))
+    said = "no thermometer of the room was found: it is judged by air_temperature_C; if one is there, say --map"
+    assert f"{said} air_temperature_C=NAME" in " ".join(done.stderr.split())
+    assert "no thermometer of the room" not in imported(entry, house(), "--replace").stderr
+
+
 def imported_file(frame: pd.DataFrame) -> str:
     frame.to_csv("again.csv")
     return "again.csv"

@@ -170,16 +170,16 @@ def test_the_first_two_lines_say_dataset_verdict_and_what_it_means(diagnosis: Di
 def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> None:
     for part in (
         "valve: flow is off by 5.23 L/h, 4.8 times its noise floor; by itself this puts heat off by +6.8 %, air by",
-        "2 other channels judged: off by at most 1.2 times the noise floor",
+        "2 other channels judged; off by most is air temperature, by 1.2 times its noise floor",
         "let-by: fraction 0.0712 (0.0688 to 0.0741).",
         "Found again in 98 % of resampled records; p = 0.0025.",
         "let-by takes away 93 % (90 to 95) of the gap of flow on held-out days; in all 5.19 → 1.40 L/h, floor 1.08",
         "heat off by -10 → -0.35 %",
         "cycles 5.3 → 4.7 a day (measured 4.6)",
-        "displacement 0.0312, floor 0.0118, p = 0.0025; no finding: within the believed model's published uncertainty",
+        "displacement 0.0312, floor 0.0118, p = 0.0025; no finding: it is within the believed model's published",
         "closed loop (its controller reacts, so that signs may turn): heat off by",
         "actuator: displacement is off by 0.0312, 2.6 times its noise floor (no finding: see unexplained)",
-        "4 effects; supply-offset, floor-cover: return_temperature_C was not recorded",
+        "not tested supply-offset, floor-cover: return_temperature_C was not recorded; 2 more for other reasons",
         "return_temperature_C at the circuit; it would settle supply-offset, floor-cover",
         "flow_L_h: 0.3 % of the samples are missing.",
     ):
@@ -275,7 +275,7 @@ def test_a_gap_without_a_cause_claims_none() -> None:
 
 def test_the_form_of_the_room_s_model_is_no_finding() -> None:
     assert "no effect found" in flat(NONE)
-    as_such = "no finding: as much as a model of this form misses where nothing is wrong"
+    as_such = "no finding: a model of this form misses as much where nothing is wrong"
     assert f"0.0831 K, floor 0.0711, p = 0.0075; {as_such}" in flat(NONE)
     assert "(no finding: see unexplained)" in dict(lines(NONE))["where"]
     assert "no finding" not in dict(lines(UNKNOWN))["where"]

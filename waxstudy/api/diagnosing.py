@@ -117,13 +117,19 @@ def diagnose(
     seed give the same diagnosis. Raises `StudyError`, `PluginError`, `BackendMissing`, `SimulationError`.
     """
     # what is not looked at of a long or fine record is not kept meanwhile
-    whole = _parted(record if isinstance(record, read.Dataset) else read.read_dataset(Path(record)), baseline)
+    whole = _parted(_read(record, baseline is None), baseline)
     judged, healthy = excerpt(whole[0]), excerpt(whole[1]) if whole[1] else None
     del whole
     found = core.diagnose(judged, baseline=healthy, seed=seed, quick=quick, study=study, tick=progress)
     options = [*_typed(baseline), *(["--study", str(study.file)] if study and study.file else [])]
     options += ["--quick"] * quick + ["--seed", str(seed)] * (seed != 1)
     return Found(found, provenance(judged, healthy, seed, options))
+
+
+def _read(record: Record, needs_baseline: bool) -> read.Dataset:
+    return (
+        record if isinstance(record, read.Dataset) else read.read_dataset(Path(record), needs_baseline=needs_baseline)
+    )
 
 
 def _typed(baseline: Record | tuple[str, str] | None) -> list[str]:

@@ -54,9 +54,9 @@ def _pairs(what: str) -> Callable[[click.Context, click.Parameter, Sequence[str]
         # a name may hold '=', a channel or a unit does not
         pairs = [text.partition("=") if what.startswith("CHANNEL") else text.rpartition("=") for text in texts]
         for text, (key, mark, _) in zip(texts, pairs, strict=True):
-            if not mark or not key:
+            if not mark or not key.strip():
                 raise click.BadParameter(f"'{text}' is no {what}", ctx, param)
-        return {key: value for key, _, value in pairs}
+        return {key.strip(): value for key, _, value in pairs}
 
     return convert
 

@@ -20,9 +20,13 @@ WHERE = "[baseline]"
 def read_baseline(dataset: Dataset, folder: Path, registry: Registry | None = None) -> Dataset:
     """Return the baseline in a folder; raise `StudyError` where it cannot be one of this dataset.
 
-    That is where it is of another loop, overlaps with the record in time or is shorter than three days.
+    That is where it is the dataset itself or of another loop, overlaps with the record in time or is shorter than three days.
     """
-    baseline = read_dataset(folder, registry)
+    if folder.resolve() == dataset.folder.resolve():
+        raise StudyError(
+            [Problem(str(folder / "dataset.toml"), 0, WHERE, "", "", "a record cannot be its own baseline")]
+        )
+    baseline = read_dataset(folder, registry, needs_baseline=False)
     problems = [*_differences(dataset, baseline), *_overlap(dataset, baseline), *_too_short(baseline)]
     if problems:
         raise StudyError([Problem(str(folder / "dataset.toml"), 0, WHERE, "", "", wrong) for wrong in problems])
@@ -35,8 +39,8 @@ def parted(dataset: Dataset, first: pd.Timestamp, last: pd.Timestamp) -> tuple[D
     Raises `StudyError` where these days are not in the record, or less than three days are left on either side.
     """
     begins = dataset.time - pd.Timedelta(seconds=dataset.interval_s)
-    days = begins.normalize()
-    chosen, after = (days >= first) & (days <= last), days > last
+    day, days = begins.normalize(), dataset.days
+    chosen, after = (day >= first) & (day <= last), day > last
     there = f"the record has {days[0].date()}..{days[-1].date()}"
     if first > last:
         raise _wrong(dataset, f"{first.date()}..{last.date()}: the days go backwards ({there})")

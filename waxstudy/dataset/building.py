@@ -75,7 +75,7 @@ def _chosen(check: Check, values: dict[str, Any]) -> type[Room] | None:
 def _parameters(check: Check, room: type[Room], values: dict[str, Any], notes: Notes) -> Parameters | None:
     """Return the room's parameters; what is wrong with them is noted where [building] has the key, or has itself."""
     model: type[Parameters] = room.Building  # type: ignore[assignment]
-    known, words = _sorted(model, values, notes)
+    known, words = _sorted(check, model, values, notes)
     building = check.parameters(model, RawTable.of(known, BUILDING))
     if building is None:
         return None
@@ -96,7 +96,9 @@ def describable(registry: Registry) -> dict[str, type[Room]]:
     return {room.name: room for room in fast if room.Building is not None}
 
 
-def _sorted(model: type[Parameters], values: dict[str, Any], notes: Notes) -> tuple[dict[str, Any], list[str]]:
+def _sorted(
+    check: Check, model: type[Parameters], values: dict[str, Any], notes: Notes
+) -> tuple[dict[str, Any], list[str]]:
     """Return what the room knows, and the keys that only hold words; warn of numbers that it does not know."""
     known, words = {}, []
     for key, value in values.items():
@@ -105,5 +107,6 @@ def _sorted(model: type[Parameters], values: dict[str, Any], notes: Notes) -> tu
         elif isinstance(value, str):
             words.append(key)
         else:
-            notes.warn(f"[building] {key} is not known and not read{hint(key, model.model_fields)}")
+            place = f"{check.source.file}:{check.source.line(BUILDING.at(key).path)}"
+            notes.warn(f"{place}: [building] {key} is not known and not read{hint(key, model.model_fields)}")
     return known, words

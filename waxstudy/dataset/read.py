@@ -67,22 +67,30 @@ class Dataset:
             f"  folder:   {self.folder if self.folder.is_dir() else 'none, it was made of a frame'}>"
         )
 
+    @property
+    def days(self) -> pd.DatetimeIndex:
+        """The days that it tells of: a first sample at midnight ends a day of which nothing else is there."""
+        begins = (self.time - pd.Timedelta(seconds=self.interval_s)).normalize()
+        counts = begins.value_counts(sort=False)
+        return pd.DatetimeIndex(counts.index[counts.to_numpy() > 1]).sort_values()
+
     def believed(self, inputs: Inputs | None) -> Belief:
         """Return what the modeller believes, with what drove the room."""
         return Belief(self.nominal, self.room, inputs, self.room_error_factor)
 
 
-def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
+def read_dataset(folder: Path, registry: Registry | None = None, needs_baseline: bool = True) -> Dataset:
     """Return the checked dataset of a folder; raise `StudyError` with every problem of its files.
 
     The components that [nominal], [room] and [building] may name are those of `registry`, by default all installed.
+    [baseline] is not looked at where it is not needed, as another one is given.
     """
     check = Check(read_source(folder / "dataset.toml"), registry or installed())
     path, baseline = _data_path(check, folder), None
     notes = Notes(str(path))
     described = read_description(check, notes)
     room = built(check, described.room)
-    if described.baseline:
+    if described.baseline and needs_baseline:
         baseline = _baseline_path(check, folder, described.baseline)
     if described.room:
         look_at_model_errors(check, described.room, described.about.room_error_factor, notes)

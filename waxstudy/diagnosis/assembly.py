@@ -137,7 +137,7 @@ def assembled(
 
 
 def _days(baseline: Dataset) -> str:
-    first, last = (baseline.time[[0, -1]] - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")
+    first, last = baseline.days[[0, -1]].strftime("%Y-%m-%d")
     return f"{baseline.name}, {first} to {last}"
 
 

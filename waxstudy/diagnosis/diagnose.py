@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 
 from waxstudy.dataset.baseline import refuse_too_short
 from waxstudy.dataset.excerpt import excerpt
@@ -163,7 +162,7 @@ def calibrated_room(dataset: Dataset) -> CalibratedRoom:
         lacking = [channel for channel in DRIVES if not record.has(channel)]
         seen = f"it lacks {', '.join(lacking)}" if lacking else f"it needs one of {', '.join(OF_ROOM)}"
         raise _wrong(dataset, f"the record does not show what the room does: {seen}", "")
-    days = (dataset.time[[0, -1]] - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")
+    days = dataset.days[[0, -1]].strftime("%Y-%m-%d")
     calibration = calibrated(dataset, installed_effects())
     return CalibratedRoom.of(calibration, documented, dataset.name, dataset.origin, (days[0], days[1]))
 

@@ -20,7 +20,7 @@ def notes(found: CalibratedRoom) -> list[str]:
     first, last = found.days
     beside = clear_words(each for each in found.as_built if each.part != "room")
     return [
-        f"{found.dataset}, {first} to {last}: 95 % intervals; of the chain nobody looked for them.",
+        f"{found.dataset}, {first} to {last}: 95 % intervals; values of the control chain have none.",
         *(f"no part of a room, and not in the file: {sentence}" for sentence in beside),
         *(f"warning: {warning}" for warning in found.warnings),
         *(["The record was simulated, no house was measured."] if found.is_simulated else []),

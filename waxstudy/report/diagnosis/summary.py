@@ -68,7 +68,7 @@ def lines(diagnosis: Diagnosis) -> list[Line]:
 
 
 def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
-    yield "quick look", [QUICK] if diagnosis.is_quick else []
+    yield "quick look", [QUICK] if diagnosis.is_quick and diagnosis.verdict != "untestable" else []
     yield "compared with", [_compared(diagnosis)] if diagnosis.compared_with else []
     yield "as calibrated", _few(clear_words(diagnosis.as_built), MOST_BUILT)
     yield "where", [*(_where(diagnosis, stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
@@ -145,8 +145,8 @@ def _others(diagnosis: Diagnosis) -> list[str]:
     others = other_stages(diagnosis)
     if not others:
         return []
-    most = times(others[0].over_floor)
-    return [f"{counted(len(others), 'other channel')} judged: off by at most {most} times the noise floor"]
+    most = f"{channel_words(others[0].channel)}, by {times(others[0].over_floor)} times its noise floor"
+    return [f"{counted(len(others), 'other channel')} judged; off by most is {most}"]
 
 
 def _cause(effect: FoundEffect) -> str:
@@ -241,19 +241,21 @@ def _how_sure_of(left: Unexplained) -> str:
 
 def remarks(left: Unexplained) -> list[str]:
     """When an unexplained gap shows, and what keeps it from being a finding."""
-    form = "no finding: as much as a model of this form misses where nothing is wrong"
-    covered = "no finding: within the believed model's published uncertainty"
-    drives = "no finding: as little as the sun or gains that nobody recorded may leave"
+    form = "a model of this form misses as much where nothing is wrong"
+    covered = "it is within the believed model's published uncertainty"
+    drives = "sun or gains that nobody recorded may leave as much"
     told = ((form, left.is_room_form), (covered, left.is_covered), (drives, left.is_of_drives))
-    when = [f"mostly {left.when.pattern}"] if left.when else []
-    return [*when, *(words for words, holds in told if holds)]
+    why = ", and ".join(words for words, holds in told if holds)
+    return [*([f"mostly {left.when.pattern}"] if left.when else []), *([f"no finding: {why}"] if why else [])]
 
 
 def _not_tested(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.untestable:
         return []
     reason, names = by_reason(diagnosis.untestable)[0]
-    return [f"{counted(len(diagnosis.untestable), 'effect')}; {_some(names)}: {reason}"]
+    others = len(diagnosis.untestable) - len(names)
+    more = f"; {others} more for other reasons" if others else ""
+    return [f"{_some(names)}: {reason}{more}"]
 
 
 def _some(names: Sequence[str]) -> str:
