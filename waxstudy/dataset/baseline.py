@@ -20,7 +20,7 @@ WHERE = "[baseline]"
 def read_baseline(dataset: Dataset, folder: Path, registry: Registry | None = None) -> Dataset:
     """Return the baseline in a folder; raise `StudyError` where it cannot be one of this dataset.
 
-    That is where it is the dataset itself or of another loop, overlaps with the record in time or is shorter than three days.
+    That is the dataset itself, and one of another loop, that overlaps with it in time or is shorter than three days.
     """
     if folder.resolve() == dataset.folder.resolve():
         raise StudyError(
