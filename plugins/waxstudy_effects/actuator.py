@@ -49,7 +49,7 @@ class WaxTimes(FourTimes):
         ge=0.0,
         le=MOST_PAST,
         description="Dependence of the times on pause and heating before: 0 none, 1 as Table 2 has it of product B.",
-        source="chosen: all three pauses and ramps of a motor depend on it alike",
+        source="chosen: dead, rise and hold time depend on it alike",
     )
 
 
@@ -89,10 +89,11 @@ class WaxMotor(Effect):
 
     @classmethod
     def sentence(cls, p: Any) -> str:
+        is_shorter = p.past >= cls.priors["past"].noticeable
         return (
             f"The actuator takes its time: {p.dead_time_s:.0f} s until it moves and {p.rise_time_s:.0f} s to open, "
             f"{p.hold_time_s:.0f} s until it moves back and {p.fall_time_s:.0f} s to close"
-            + (", less after short pauses and short heating." if p.past >= cls.priors["past"].noticeable else ".")
+            + ("; after short pauses and short heating the first three are shorter." if is_shorter else ".")
         )
 
     @classmethod

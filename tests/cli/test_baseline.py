@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 import shutil
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+import waxstudy as wx
 from tests.cli.conftest import Entry
 from tests.conftest import SMALL, call
 from tests.report.test_diagnosis import page_text, untraced
+from waxstudy.study.problems import StudyError
 
 USAGE, INVALID = 2, 3
 DAYS_BEFORE = 30
@@ -171,6 +174,19 @@ def test_a_baseline_that_is_given_goes_before_the_one_that_the_file_names(
         assert done.code == INVALID
         assert "a baseline of 2.0 days is too short" in done.stderr
         assert "moved-away" not in done.stderr
+
+
+def test_in_python_a_baseline_that_was_read_is_held_to_the_same(loop: Path, tmp_path: Path) -> None:
+    named = shutil.copytree(loop / "loop", tmp_path / "named")
+    with (named / "dataset.toml").open("a") as file:
+        file.write('\n[baseline]\npath = "../moved-away"\n')
+    record, before = wx.Dataset.read(named), wx.Dataset.read(loop / "before")
+    for baseline, said in ((record, "it overlaps with the record"), (None, "no such dataset"), ("", "no such dataset")):
+        with pytest.raises(StudyError, match=said):
+            wx.diagnose(record, baseline=baseline)
+    short = replace(before, time=before.time[:300], values=before.values[:300])
+    with pytest.raises(StudyError, match=r"a baseline of 1\.0 days is too short"):
+        wx.diagnose(record, baseline=short)
 
 
 def test_the_days_that_a_record_has_are_those_that_it_tells_of(loop: Path, entry: Entry, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -565,6 +566,23 @@ def test_a_channel_without_a_value_is_not_there(good: Path) -> None:
 def test_remarks_in_the_description_are_told_and_not_read(good: Path) -> None:
     read = reread(good, lambda data: data, '\n[weather]\nplace = "Tallinn"\n')
     assert told(read, "weather is not known and not read")
+
+
+@pytest.mark.parametrize(
+    ("samples", "interval_s", "days"),
+    [
+        (97, 900.0, ["2021-01-02"]),  # the first sample ends the first of January
+        (96, 900.0, ["2021-01-01", "2021-01-02"]),
+        (3, 86_400.0, ["2021-01-01", "2021-01-02", "2021-01-03"]),
+        (1, 900.0, ["2021-01-01"]),
+    ],
+)
+def test_days_are_those_that_a_record_tells_of(good: Path, samples: int, interval_s: float, days: list[str]) -> None:
+    first = "2021-01-02 00:00" if samples != 96 else "2021-01-01 12:00"
+    time = pd.date_range(first, periods=samples, freq=pd.Timedelta(seconds=interval_s))
+    values = pd.DataFrame(index=time)
+    told = replace(read_dataset(good), time=time, values=values, interval_s=interval_s)
+    assert list(told.days.strftime("%Y-%m-%d")) == days
 
 
 def test_an_empty_nominal_says_that_nothing_is_believed(good: Path) -> None:

@@ -177,6 +177,8 @@ def test_of_two_effects_that_leave_no_doubt_none_is_held_down_by_how_little_is_l
     told = _with_peers([NOTHING, first, second], [nothing, 100.0, -60.0])
     as_good, by_itself = 100.0 - WEIGHTS.unknown_price, 100.0 - WEIGHTS.beyond_doubt + most
     assert told == pytest.approx([nothing, 100.0, min(as_good, by_itself)])
+    hardly = _with_peers([NOTHING, replace(first, left=0.95), second], [nothing, 100.0, -60.0])
+    assert hardly[2] == pytest.approx(max(-60.0, min(as_good, nothing + most)))
 
 
 def test_an_effect_that_cycles_do_not_tell_from_a_better_one_must_stand_out_by_itself() -> None:

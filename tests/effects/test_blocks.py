@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.effects.believed import CONTINUOUS, IDEAL, MODULATED, REAL, Words, belief, output, with_effect
+from tests.effects.believed import CONTINUOUS, EFFECTS, IDEAL, MODULATED, REAL, Words, belief, output, with_effect
 from waxstudy.plugin import Belief, FloatArray
 from waxstudy_effects.actuator import longest_times
 
@@ -165,6 +165,14 @@ def test_a_wax_motor_without_past_has_constant_times_and_with_all_of_it_those_of
     assert motors["without"] == pytest.approx(motors["constant-times"], abs=1e-9)
     assert motors["with"] == pytest.approx(motors["variable-times"], abs=1e-9)
     assert np.abs(motors["with"] - motors["without"]).max() > 0.5
+
+
+@pytest.mark.parametrize(("past", "is_shorter"), [(0.0, False), (0.2, False), (0.8, True)])
+def test_a_wax_motor_says_that_its_times_are_shorter_after_a_short_past(past: float, is_shorter: bool) -> None:
+    motor = EFFECTS["wax-motor"]
+    sentence = motor.sentence(motor.Parameters(**longest_times("B"), past=past))
+    assert "232 s until it moves" in sentence
+    assert ("the first three are shorter" in sentence) is is_shorter
 
 
 def dead_times_s(name: str, chain: Words, **values: float) -> tuple[float, float]:

@@ -109,8 +109,12 @@ def test_a_lone_thermometer_is_told_to_show_no_room_unless_it_is_named_so(entry:
 
 def test_a_house_without_a_room_thermometer_is_told_what_judges_a_room(entry: Entry) -> None:
     done = imported(entry, house().drop(columns=["room_temperature"]))
-    said = "no thermometer of the room was found: it is judged by air_temperature_C; if one is there, say --map"
-    assert f"{said} air_temperature_C=NAME" in " ".join(done.stderr.split())
+    said = (
+        "no thermometer of the room was found, as air_temperature_C: if one is there, say --map air_temperature_C=NAME"
+    )
+    assert said in " ".join(done.stderr.split())
+    none = imported(entry, house().drop(columns=["room_temperature"]), "--map", "air_temperature_C=", "--replace")
+    assert "no thermometer of the room" not in none.stderr
     assert "no thermometer of the room" not in imported(entry, house(), "--replace").stderr
 
 

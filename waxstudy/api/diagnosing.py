@@ -12,7 +12,7 @@ import pandas as pd
 
 from waxstudy.api.provenance import FORMAT, provenance
 from waxstudy.dataset import read
-from waxstudy.dataset.baseline import parted, read_baseline
+from waxstudy.dataset.baseline import checked, named_baseline, parted, read_baseline
 from waxstudy.dataset.excerpt import excerpt
 from waxstudy.diagnosis import diagnose as core
 from waxstudy.diagnosis.result import Diagnosis
@@ -117,19 +117,13 @@ def diagnose(
     seed give the same diagnosis. Raises `StudyError`, `PluginError`, `BackendMissing`, `SimulationError`.
     """
     # what is not looked at of a long or fine record is not kept meanwhile
-    whole = _parted(_read(record, baseline is None), baseline)
+    whole = _parted(record if isinstance(record, read.Dataset) else read.read_dataset(Path(record)), baseline)
     judged, healthy = excerpt(whole[0]), excerpt(whole[1]) if whole[1] else None
     del whole
     found = core.diagnose(judged, baseline=healthy, seed=seed, quick=quick, study=study, tick=progress)
     options = [*_typed(baseline), *(["--study", str(study.file)] if study and study.file else [])]
     options += ["--quick"] * quick + ["--seed", str(seed)] * (seed != 1)
     return Found(found, provenance(judged, healthy, seed, options))
-
-
-def _read(record: Record, needs_baseline: bool) -> read.Dataset:
-    return (
-        record if isinstance(record, read.Dataset) else read.read_dataset(Path(record), needs_baseline=needs_baseline)
-    )
 
 
 def _typed(baseline: Record | tuple[str, str] | None) -> list[str]:
@@ -147,6 +141,5 @@ def _parted(
         healthy, judged = parted(record, *(pd.Timestamp(day) for day in baseline))
         return judged, healthy
     if isinstance(baseline, read.Dataset):
-        return record, baseline
-    folder = Path(baseline) if baseline else record.baseline
-    return record, read_baseline(record, folder) if folder else None
+        return record, checked(record, baseline)
+    return record, read_baseline(record, Path(baseline)) if baseline else named_baseline(record)

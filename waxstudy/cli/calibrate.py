@@ -54,7 +54,7 @@ def _calibrated(dataset: Path) -> CalibratedRoom:
 
     try:
         with failures(dataset / "dataset.toml", dataset):
-            return calibrated_room(read_dataset(dataset, needs_baseline=False))
+            return calibrated_room(read_dataset(dataset))
     except StudyError as error:
         raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
 

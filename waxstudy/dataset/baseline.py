@@ -10,11 +10,17 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.read import Dataset, read_dataset
-from waxstudy.plugin.registry import Registry
+from waxstudy.plugin.files import lacking
+from waxstudy.plugin.registry import Registry, installed
+from waxstudy.study.check import Check
 from waxstudy.study.problems import Problem, StudyError
+from waxstudy.study.sentences import value_at
+from waxstudy.study.source import read_source
+from waxstudy.study.spots import Spot
 
 LEAST_DAYS = 3.0
-WHERE = "[baseline]"
+BASELINE = Spot.table("baseline")
+ITSELF = "a record cannot be its own baseline"
 
 
 def read_baseline(dataset: Dataset, folder: Path, registry: Registry | None = None) -> Dataset:
@@ -23,14 +29,33 @@ def read_baseline(dataset: Dataset, folder: Path, registry: Registry | None = No
     That is the dataset itself, and one of another loop, that overlaps with it in time or is shorter than three days.
     """
     if folder.resolve() == dataset.folder.resolve():
-        raise StudyError(
-            [Problem(str(folder / "dataset.toml"), 0, WHERE, "", "", "a record cannot be its own baseline")]
-        )
-    baseline = read_dataset(folder, registry, needs_baseline=False)
+        raise StudyError([_of(folder, ITSELF)])
+    return checked(dataset, read_dataset(folder, registry))
+
+
+def checked(dataset: Dataset, baseline: Dataset) -> Dataset:
+    """Return a baseline that was read before; raise `StudyError` where it cannot be one of this dataset."""
     problems = [*_differences(dataset, baseline), *_overlap(dataset, baseline), *_too_short(baseline)]
     if problems:
-        raise StudyError([Problem(str(folder / "dataset.toml"), 0, WHERE, "", "", wrong) for wrong in problems])
+        raise StudyError([_of(baseline.folder, wrong) for wrong in problems])
     return baseline
+
+
+def named_baseline(dataset: Dataset, registry: Registry | None = None) -> Dataset | None:
+    """Return the baseline that dataset.toml names, None where it names none; raise `StudyError` as `read_baseline`."""
+    if dataset.baseline is None:
+        return None
+    is_lacking = bool(lacking(dataset.baseline / "dataset.toml"))
+    if dataset.folder.is_dir() and (is_lacking or dataset.baseline.resolve() == dataset.folder.resolve()):
+        check, spot = Check(read_source(dataset.folder / "dataset.toml"), registry or installed()), BASELINE.at("path")
+        wrong, allowed = ("no such dataset", f"looked for {dataset.baseline}") if is_lacking else (ITSELF, "")
+        check.problem(spot, wrong, value=value_at(check.source.values, spot.path), allowed=allowed)
+        raise StudyError(check.problems)
+    return read_baseline(dataset, dataset.baseline, registry)
+
+
+def _of(folder: Path, wrong: str) -> Problem:
+    return Problem(str(folder / "dataset.toml"), 0, BASELINE.where, "", "", wrong)
 
 
 def parted(dataset: Dataset, first: pd.Timestamp, last: pd.Timestamp) -> tuple[Dataset, Dataset]:

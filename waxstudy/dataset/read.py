@@ -69,29 +69,28 @@ class Dataset:
 
     @property
     def days(self) -> pd.DatetimeIndex:
-        """The days that it tells of: a first sample at midnight ends a day of which nothing else is there."""
+        """The days that it tells of: a first sample at midnight ends a day of which little else is there."""
         begins = (self.time - pd.Timedelta(seconds=self.interval_s)).normalize()
-        counts = begins.value_counts(sort=False)
-        return pd.DatetimeIndex(counts.index[counts.to_numpy() > 1]).sort_values()
+        days = pd.DatetimeIndex(begins.unique())
+        is_lone = np.count_nonzero(begins == days[0]) == 1 and self.interval_s < 43_200.0
+        return days[1:] if is_lone and len(days) > 1 else days
 
     def believed(self, inputs: Inputs | None) -> Belief:
         """Return what the modeller believes, with what drove the room."""
         return Belief(self.nominal, self.room, inputs, self.room_error_factor)
 
 
-def read_dataset(folder: Path, registry: Registry | None = None, needs_baseline: bool = True) -> Dataset:
+def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     """Return the checked dataset of a folder; raise `StudyError` with every problem of its files.
 
     The components that [nominal], [room] and [building] may name are those of `registry`, by default all installed.
-    [baseline] is not looked at where it is not needed, as another one is given.
+    Whether the baseline that it names is there is looked at when it is read.
     """
     check = Check(read_source(folder / "dataset.toml"), registry or installed())
-    path, baseline = _data_path(check, folder), None
+    path = _data_path(check, folder)
     notes = Notes(str(path))
     described = read_description(check, notes)
     room = built(check, described.room)
-    if described.baseline and needs_baseline:
-        baseline = _baseline_path(check, folder, described.baseline)
     if described.room:
         look_at_model_errors(check, described.room, described.about.room_error_factor, notes)
     is_clear = not any(problem.where in ("[dataset]", "[columns]", "[neighbours]") for problem in check.problems)
@@ -122,7 +121,7 @@ def read_dataset(folder: Path, registry: Registry | None = None, needs_baseline:
         warnings=tuple(dict.fromkeys(notes.warnings)),
         assumptions=tuple(dict.fromkeys(notes.assumptions)),
         room_error_factor=described.about.room_error_factor,
-        baseline=baseline,
+        baseline=folder / described.baseline if described.baseline else None,
         neighbours=neighbours,
         origin=described.about.origin or "",
         sha256={each.name: sha256(each) for each in (folder / "dataset.toml", path) if each},
@@ -143,15 +142,6 @@ def _data_path(check: Check, folder: Path) -> Path | None:
     if not found:
         check.problem(Spot.table(), f"there is no {' or '.join(FILES)} beside it, and [dataset] names no file")
     return found[0] if found else None
-
-
-def _baseline_path(check: Check, folder: Path, path: str) -> Path:
-    found = folder / path
-    if lacking(found / "dataset.toml"):
-        check.problem(Spot.table("baseline").at("path"), "no such dataset", value=path, allowed=f"looked for {found}")
-    elif found.resolve() == folder.resolve():
-        check.problem(Spot.table("baseline").at("path"), "a record cannot be its own baseline", value=path)
-    return found
 
 
 def _record(

@@ -52,7 +52,7 @@ def bring(request: Request, ask: Ask) -> Imported:
     request, matches = _decided(request, entities, ask, notes)
     if OUTDOORS not in matches and OUTDOORS not in request.entities:
         raise _no_outdoors(request, entities, matches)
-    _tell_unseen_room(matches, notes)
+    _tell_unseen_room(request, matches, notes)
     imported = channels_of(request, matches, entities, notes, ask)
     taken = [places[match.seen.entity] for match in matches.values() if match.seen.entity in places]
     return replace(imported, place=taken[0]) if taken else imported
@@ -204,16 +204,15 @@ def _answered(match: Match, entities: Sequence[Seen], ask: Ask, notes: Notes) ->
     return "" if answer == NONE else answer
 
 
-def _tell_unseen_room(matches: Mapping[str, Match], notes: Notes) -> None:
-    """Say that nothing shows the room, or what a controller reads alone, which does not."""
-    if set(SHOW_ROOM) & set(matches) or {"flow_L_h", "return_temperature_C"} <= set(matches):
+def _tell_unseen_room(request: Request, matches: Mapping[str, Match], notes: Notes) -> None:
+    """Say that nothing shows the room, or what a controller reads alone, which does not; unless that was stated."""
+    of_flow = {"flow_L_h", "return_temperature_C"}
+    if set(SHOW_ROOM) & set(matches) or of_flow <= set(matches) or SHOW_ROOM[0] in request.entities:
         return
     lone = matches.get("sensor_temperature_C")
     if lone is None:
         option = f"--map {SHOW_ROOM[0]}=NAME"
-        notes.warn(
-            f"no thermometer of the room was found: it is judged by {SHOW_ROOM[0]}; if one is there, say {option}"
-        )
+        notes.warn(f"no thermometer of the room was found, as {SHOW_ROOM[0]}: if one is there, say {option}")
     else:
         option = shlex.join(["--map", f"{SHOW_ROOM[0]}={lone.seen.entity}"])
         also = f"{lone.seen.entity} became sensor_temperature_C, what the controller reads"

@@ -143,7 +143,8 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     told = list(gains)
     for place in singles:
         each = found[place]
-        nothing = max(gains[0], gains[best] - WEIGHTS.beyond_doubt) if _is_peer(each) else gains[0]
+        are_peers = _is_peer(each) and _is_peer(found[best])
+        nothing = max(gains[0], gains[best] - WEIGHTS.beyond_doubt) if are_peers else gains[0]
         alone = nothing + min(each.most, WEIGHTS.sure * each.stands**2)
         told[place] = max(gains[place], min(gains[best] - _outdone(each, found[best]), alone))
     return told
