@@ -76,7 +76,7 @@ def best(found: Sequence[Link]) -> tuple[float, float]:
 
 def row(name: str, found: Sequence[Link], soft: float, unseen: float) -> str:
     loss = fmean(each.loss(soft, unseen) for each in found)
-    now = fmean(each.loss(WEIGHTS.soft, WEIGHTS.unseen(each.is_of_room)) for each in found)
+    now = fmean(each.loss(WEIGHTS.softness(not each.has_baseline), WEIGHTS.unseen(each.is_of_room)) for each in found)
     learned = f"power {soft:4.2f}   share {unseen:5.3f}"
     return f"{name:24} {len(found):5d} links   {learned}   loss {loss:5.3f}   as it is {now:5.3f}"
 

@@ -305,6 +305,7 @@ def test_form_excuses_an_effect_that_is_stronger_or_weaker_by_a_tenth_and_nothin
     after = residual(share * change + across)
     assert _of_form(after, change) == pytest.approx(np.full(10, (share**2 - left**2) * 2.0 * 10.0**2))
     assert _of_form(after, np.zeros(20)) == pytest.approx(np.zeros(10))
+    assert len(_of_form(replace(after, judged=np.zeros(20, dtype=bool)), change)) == 0
 
 
 def test_what_the_healthy_record_says_for_an_effect_varies_over_cycles_as_its_gain_does() -> None:

@@ -52,6 +52,7 @@ class Weights:
     far_apart_s: float
     pulse_s: float
     soft: float
+    noise_soft: float
     unseen_chain: float
     unseen_room: float
     least_seen: float
@@ -62,6 +63,9 @@ class Weights:
     hidden: float
     open_unknown: float
     open_hidden: float
+
+    def softness(self, is_by_noise: bool) -> float:
+        return self.noise_soft if is_by_noise else self.soft
 
     def unseen(self, is_of_room: bool) -> float:
         return self.unseen_room if is_of_room else self.unseen_chain

@@ -45,6 +45,11 @@ class Healthy:
     fitted: Hypothesis
 
     @property
+    def is_noise(self) -> bool:
+        """Whether this is what noise makes, as no healthy record tells."""
+        return False
+
+    @property
     def stands_scatter(self) -> float:
         """Standard deviation of the logarithm of what is left, beside which what an effect does stands out."""
         return WEIGHTS.scatter
@@ -178,6 +183,10 @@ class AsBelieved(Healthy):
         """
         own = [replace(each, whitened=each.judged.astype(float)) for each in right.residuals]
         return cls(problem, replace(right, residuals=next(of_noise(problem, right, PERTURBATIONS), own)))
+
+    @property
+    def is_noise(self) -> bool:
+        return True
 
     @property
     def stands_scatter(self) -> float:

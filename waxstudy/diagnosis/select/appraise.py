@@ -86,6 +86,7 @@ class Appraisal:
             unlike=self._unlike(fitted, moved) if always > 0.0 else 0.0,
             left=self._left(fitted),
             is_of_room=self.problem.segment.with_room,
+            is_by_noise=self.healthy.is_noise,
             stands=self._stands(fitted, given or nothing, pattern),
             pattern=pattern,
         )
@@ -293,7 +294,7 @@ def _of_form(left: Residual, change: FloatArray) -> FloatArray:
     _, member = np.unique(left.block[left.judged], return_inverse=True)
     here, moved = left.whitened[left.judged], change[left.judged]
     along, power = np.bincount(member, here * moved), np.bincount(member, moved * moved)
-    best = np.divide(along, power, out=np.zeros_like(along), where=power > 0.0)
+    best = np.divide(along, power, out=np.zeros(len(along)), where=power > 0.0)
     more = np.clip(best, -WEIGHTS.form, WEIGHTS.form)
     return np.asarray(more * (2.0 * along - more * power))
 

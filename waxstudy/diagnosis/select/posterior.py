@@ -35,6 +35,7 @@ class Weighed:
     unlike: float = 0.0  # how much less likely the later record is then: the healthy one would have taught otherwise
     left: float = 1.0  # share of what is missed beyond what nothing amiss leaves
     is_of_room: bool = False
+    is_by_noise: bool = False  # whether nothing but noise, and no healthy record, tells what is usual
     stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
 
@@ -50,7 +51,7 @@ def score(weighed: Weighed) -> float:
     )
 
 
-def posterior(found: Sequence[Weighed], soft: float = WEIGHTS.soft, unseen: float | None = None) -> dict[str, float]:
+def posterior(found: Sequence[Weighed], soft: float | None = None, unseen: float | None = None) -> dict[str, float]:
     """Return the probability of each hypothesis of a link, with something unknown beside it or not; they sum to 1.
 
     The first is that nothing changed. What was so from the start is no change. `python -m benchmarks.posterior` asks
@@ -65,8 +66,8 @@ def posterior(found: Sequence[Weighed], soft: float = WEIGHTS.soft, unseen: floa
             _raise(logs, (UNKNOWN,), _mimicked(each, own))
         if each.always > 0.0:
             _add(logs, (), gain - each.unlike - each.price, each.misfit)
-    most = max(logs.values())
-    weights = {name: float(np.exp((value - most) / soft)) for name, value in logs.items()}
+    most, power = max(logs.values()), WEIGHTS.softness(found[0].is_by_noise) if soft is None else soft
+    weights = {name: float(np.exp((value - most) / power)) for name, value in logs.items()}
     whole = sum(weights.values())
     share = WEIGHTS.unseen(found[0].is_of_room) if unseen is None else unseen
     return _with_unseen({name: weight / whole for name, weight in weights.items()}, found, share)
