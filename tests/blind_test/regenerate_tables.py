@@ -20,6 +20,8 @@ FEW = 10
 SUMMARY = (
     ("right group", "right group", "right group"),
     ("… of those beyond what is unknown of the room", "right group, beyond what is unknown of the room", ""),
+    ("… room and emitter", "", "right group, room and emitter"),
+    ("… sensor to valve", "", "right group, sensor to valve"),
     ("effect named alone, where it could be", *["top-1 effect, where it could be named"] * 2),
     ("right stage", "right stage", "right stage"),
     ("false alarms on nulls", "false alarms on nulls", "false alarms on nulls"),
@@ -71,8 +73,9 @@ def pages() -> dict[Path, str]:
 
 
 def newest(every: Mapping[str, Score], where: str) -> str:
-    """Return the newest run with records of a place: not all runs draw from all."""
-    return [run for run, score in every.items() if where in judged(score)][-1]
+    """Return the newest run that asked for effects of a place: not all runs draw from all."""
+    asked = [run for run, score in every.items() if where in judged(score)]
+    return [run for run in asked if _goals(every[run], "ours", where)["right group"]["of"]][-1]
 
 
 def _answered(every: Mapping[str, Score], run: str) -> str:
@@ -104,21 +107,20 @@ def _run(score: Score, where: str) -> str:
 
 def _over_runs(every: Mapping[str, Score], where: str) -> str:
     goals = {run: _goals(score, "ours", where) for run, score in every.items() if where in judged(score)}
-    newest = list(goals.values())[-1]
     rows = [[where, "goal", *(f"run {run}" for run in goals)]]
-    for name, goal in newest.items():
-        if goal["of"]:
+    for name, goal in list(goals.values())[-1].items():
+        if any(run[name]["of"] for run in goals.values()):
             rows.append([name, _wanted(goal), *(_value(run[name]) + _star(run[name]) for run in goals.values())])
     return _table(rows)
 
 
 def _summaries(every: Mapping[str, Score]) -> str:
-    """The newest runs: ours with intervals beside baselines, the fast room and other physics, then houses as built."""
-    *drawn, built = zip(WHERE, _names(), strict=True)
-    run, of_built = newest(every, WHERE[0]), newest(every, BUILT)
-    beside = tuple(name for name in BASELINES if name in every[of_built]["diagnosers"])
-    tables = _summary(every[run], drawn, ("rules", "random")), _summary(every[of_built], [built], beside)
-    return "\n".join(_answered(every, each) + table for each, table in zip((run, of_built), tables, strict=True))
+    """The newest run of each place: ours with intervals beside the baselines that were asked."""
+    told = []
+    for where, names in zip(WHERE, _names(), strict=True):
+        run = newest(every, where)
+        told.append(_answered(every, run) + _summary(every[run], where, names))
+    return "\n".join(told)
 
 
 def _names() -> Iterable[Sequence[str]]:
@@ -127,19 +129,16 @@ def _names() -> Iterable[Sequence[str]]:
     return fast, other, [name if not name.startswith("semi-real") else "" for name in other]
 
 
-def _summary(score: Score, places: Sequence[tuple[str, Sequence[str]]], beside: Sequence[str]) -> str:
-    heads = [head for where, _ in places for head in ("goal", where, *beside)]
-    rows = [["", *heads]]
-    for label, *names in zip((row[0] for row in SUMMARY), *(names for _, names in places), strict=True):
-        if any(names):
-            cells = (_summary_cells(score, where, name, beside) for (where, _), name in zip(places, names, strict=True))
-            rows.append([label, *(cell for each in cells for cell in each)])
+def _summary(score: Score, where: str, names: Sequence[str]) -> str:
+    beside = [name for name in BASELINES if name in score["diagnosers"]]
+    rows = [["", "goal", where, *beside]]
+    for (label, *_), name in zip(SUMMARY, names, strict=True):
+        if _goals(score, "ours", where).get(name, {}).get("of"):
+            rows.append([label, *_summary_cells(score, where, name, beside)])
     return _table(rows)
 
 
 def _summary_cells(score: Score, where: str, name: str, beside: Sequence[str]) -> list[str]:
-    if not name:
-        return ["", *["-"] * (1 + len(beside))]
     goal = _goals(score, "ours", where)[name]
     wanted = "" if goal["wanted"] is None else f"{'≤ ' if goal['at_most'] else ''}{goal['wanted']:.2f}"
     others = [_value(_goals(score, other, where)[name]) for other in beside]
