@@ -134,8 +134,8 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     """Return what speaks for each: a single effect of a chain outdoes another only so far as cycles tell them apart.
 
     One that leaves nothing amiss is outdone by little. A finer name must be earned: real motors have no form of the
-    library exactly. No effect is raised above what speaks for it against nothing alone; where one
-    leaves no doubt that something is there, more certainty tells nothing between two that take most of it away.
+    library exactly. No effect is raised above what speaks for it against nothing alone; but where one
+    leaves no doubt that something is there, more certainty tells nothing of another that leaves nothing amiss.
     """
     singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and not each.is_of_room]
     if not singles:
@@ -144,8 +144,8 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     told = list(gains)
     for place in singles:
         each = found[place]
-        are_peers = _is_peer(each) and _is_peer(found[best])
-        nothing = max(gains[0], gains[best] - WEIGHTS.beyond_doubt) if are_peers else gains[0]
+        explains_all = _is_peer(each) and each.misfit <= WEIGHTS.open
+        nothing = max(gains[0], gains[best] - WEIGHTS.beyond_doubt) if explains_all else gains[0]
         alone = nothing + min(each.most, WEIGHTS.sure * each.stands**2)
         told[place] = max(gains[place], min(gains[best] - _outdone(each, found[best]), alone))
     return told
