@@ -56,7 +56,11 @@ TABLE: Mapping[str, tuple[str, Sequence[Values]]] = {
     "min-pulse": ("P_MC", [{"min_pulse_s": v} for v in (360.0, 600.0, 1200.0)]),
     "wax-motor": (
         "O_VC",
-        [_times(30.0, 40.0, 30.0, 40.0), _times(150.0, 146.0, 110.0, 123.0), _times(400.0, 300.0, 300.0, 300.0)],
+        [
+            {**_times(30.0, 40.0, 30.0, 40.0), "past": 0.1},
+            {**_times(232.0, 163.0, 140.0, 123.0), "past": 1.0},
+            {**_times(400.0, 300.0, 300.0, 300.0), "past": 0.5},
+        ],
     ),
     "constant-times": (
         "O_WM",

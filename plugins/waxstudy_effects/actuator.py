@@ -99,7 +99,7 @@ class WaxMotor(Effect):
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
         same = [{**steady_times(product), "past": 0.0} for product in PRODUCTS]
-        return [*same, *({**longest_times(product), "past": 1.0} for product in PRODUCTS)]
+        return [*same, {**longest_times("B"), "past": 1.0}]
 
 
 def longest_times(product: str) -> dict[str, float]:
