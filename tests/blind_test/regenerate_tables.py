@@ -16,7 +16,7 @@ BUILT = "as built, with a baseline"
 WHERE = ("fast room", "other physics", BUILT)
 BASELINES = ("refit", "rules", "forward", "random", "ours-without-baselines")
 FEW = 10
-# name in the summary; name of the goal of the fast room; of other physics, as drawn and as built
+# name in the summary; name of the goal of the fast room; of other physics and houses as built
 SUMMARY = (
     ("right group", "right group", "right group"),
     ("… of those beyond what is unknown of the room", "right group, beyond what is unknown of the room", ""),
@@ -74,8 +74,7 @@ def pages() -> dict[Path, str]:
 
 def newest(every: Mapping[str, Score], where: str) -> str:
     """Return the newest run that asked for effects of a place: not all runs draw from all."""
-    asked = [run for run, score in every.items() if where in judged(score)]
-    return [run for run in asked if _goals(every[run], "ours", where)["right group"]["of"]][-1]
+    return [run for run, score in every.items() if _goals(score, "ours", where).get("right group", {}).get("of")][-1]
 
 
 def _answered(every: Mapping[str, Score], run: str) -> str:
@@ -117,22 +116,17 @@ def _over_runs(every: Mapping[str, Score], where: str) -> str:
 def _summaries(every: Mapping[str, Score]) -> str:
     """The newest run of each place: ours with intervals beside the baselines that were asked."""
     told = []
-    for where, names in zip(WHERE, _names(), strict=True):
+    for where in WHERE:
         run = newest(every, where)
-        told.append(_answered(every, run) + _summary(every[run], where, names))
+        told.append(_answered(every, run) + _summary(every[run], where))
     return "\n".join(told)
 
 
-def _names() -> Iterable[Sequence[str]]:
-    """Names of the goals in the order of the summary, for each place."""
-    fast, other = ([row[column] for row in SUMMARY] for column in (1, 2))
-    return fast, other, [name if not name.startswith("semi-real") else "" for name in other]
-
-
-def _summary(score: Score, where: str, names: Sequence[str]) -> str:
+def _summary(score: Score, where: str) -> str:
     beside = [name for name in BASELINES if name in score["diagnosers"]]
     rows = [["", "goal", where, *beside]]
-    for (label, *_), name in zip(SUMMARY, names, strict=True):
+    for label, of_fast_room, of_others in SUMMARY:
+        name = of_fast_room if where == WHERE[0] else of_others
         if _goals(score, "ours", where).get(name, {}).get("of"):
             rows.append([label, *_summary_cells(score, where, name, beside)])
     return _table(rows)

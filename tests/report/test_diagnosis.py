@@ -264,6 +264,9 @@ def test_a_quick_look_says_so_before_anything_else_and_where_the_cause_is_told()
     assert "compared" not in page_text(page_of(EFFECT))
     cause = as_html(quick).partition('<section id="cause">')[2].partition("</section>")[0]
     assert "Not all alternatives were compared" in cause
+    nothing_judged = replace(UNTESTABLE, is_quick=True)
+    assert "quick look" not in dict(lines(nothing_judged))
+    assert "alternatives were compared" not in page_text(page_of(nothing_judged))
 
 
 def test_a_gap_without_a_cause_claims_none() -> None:

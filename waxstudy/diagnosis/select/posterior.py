@@ -134,8 +134,8 @@ def _with_peers(found: Sequence[Weighed], gains: Sequence[float]) -> list[float]
     """Return what speaks for each: a single effect of a chain outdoes another only so far as cycles tell them apart.
 
     One that leaves nothing amiss is outdone by little. A finer name must be earned: real motors have no form of the
-    library exactly. No effect is raised above what speaks for it against nothing alone; but where one
-    leaves no doubt that something is there, more certainty tells nothing of another that leaves nothing amiss.
+    library exactly. No effect is raised above what speaks for it against the hypothesis of no change. That hypothesis
+    counts as at most `beyond_doubt` behind the best effect, for an effect that leaves nothing amiss.
     """
     singles = [place for place, each in enumerate(found) if len(each.fitted.effects) == 1 and not each.is_of_room]
     if not singles:

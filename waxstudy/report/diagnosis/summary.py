@@ -68,7 +68,7 @@ def lines(diagnosis: Diagnosis) -> list[Line]:
 
 
 def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
-    yield "quick look", [QUICK] if diagnosis.is_quick and diagnosis.verdict != "untestable" else []
+    yield "quick look", [looked] if (looked := quick_look(diagnosis)) else []
     yield "compared with", [_compared(diagnosis)] if diagnosis.compared_with else []
     yield "as calibrated", _few(clear_words(diagnosis.as_built), MOST_BUILT)
     yield "where", [*(_where(diagnosis, stage) for stage in main_stages(diagnosis)), *_others(diagnosis)]
@@ -82,6 +82,11 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "not tested", _not_tested(diagnosis)
     yield "measure next", _few([_next(each) for each in measurements(diagnosis)])
     yield "warnings", _few(list(diagnosis.warnings))
+
+
+def quick_look(diagnosis: Diagnosis) -> str:
+    """What a quick look leaves open, empty where nothing was judged."""
+    return QUICK if diagnosis.is_quick and diagnosis.verdict != "untestable" else ""
 
 
 def event_words(event: NeighbourEvent) -> str:
