@@ -24,8 +24,9 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.appraise import _of_form, _told
+from waxstudy.diagnosis.select.appraise import _of_form, _price
 from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred
+from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
@@ -257,9 +258,12 @@ def test_what_each_judged_cycle_is_missed_by_is_the_loss_of_its_samples() -> Non
         assert len(each.by_cycle) == len(set(missed.block[missed.judged])) < len(set(missed.block))
 
 
-@pytest.mark.parametrize(("from_h", "to_h", "told"), [(0.0, 24.0, 1), (22.0, 6.0, 3)])
-def test_hours_of_what_acts_always_are_no_parameters(from_h: float, to_h: float, told: int) -> None:
-    assert _told(EFFECTS["setpoint-offset"], {"offset_K": 0.3, "from_h": from_h, "to_h": to_h}) == told
+@pytest.mark.parametrize(("from_h", "to_h", "hours"), [(0.0, 24.0, 1), (22.0, 6.0, SPANS)])
+def test_hours_cost_as_many_as_are_tried_and_those_of_what_acts_always_nothing(
+    from_h: float, to_h: float, hours: int
+) -> None:
+    price = _price(EFFECTS["setpoint-offset"], {"offset_K": 0.3, "from_h": from_h, "to_h": to_h})
+    assert price == pytest.approx(WEIGHTS.price - np.log(WEIGHTS.prior) + np.log(hours))
 
 
 def test_what_a_first_effect_told_of_one_channel_is_no_excuse_in_another() -> None:

@@ -22,7 +22,7 @@ from waxstudy.diagnosis.estimate.parameter_space import (
     descend,
     valued,
 )
-from waxstudy.diagnosis.estimate.solver import LITTLE, MOST_SD, LeastSquares
+from waxstudy.diagnosis.estimate.solver import CLOSE_BY, LITTLE, MOST_SD, LeastSquares
 from waxstudy.diagnosis.estimate.start_points import IMPOSSIBLE, Screen, StartPoints
 from waxstudy.diagnosis.model.conventions import PLAIN, Convention
 from waxstudy.diagnosis.observations.partition import ALL, BOTH, FIT, SELECT, SHRINK
@@ -299,7 +299,7 @@ class Estimator(Generic[P]):
         """
         if not self.has_nuisances:
             return self.problem.at(effects, departures, convention)
-        problem = LeastSquares(self.problem, effects, convention, parts, is_bounded=self.keeps)
+        problem = LeastSquares(self.problem, effects, convention, parts, CLOSE_BY)
         little = CLOSE if self.keeps and known is not None and not effects else LITTLE
         if most is None:
             most = round(STEPS * self.thorough) if effects else STEPS  # all else is compared with what is believed

@@ -15,6 +15,7 @@ from waxstudy.plugin import FloatArray
 LITTLE = 5e-4  # share of the loss that is not worth another step
 ENOUGH = 0.05  # that is, with slopes from before
 MOST_DAMPING = 1e4
+WIDE, CLOSE_BY = 0.01, 0.001  # of a range: what switches is jagged; a room's hours are known to minutes
 MOST_SD = limit(Question.NUISANCE, "deviations")  # how far a departure may go
 
 
@@ -27,10 +28,8 @@ class LeastSquares:
         effects: Edits,
         convention: Convention,
         parts: Sequence[int],
-        reach: float = 0.01,  # share of a parameter's range over which its slope is taken
-        is_bounded: bool = False,  # whether a step is the best within the bounds, else it is cut at them
+        reach: float = WIDE,  # share of a parameter's range over which its slope is taken
     ) -> None:
-        self.is_bounded = is_bounded
         self.problem, self.effects, self.convention, self.parts, self.reach = problem, effects, convention, parts, reach
         self.spaces = [Space(effect) for effect, _ in effects]
         self.count = len(problem.sd)
@@ -100,20 +99,19 @@ class LeastSquares:
         return np.column_stack(columns) if columns else np.zeros((len(missed), 0))
 
     def step(self, slopes: FloatArray, missed: FloatArray, damping: float, x: FloatArray) -> FloatArray:
-        """Return a damped step, cut where it would leave the bounds."""
+        """Return the best damped step within the bounds."""
         normal = slopes.T @ slopes
         normal += damping * np.diag(np.diag(normal) + 1e-9)
+        low = np.concatenate((np.full(self.count, -MOST_SD), np.zeros(len(x) - self.count))) - x
+        high = np.concatenate((np.full(self.count, MOST_SD), np.ones(len(x) - self.count))) - x
         step = np.linalg.solve(normal, -slopes.T @ missed)
-        low = np.concatenate((np.full(self.count, -MOST_SD), np.zeros(len(x) - self.count)))
-        high = np.concatenate((np.full(self.count, MOST_SD), np.ones(len(x) - self.count)))
-        free = np.ones(len(x), dtype=bool)
-        while self.is_bounded and (out := free & ((x + step < low) | (x + step > high))).any():
-            # what would leave the bounds stays there, and the others go where they then are best
-            free &= ~out
-            step = np.clip(x + step, low, high) - x
-            rest = -slopes.T @ missed - normal[:, ~free] @ step[~free]
-            step[free] = np.linalg.solve(normal[np.ix_(free, free)], rest[free])
-        return np.clip(x + step, low, high) - x
+        if ((step < low) | (step > high)).any():
+            from scipy.optimize import lsq_linear
+
+            root = np.linalg.cholesky(normal).T
+            free = np.linalg.solve(root.T, -slopes.T @ missed)
+            step = lsq_linear(root, free, (low, high), method="bvls").x
+        return np.clip(step, low, high)
 
     @staticmethod
     def promised(slopes: FloatArray, missed: FloatArray, step: FloatArray) -> float:

@@ -17,6 +17,7 @@ from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.travel import travel
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.evidence import departure, travel_left
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import Pattern
@@ -64,13 +65,12 @@ class Appraisal:
 
     def of(self, fitted: Hypothesis, given: Hypothesis | None = None, pattern: Pattern | None = None) -> Weighed:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
-        parameters = sum(_told(effect, values) for effect, values in fitted.effects)
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
         nothing = self._nothing(fitted)
         gain = 0.5 * (self._loss(nothing) - self._loss(fitted)) - ease
         always, moved = self._always(fitted)
         spread, most = self._spread(fitted)
-        price = WEIGHTS.price * parameters - float(np.log(WEIGHTS.prior)) * len(fitted.effects)
+        price = sum(_price(effect, values) for effect, values in fitted.effects)
         names = tuple(sorted(self._notable(fitted, pattern)))
         return Weighed(
             fitted,
@@ -279,10 +279,11 @@ class Appraisal:
         return max(0.0, float(np.log(max(left / usual, 1.0)) / scatter))
 
 
-def _told(effect: EffectType, values: Values) -> int:
-    """Return how many parameters of an effect say anything: of what acts always its hours are none."""
+def _price(effect: EffectType, values: Values) -> float:
+    """Return what an effect costs: that it came, its parameters, and at which of all hours it acts, if not always."""
     acts_always = effect.hours(effect.Parameters(**values)) is None
-    return len(effect.priors.keys() - (HOURS if acts_always else ()))
+    hours = 0.0 if acts_always or HOURS[0] not in effect.priors else float(np.log(SPANS))
+    return WEIGHTS.price * len(effect.priors.keys() - set(HOURS)) - float(np.log(WEIGHTS.prior)) + hours
 
 
 def _of_form(left: Residual, change: FloatArray) -> FloatArray:
