@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.diagnosis.realities import EFFECTS, dataset, effects, planted, rows
+from tests.diagnosis.test_calibration import DAYS, of_room
+from waxstudy.diagnosis.diagnose import record_of
+from waxstudy.diagnosis.estimate.estimator import Estimator
+from waxstudy.diagnosis.estimate.parameter_space import Values
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
+from waxstudy.diagnosis.model.segments import segments
+from waxstudy.diagnosis.observations.partition import FIT
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import BINS, DAY_H, parts_of_day, promising
+from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.plugin import FloatArray
 
 SAMPLES, NUISANCES = 200, 3
+HOURS_OPEN = {"from_h": 4.6, "to_h": 6.7}
 edges = st.integers(0, BINS - 1)
 
 
@@ -58,6 +70,35 @@ def test_spans_worth_a_closer_look_are_not_all_the_same_one() -> None:
     assert len(found) == 3
     assert all(not one.is_near(other) for one in found for other in found if one is not other)
     assert found[0].gain >= found[1].gain >= found[2].gain
+
+
+@cache
+def window_fits() -> dict[float, Values]:
+    """What is fitted of windows (flow [L/s] -> values) that open from 4:36 to 6:42 in a room known from a week."""
+    calibration, believed = of_room()
+    record = record_of(dataset(rows("REAL", DAYS, interval_s=300.0), "REAL"))
+    there = calibration.as_built.believed(believed)
+    segment = next(each for each in segments(record, there) if each.with_room and not each.is_supply)
+    found = {}
+    for flow_L_s in (1.5, 30.0):
+        seen = record
+        for _ in range(4):  # what flows depends on the air, which it cools
+            seen = planted(segment, seen, there, effects(window_opening={**HOURS_OPEN, "flow_L_s": flow_L_s}))
+        problem = SegmentProblem(segment, seen, there, as_built=calibration.as_built, parts=np.full(len(seen), FIT))
+        estimator = Estimator(problem, keeps=True)
+        window = EFFECTS["window-opening"]
+        (fitted,) = Superposed(estimator, estimator.base).fits([window], estimator.base, lambda name: None)
+        ((_, found[flow_L_s]),) = fitted.effects
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("flow_L_s", [1.5, 30.0])
+def test_a_window_is_found_to_minutes_however_far_the_air_falls(flow_L_s: float) -> None:
+    found = window_fits()[flow_L_s]
+    for name, true in HOURS_OPEN.items():
+        assert found[name] == pytest.approx(true, abs=0.1)
+    assert found["flow_L_s"] == pytest.approx(flow_L_s, rel=0.25)
 
 
 class Departing:

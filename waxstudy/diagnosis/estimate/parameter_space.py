@@ -19,6 +19,11 @@ Values = Mapping[str, float]
 EffectType = type[Effect]
 
 
+def has_hours(effect: EffectType) -> bool:
+    """Whether an effect acts between two hours of every day."""
+    return set(HOURS) <= effect.priors.keys()
+
+
 class Space:
     """The parameters of an effect as a unit cube."""
 

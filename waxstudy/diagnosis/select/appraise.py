@@ -11,7 +11,7 @@ from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
 from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import HOURS, Edits, EffectType, Values
+from waxstudy.diagnosis.estimate.parameter_space import HOURS, Edits, EffectType, Values, has_hours
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.travel import travel
@@ -280,9 +280,9 @@ class Appraisal:
 
 
 def _price(effect: EffectType, values: Values) -> float:
-    """Return what an effect costs: that it came, its parameters, and at which of all hours it acts, if not always."""
-    acts_always = effect.hours(effect.Parameters(**values)) is None
-    hours = 0.0 if acts_always or HOURS[0] not in effect.priors else float(np.log(SPANS))
+    """Return what an effect costs: that it came, its parameters, and its hours, unless it acts always."""
+    is_timed = has_hours(effect) and effect.hours(effect.Parameters(**values)) is not None
+    hours = float(np.log(SPANS)) if is_timed else 0.0
     return WEIGHTS.price * len(effect.priors.keys() - set(HOURS)) - float(np.log(WEIGHTS.prior)) + hours
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import HOURS, EffectType, Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import HOURS, EffectType, Space, Values, has_hours
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import DAY_H, TINY, parts_of_day, promising
@@ -56,13 +56,11 @@ class Looks:
         An hour that is a little off hides how long it acts.
         """
         before = self._free(missed)
-        if HOURS[0] in effect.priors:
+        if has_hours(effect):
             looks = [self._sharpened(effect, each, before) for each in self._timed(effect, before)]
-        else:
-            points = [*Space(effect).points(self.thorough), *effect.starts(self.problem.belief)]
-            looks = self._looks(effect, points, before)
-        best = sorted(looks, key=lambda each: -each.gain)
-        return best if HOURS[0] in effect.priors else best[:1]
+            return sorted(looks, key=lambda each: -each.gain)
+        points = [*Space(effect).points(self.thorough), *effect.starts(self.problem.belief)]
+        return sorted(self._looks(effect, points, before), key=lambda each: -each.gain)[:1]
 
     def step(self, missed: FloatArray, look: Look) -> FloatArray:
         """Return how far the nuisances would depart (nuisances,) with what was looked at."""
@@ -108,8 +106,9 @@ class Looks:
 
     def _settings(self, effect: EffectType) -> Iterator[Values]:
         """Yield values of an effect with hours but for these: as strong as it starts, all else from low to high."""
-        space, first = Space(effect), effect.starts(self.problem.belief)[0]
-        place = dict(zip(space.names, space.inside({**dict.fromkeys(HOURS, 0.0), **first}), strict=True))
+        space, starts = Space(effect), effect.starts(self.problem.belief)
+        first = space.inside(starts[0]) if starts else np.full(len(space.names), LEVELS[1])
+        place = dict(zip(space.names, first.tolist(), strict=True))
         others = sorted(set(space.names) - {*HOURS, *(effect.neutral(self.problem.belief) or {})})
         for levels in product(LEVELS, repeat=len(others)):
             there = {**place, **dict(zip(others, levels, strict=True))}

@@ -15,7 +15,6 @@ from waxstudy.plugin import Belief, FloatArray, Inputs, Parameters, Prior, clock
 
 DAY_H = 24.0
 HOUR = Prior(0.0, DAY_H, noticeable=0.5)
-LENGTHS_H = (2.0, 6.0, 12.0)
 
 
 def can_be_timed(effect: EffectType, belief: Belief) -> bool:
@@ -65,9 +64,7 @@ def timed(effect: EffectType) -> EffectType:
 
         @classmethod
         def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
-            first = effect.starts(belief)[0]
-            spans = [(float(hour), hours_h) for hour in range(24) for hours_h in LENGTHS_H]
-            return [{**first, "from_h": from_h, "to_h": (from_h + hours_h) % DAY_H} for from_h, hours_h in spans]
+            return [{**each, "from_h": 0.0, "to_h": 0.5 * DAY_H} for each in effect.starts(belief)]
 
     Timed.__name__ = name
     return Timed
