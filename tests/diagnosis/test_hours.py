@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import cache
 
 import numpy as np
@@ -13,17 +14,17 @@ from tests.diagnosis.realities import EFFECTS, dataset, effects, planted, rows
 from tests.diagnosis.test_calibration import DAYS, of_room
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
-from waxstudy.diagnosis.estimate.parameter_space import Values
+from waxstudy.diagnosis.estimate.parameter_space import Space, Values
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import BINS, DAY_H, parts_of_day, promising
 from waxstudy.diagnosis.select.superposed import Superposed
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import Belief, Effect, FloatArray
 
 SAMPLES, NUISANCES = 200, 3
-HOURS_OPEN = {"from_h": 4.6, "to_h": 6.7}
+TAKES, BOTH_WAYS = (0.0, 5.0), (-5.0, 5.0)  # strengths
 edges = st.integers(0, BINS - 1)
 
 
@@ -48,7 +49,7 @@ def test_the_parts_of_a_day_follow_each_other_round_the_clock() -> None:
 def test_the_hours_of_what_acted_are_the_most_promising_over_midnight_too(first: int, long: int, strong: float) -> None:
     changes, basis = a_day()
     acted = free(strong * changes[:, np.arange(first, first + long) % BINS].sum(axis=1), basis)
-    best = promising(-acted, changes, basis, False, 3)[0]
+    best = promising(-acted, changes, basis, TAKES, 3)[0]
     assert best.from_h == pytest.approx(first * DAY_H / BINS)
     assert best.to_h == pytest.approx((first + long) % BINS * DAY_H / BINS)
     assert best.gain == pytest.approx(0.5 * acted @ acted)  # all of it would go
@@ -57,48 +58,77 @@ def test_the_hours_of_what_acted_are_the_most_promising_over_midnight_too(first:
 def test_what_gives_heat_is_found_only_of_an_effect_that_may() -> None:
     changes, basis = a_day()
     gave = free(changes[:, 10:14].sum(axis=1), basis)
-    heater, window = (promising(gave, changes, basis, may, 1)[0] for may in (True, False))
+    heater, window = (promising(gave, changes, basis, may, 1)[0] for may in (BOTH_WAYS, TAKES))
     assert (heater.from_h, heater.to_h) == (5.0, 7.0)
     assert window.gain < 0.5 * heater.gain
+
+
+def test_no_effect_is_taken_to_be_stronger_than_it_can_be() -> None:
+    changes, basis = a_day()
+    acted = free(3.0 * changes[:, 10:12].sum(axis=1), basis)
+    able, weak = (promising(-acted, changes, basis, (0.0, most), 1)[0] for most in (5.0, 1.0))
+    assert (able.from_h, able.to_h) == (5.0, 6.0)
+    assert weak.gain < able.gain
 
 
 def test_spans_worth_a_closer_look_are_not_all_the_same_one() -> None:
     changes, basis = a_day()
     changes = np.cumsum(changes, axis=1)  # neighbours do much the same
     acted = free(changes[:, 20:30].sum(axis=1), basis)
-    found = promising(-acted, changes, basis, False, 3)
+    found = promising(-acted, changes, basis, TAKES, 3)
     assert len(found) == 3
     assert all(not one.is_near(other) for one in found for other in found if one is not other)
     assert found[0].gain >= found[1].gain >= found[2].gain
 
 
+class Ventilation(EFFECTS["window-opening"]):  # type: ignore[misc]
+    """An effect of somebody else's, with hours, no starts, and every parameter neutral."""
+
+    name = "ventilation"
+
+    @classmethod
+    def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
+        return {"flow_L_s": 0.0, "from_h": 7.0, "to_h": 8.0}
+
+    @classmethod
+    def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
+        return ()
+
+
 @cache
-def window_fits() -> dict[float, Values]:
-    """What is fitted of windows (flow [L/s] -> values) that open from 4:36 to 6:42 in a room known from a week."""
+def window_fit(effect: type[Effect], flow_L_s: float, from_h: float, to_h: float) -> Values:
+    """What is fitted of a window in a room that is known from a week."""
     calibration, believed = of_room()
     record = record_of(dataset(rows("REAL", DAYS, interval_s=300.0), "REAL"))
     there = calibration.as_built.believed(believed)
     segment = next(each for each in segments(record, there) if each.with_room and not each.is_supply)
-    found = {}
-    for flow_L_s in (1.5, 30.0):
-        seen = record
-        for _ in range(4):  # what flows depends on the air, which it cools
-            seen = planted(segment, seen, there, effects(window_opening={**HOURS_OPEN, "flow_L_s": flow_L_s}))
-        problem = SegmentProblem(segment, seen, there, as_built=calibration.as_built, parts=np.full(len(seen), FIT))
-        estimator = Estimator(problem, keeps=True)
-        window = EFFECTS["window-opening"]
-        (fitted,) = Superposed(estimator, estimator.base).fits([window], estimator.base, lambda name: None)
-        ((_, found[flow_L_s]),) = fitted.effects
-    return found
+    for _ in range(4):  # what flows depends on the air, which it cools
+        window = effects(window_opening={"flow_L_s": flow_L_s, "from_h": from_h, "to_h": to_h})
+        record = planted(segment, record, there, window)
+    problem = SegmentProblem(segment, record, there, as_built=calibration.as_built, parts=np.full(len(record), FIT))
+    estimator = Estimator(problem, keeps=True)
+    (fitted,) = Superposed(estimator, estimator.base).fits([effect], estimator.base, lambda name: None)
+    ((_, values),) = fitted.effects
+    return values
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("flow_L_s", [1.5, 30.0])
-def test_a_window_is_found_to_minutes_however_far_the_air_falls(flow_L_s: float) -> None:
-    found = window_fits()[flow_L_s]
-    for name, true in HOURS_OPEN.items():
-        assert found[name] == pytest.approx(true, abs=0.1)
+@pytest.mark.parametrize("effect", [EFFECTS["window-opening"], Ventilation])
+@pytest.mark.parametrize(("flow_L_s", "from_h", "to_h"), [(1.5, 4.6, 6.7), (60.0, 4.6, 6.7), (30.0, 22.2, 23.97)])
+def test_a_window_is_found_to_minutes_however_far_the_air_falls(
+    effect: type[Effect], flow_L_s: float, from_h: float, to_h: float
+) -> None:
+    found = window_fit(effect, flow_L_s, from_h, to_h)
+    for name, true in (("from_h", from_h), ("to_h", to_h)):
+        assert abs((found[name] - true + 12.0) % 24.0 - 12.0) < 0.1
     assert found["flow_L_s"] == pytest.approx(flow_L_s, rel=0.25)
+
+
+@given(st.floats(-1.0, 2.0))
+def test_hours_go_on_round_the_clock_and_midnight_may_be_either_end(at: float) -> None:
+    space = Space(EFFECTS["window-opening"])
+    hour = space.values(np.array([0.5, at, 0.5]))["from_h"]
+    assert hour == pytest.approx(24.0 * at if 0.0 <= at <= 1.0 else 24.0 * at % 24.0)
 
 
 class Departing:

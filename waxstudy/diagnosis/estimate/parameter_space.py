@@ -29,8 +29,11 @@ class Space:
 
     def __init__(self, effect: EffectType) -> None:
         self.names, self.priors = list(effect.priors), list(effect.priors.values())
+        self.wraps = np.array([has_hours(effect) and name in HOURS for name in self.names], dtype=bool)
 
     def values(self, x: FloatArray) -> Values:
+        """Return the values at a place; hours go on round the clock."""
+        x = np.where(self.wraps & ((x < 0.0) | (x > 1.0)), x % 1.0, x)
         return {name: _value(prior, float(at)) for name, prior, at in zip(self.names, self.priors, x, strict=True)}
 
     def inside(self, values: Values) -> FloatArray:

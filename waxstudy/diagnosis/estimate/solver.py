@@ -33,6 +33,9 @@ class LeastSquares:
         self.problem, self.effects, self.convention, self.parts, self.reach = problem, effects, convention, parts, reach
         self.spaces = [Space(effect) for effect, _ in effects]
         self.count = len(problem.sd)
+        round_the_clock = np.concatenate([np.zeros(0), *(space.wraps for space in self.spaces)])  # by a day at most
+        self.low = np.concatenate((np.full(self.count, -MOST_SD), -round_the_clock))
+        self.high = np.concatenate((np.full(self.count, MOST_SD), 1.0 + round_the_clock))
 
     def vector(self, departures: FloatArray) -> FloatArray:
         inside = [space.inside(values) for space, (_, values) in zip(self.spaces, self.effects, strict=True)]
@@ -102,15 +105,13 @@ class LeastSquares:
         """Return the best damped step within the bounds."""
         normal = slopes.T @ slopes
         normal += damping * np.diag(np.diag(normal) + 1e-9)
-        low = np.concatenate((np.full(self.count, -MOST_SD), np.zeros(len(x) - self.count))) - x
-        high = np.concatenate((np.full(self.count, MOST_SD), np.ones(len(x) - self.count))) - x
         step = np.linalg.solve(normal, -slopes.T @ missed)
+        low, high = self.low - x, self.high - x
         if ((step < low) | (step > high)).any():
             from scipy.optimize import lsq_linear
 
             root = np.linalg.cholesky(normal).T
-            free = np.linalg.solve(root.T, -slopes.T @ missed)
-            step = lsq_linear(root, free, (low, high), method="bvls").x
+            step = lsq_linear(root, root @ step, (low, high), method="bvls").x
         return np.clip(step, low, high)
 
     @staticmethod

@@ -281,9 +281,11 @@ class Appraisal:
 
 def _price(effect: EffectType, values: Values) -> float:
     """Return what an effect costs: that it came, its parameters, and its hours, unless it acts always."""
-    is_timed = has_hours(effect) and effect.hours(effect.Parameters(**values)) is not None
-    hours = float(np.log(SPANS)) if is_timed else 0.0
-    return WEIGHTS.price * len(effect.priors.keys() - set(HOURS)) - float(np.log(WEIGHTS.prior)) + hours
+    came = -float(np.log(WEIGHTS.prior))
+    if not has_hours(effect):
+        return came + WEIGHTS.price * len(effect.priors)
+    acts_always = effect.hours(effect.Parameters(**values)) is None
+    return came + WEIGHTS.price * (len(effect.priors) - len(HOURS)) + (0.0 if acts_always else float(np.log(SPANS)))
 
 
 def _of_form(left: Residual, change: FloatArray) -> FloatArray:

@@ -1,4 +1,7 @@
-"""Between which hours of the day an effect of a room promises most: a room is linear in heat, so that hours add up."""
+"""Finds the hours of the day between which an effect of a room promises most.
+
+A room is linear in heat, so that what an effect does in the parts of a day adds up.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from waxstudy.plugin import FloatArray
+from waxstudy.plugin.hours import DAY_H
 
-BINS = 48  # of a day
-SPANS = BINS * (BINS - 1)  # from one of them to another
-DAY_H = 24.0
-APART_H = 1.0  # between the hours of two spans that are both worth a closer look
+BINS = 48  # parts of a day: a start a quarter of an hour off is still near enough for a closer look
+SPANS = BINS * (BINS - 1)  # from the start of one of them to that of another: as many are tried, and paid for
+APART_H = 1.0  # between the hours of two spans; nearer ones end at the same place
 TINY = 1e-12
 
 
@@ -34,11 +37,13 @@ def parts_of_day() -> list[tuple[float, float]]:
     return [(start, end % DAY_H) for start, end in pairwise(edges)]
 
 
-def promising(before: FloatArray, changes: FloatArray, basis: FloatArray, both_ways: bool, most: int) -> list[Span]:
+def promising(
+    before: FloatArray, changes: FloatArray, basis: FloatArray, strengths: tuple[float, float], most: int
+) -> list[Span]:
     """Return the best few spans of hours, the best first, that lie apart.
 
-    `before` (m,) is missed and free of the basis (m, k), which nuisances take; `changes` (m, BINS) are what an effect
-    does that acts in one part of the day. One that does not act `both_ways` only ever takes as much as it gives.
+    `before` (m,) is what is missed, free of the basis (m, k) that nuisances take. `changes` (m, BINS) are what the
+    effect does in each part of the day. It may act at any strength between two, as a factor on its changes.
     """
     taken = basis.T @ changes
     power = _sums(changes.T @ changes - taken.T @ taken)
@@ -46,16 +51,25 @@ def promising(before: FloatArray, changes: FloatArray, basis: FloatArray, both_w
     first = np.repeat(np.arange(BINS), BINS - 1)
     end = first + np.tile(np.arange(1, BINS), BINS)
     pull = along[end] - along[first]
-    square = power[end, end] - power[first, end] - power[end, first] + power[first, first]
-    gains = np.where(both_ways | (pull < 0.0), 0.5 * pull**2 / np.maximum(square, TINY), 0.0)
+    square = np.maximum(power[end, end] - power[first, end] - power[end, first] + power[first, first], TINY)
+    strength = np.clip(-pull / square, *strengths)
+    gains = -strength * pull - 0.5 * strength**2 * square
+    spans = [
+        Span(float(one) * DAY_H / BINS, float(other) * DAY_H / BINS % DAY_H, float(gain))
+        for one, other, gain in zip(first, end, gains, strict=True)
+        if gain > 0.0
+    ]
+    return apart(spans, most)
+
+
+def apart(spans: list[Span], most: int) -> list[Span]:
+    """Return the best few of these spans, the best first, that lie apart."""
     chosen: list[Span] = []
-    for place in np.argsort(-gains, kind="stable"):
-        from_h, to_h = (float(edge[place]) * DAY_H / BINS % DAY_H for edge in (first, end))
-        span = Span(from_h, to_h, float(gains[place]))
-        if not any(span.is_near(other) for other in chosen):
-            chosen.append(span)
+    for span in sorted(spans, key=lambda each: -each.gain):
         if len(chosen) == most:
             break
+        if not any(span.is_near(other) for other in chosen):
+            chosen.append(span)
     return chosen
 
 

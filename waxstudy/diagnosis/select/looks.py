@@ -13,13 +13,14 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import HOURS, EffectType, Space, Values, has_hours
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.day import DAY_H, TINY, parts_of_day, promising
+from waxstudy.diagnosis.select.day import TINY, Span, apart, parts_of_day, promising
 from waxstudy.plugin import FloatArray
+from waxstudy.plugin.hours import DAY_H
 
-STRONGEST = 4.0  # times a point that was looked at
-SEVERAL = 3  # hours of the day that are looked at closer
-LONGEST_STEP_H, LEAST_STEP_H = 0.25, 0.06  # by which they are
-LEVELS = (0.0, 0.5, 1.0)  # of what is neither strength nor hour of an effect with hours, within its range
+STRONGEST = 4.0  # times a point that was looked at: a straight line holds no further
+SEVERAL = 3  # spans of hours that are looked at closer, and fitted: the best one by half-hours need not be the best
+FIRST_STEP_H, LAST_STEP_H = 0.25, 0.0625  # of the closer look: half a part of the day, down to four minutes
+LEVELS, MIDDLE = (0.0, 0.5, 1.0), (0.5,)  # within its range, of what is neither strength nor hour; in a quick look
 
 
 class Look(NamedTuple):
@@ -32,35 +33,37 @@ class Look(NamedTuple):
 
 
 class Looks:
-    """Looks at effects beside a room as it was calibrated, in which nothing departs.
+    """Looks at effects beside a room as it was calibrated.
 
-    There it answers in a straight line. A room that was led far, to explain an effect without it, does not.
+    There its answer is linear; it is not where departures are large, as where they took the place of an effect.
     """
 
     def __init__(self, estimator: Estimator[SegmentProblem], convention: Convention) -> None:
-        self.problem, self.thorough = estimator.problem, estimator.thorough
+        self.problem, self.thorough, self.is_quick = estimator.problem, estimator.thorough, estimator.is_quick
         sd = self.problem.sd
         self.still = self.problem.at((), np.zeros(len(sd)), convention) or estimator.base
         slopes = np.vstack((estimator.slopes_at(self.still), self.problem.prior / sd))
         self.basis, self.triangle = np.linalg.qr(slopes)
-        self._changes: dict[tuple[object, ...], FloatArray | None] = {}
-        self._parts: dict[tuple[object, ...], FloatArray | None] = {}
+        self._seen = self.problem.record.memory(arrays=4)
+        self._in_parts: dict[tuple[object, ...], FloatArray | None] = {}
 
     def missed(self, given: Hypothesis) -> FloatArray:
         """Return what a hypothesis misses, and how far it pulls (m + nuisances,)."""
         return np.concatenate((given.whitened, self.problem.prior @ (given.departures / self.problem.sd)))
 
     def best(self, effect: EffectType, missed: FloatArray) -> list[Look]:
-        """Return the best look at an effect beside what is missed; of one with hours several, the best first.
-
-        An hour that is a little off hides how long it acts.
-        """
+        """Return the best look at an effect beside what is missed; of one with hours several, the best first."""
         before = self._free(missed)
-        if has_hours(effect):
+        if is_timed(effect):
             looks = [self._sharpened(effect, each, before) for each in self._timed(effect, before)]
             return sorted(looks, key=lambda each: -each.gain)
         points = [*Space(effect).points(self.thorough), *effect.starts(self.problem.belief)]
         return sorted(self._looks(effect, points, before), key=lambda each: -each.gain)[:1]
+
+    def values(self, effect: EffectType, look: Look) -> Values:
+        """Return the parameters of an effect at the strength of a look."""
+        still = self._still(effect)
+        return Space(effect).scaled(look.values, still, look.strength) if still else look.values
 
     def step(self, missed: FloatArray, look: Look) -> FloatArray:
         """Return how far the nuisances would depart (nuisances,) with what was looked at."""
@@ -76,57 +79,64 @@ class Looks:
             return None
         way = self._free(change)
         along, power = float(before @ way), max(float(way @ way), TINY)
-        least, most = self._strengths(effect)
-        strength = float(np.clip(-along / power, least, most))
+        strength = float(np.clip(-along / power, *self._strengths(effect, values)))
         return Look(values, change, strength, -strength * along - 0.5 * strength**2 * power)
 
-    def _strengths(self, effect: EffectType) -> tuple[float, float]:
-        """Return between which strengths, times that of a point, an effect may act."""
-        if not effect.neutral(self.problem.belief):
-            return 1.0, 1.0
-        return -STRONGEST if self._is_signed(effect) else 0.0, STRONGEST
-
-    def _is_signed(self, effect: EffectType) -> bool:
-        """Whether an effect with hours may give heat as well as take it."""
+    def _still(self, effect: EffectType) -> Values:
+        """Return the parameters that make an effect nothing; it is nothing at any hours."""
         still = effect.neutral(self.problem.belief) or {}
-        return HOURS[0] in effect.priors and all(
-            effect.priors[n].low < v < effect.priors[n].high for n, v in still.items()
-        )
+        return {name: value for name, value in still.items() if name not in HOURS or not has_hours(effect)}
+
+    def _strengths(self, effect: EffectType, values: Values) -> tuple[float, float]:
+        """Return between which strengths an effect may act, as a factor on its distance from nothing at some values.
+
+        An effect with hours is linear in heat, and may be as strong as its parameters can be.
+        """
+        still = self._still(effect)
+        if not still:
+            return 1.0, 1.0
+        if not is_timed(effect):
+            return 0.0, STRONGEST
+        space = Space(effect)
+        there, nothing = space.inside(values), space.inside({**values, **still})
+        pairs = [(at, zero) for at, zero in zip(there.tolist(), nothing.tolist(), strict=True) if at != zero]
+        ends = [sorted((-zero / (at - zero), (1.0 - zero) / (at - zero))) for at, zero in pairs]
+        return max((low for low, _ in ends), default=0.0), min((high for _, high in ends), default=0.0)
 
     def _timed(self, effect: EffectType, before: FloatArray) -> list[Look]:
         """Return looks at the hours of the day between which an effect promises most."""
-        spans = [
-            (span, settings)
-            for settings in self._settings(effect)
-            if (parts := self._in_parts(effect, settings)) is not None
-            for span in promising(before, parts, self.basis, self._is_signed(effect), SEVERAL)
-        ]
-        best = sorted(spans, key=lambda pair: -pair[0].gain)[:SEVERAL]
-        return self._looks(effect, [{**settings, **_hours(span[:2])} for span, settings in best], before)
+        found: dict[Span, Values] = {}
+        for settings in self._settings(effect):
+            parts = self._by_part(effect, settings)
+            if parts is not None:
+                strengths = self._strengths(effect, settings)
+                found |= dict.fromkeys(promising(before, parts, self.basis, strengths, SEVERAL), settings)
+        best = apart(list(found), SEVERAL)
+        return self._looks(effect, [{**found[span], **_hours(span[:2])} for span in best], before)
 
     def _settings(self, effect: EffectType) -> Iterator[Values]:
-        """Yield values of an effect with hours but for these: as strong as it starts, all else from low to high."""
+        """Yield settings: as strong as an effect starts, every other parameter at each level; hours are set later."""
         space, starts = Space(effect), effect.starts(self.problem.belief)
-        first = space.inside(starts[0]) if starts else np.full(len(space.names), LEVELS[1])
+        first = space.inside(starts[0]) if starts else np.ones(len(space.names))
         place = dict(zip(space.names, first.tolist(), strict=True))
-        others = sorted(set(space.names) - {*HOURS, *(effect.neutral(self.problem.belief) or {})})
-        for levels in product(LEVELS, repeat=len(others)):
+        others = sorted(set(space.names) - {*HOURS, *self._still(effect)})
+        for levels in product(MIDDLE if self.is_quick else LEVELS, repeat=len(others)):
             there = {**place, **dict(zip(others, levels, strict=True))}
             yield space.values(np.array([there[name] for name in space.names]))
 
-    def _in_parts(self, effect: EffectType, settings: Values) -> FloatArray | None:
+    def _by_part(self, effect: EffectType, settings: Values) -> FloatArray | None:
         """Return what an effect changes that acts in one part of the day (m + nuisances, parts)."""
         key = effect, *sorted(settings.items())
-        if key not in self._parts:
-            changes = [self._changed(effect, {**settings, **_hours(each)}) for each in parts_of_day()]
+        if key not in self._in_parts:
+            changes = [self._change(effect, {**settings, **_hours(each)}) for each in parts_of_day()]
             found = [each for each in changes if each is not None]
-            self._parts[key] = np.column_stack(found) if len(found) == len(changes) else None
-        return self._parts[key]
+            self._in_parts[key] = np.column_stack(found) if len(found) == len(changes) else None
+        return self._in_parts[key]
 
     def _sharpened(self, effect: EffectType, look: Look, before: FloatArray) -> Look:
         """Return a look at the hours near those of another one at which the effect promises most."""
-        step_h = LONGEST_STEP_H
-        while step_h >= LEAST_STEP_H:
+        step_h = FIRST_STEP_H
+        while step_h >= LAST_STEP_H:
             near = [
                 {**look.values, **{name: (look.values[name] + way * step_h) % DAY_H for name in names}}
                 for names in (*((each,) for each in HOURS), HOURS)
@@ -140,22 +150,23 @@ class Looks:
         return look
 
     def _change(self, effect: EffectType, values: Values) -> FloatArray | None:
-        """Return the same as `_changed`, of what was looked at before as well."""
-        key = effect, *sorted(values.items())
-        if key not in self._changes:
-            self._changes[key] = self._changed(effect, values)
-        return self._changes[key]
-
-    def _changed(self, effect: EffectType, values: Values) -> FloatArray | None:
         """Return how what is missed changes with an effect (m + nuisances,), None where it cannot be."""
-        look = self.problem.at(((effect, values),), self.still.departures, self.still.convention)
-        if look is None:
-            return None
-        return np.concatenate((look.whitened - self.still.whitened, np.zeros(len(self.problem.sd))))
+
+        def made() -> FloatArray | None:
+            look = self.problem.at(((effect, values),), self.still.departures, self.still.convention)
+            nothing = np.zeros(len(self.problem.sd))
+            return np.concatenate((look.whitened - self.still.whitened, nothing)) if look else None
+
+        return self._seen.get((effect, *sorted(values.items())), made)
 
     def _free(self, missed: FloatArray) -> FloatArray:
         """Return what the nuisances cannot take of what is missed."""
         return np.asarray(missed - self.basis @ (self.basis.T @ missed))
+
+
+def is_timed(effect: EffectType) -> bool:
+    """Whether hours of an effect add up: it gives a room heat between them. Setpoints of some hours do not."""
+    return has_hours(effect) and effect.stage == "room"
 
 
 def _hours(hours: Sequence[float]) -> Values:

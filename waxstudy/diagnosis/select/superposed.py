@@ -8,7 +8,7 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType
 from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
@@ -71,10 +71,9 @@ class Superposed:
         """Return the best values and departures to start from, with the log likelihood gained where all is straight."""
         given = given if given.effects else self.looks.still
         missed, most = self.looks.missed(given), MOST_SD * self.problem.sd
-        neutral = effect.neutral(self.problem.belief)
         found: list[tuple[tuple[Edits, FloatArray], float]] = []
         for look in self.looks.best(effect, missed):
-            values = Space(effect).scaled(look.values, neutral, look.strength) if neutral else look.values
+            values = self.looks.values(effect, look)
             departures = np.clip(given.departures + self.looks.step(missed, look), -most, most)
             found.append((((*given.effects, (effect, values)), departures), look.gain))
         return found

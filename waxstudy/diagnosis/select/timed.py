@@ -12,8 +12,8 @@ from pydantic import create_model
 
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.plugin import Belief, FloatArray, Inputs, Parameters, Prior, clock, open_share, parameter
+from waxstudy.plugin.hours import DAY_H
 
-DAY_H = 24.0
 HOUR = Prior(0.0, DAY_H, noticeable=0.5)
 
 
