@@ -20,6 +20,7 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import BINS, DAY_H, parts_of_day, promising
+from waxstudy.diagnosis.select.looks import acts_all_day
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.plugin import Belief, Effect, FloatArray
 
@@ -122,6 +123,15 @@ def test_a_window_is_found_to_minutes_however_far_the_air_falls(
     for name, true in (("from_h", from_h), ("to_h", to_h)):
         assert abs((found[name] - true + 12.0) % 24.0 - 12.0) < 0.1
     assert found["flow_L_s"] == pytest.approx(flow_L_s, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("from_h", "to_h", "is_all_day"), [(9.2, 9.1, True), (0.0, 23.9, True), (9.0, 8.0, False), (7.0, 8.0, False)]
+)
+def test_a_window_that_rests_for_minutes_is_open_all_day(from_h: float, to_h: float, is_all_day: bool) -> None:
+    values = {"flow_L_s": 1.0, "from_h": from_h, "to_h": to_h}
+    assert acts_all_day(EFFECTS["window-opening"], values) is is_all_day
+    assert not acts_all_day(EFFECTS["setpoint-offset"], values)
 
 
 @given(st.floats(-1.0, 2.0))

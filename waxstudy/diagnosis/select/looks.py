@@ -13,7 +13,7 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import HOURS, EffectType, Space, Values, has_hours
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.day import TINY, Span, apart, parts_of_day, promising
+from waxstudy.diagnosis.select.day import BINS, TINY, Span, apart, parts_of_day, promising
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.hours import DAY_H
 
@@ -167,6 +167,14 @@ class Looks:
 def is_timed(effect: EffectType) -> bool:
     """Whether hours of an effect add up: it gives a room heat between them. Setpoints of some hours do not."""
     return has_hours(effect) and effect.stage == "room"
+
+
+def acts_all_day(effect: EffectType, values: Values) -> bool:
+    """Whether an effect with hours rests for less than one part of the day."""
+    if not is_timed(effect):
+        return False
+    from_h, to_h = (values[name] for name in HOURS)
+    return (to_h - from_h) % DAY_H > DAY_H - DAY_H / BINS
 
 
 def _hours(hours: Sequence[float]) -> Values:

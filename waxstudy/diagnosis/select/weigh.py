@@ -10,11 +10,13 @@ import numpy as np
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values, has_hours
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import Appraisal
+from waxstudy.diagnosis.select.day import SPANS
+from waxstudy.diagnosis.select.looks import acts_all_day
 from waxstudy.diagnosis.select.patterns import Pattern, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.superposed import Superposed
@@ -54,7 +56,8 @@ class Weighing(Appraisal):
         if best and score(best[0]) > score(found[0]) and not self.estimator.is_quick:
             for each in self._open(best):
                 others = [effect for effect in self.effects if _may_be_beside(effect, each.fitted)]
-                found += [self.beside(each, pair) for pair in self._one_more(others, each.fitted, self.tick)]
+                pairs = list(self._one_more(others, each.fitted, self.tick))
+                found += [self.beside(each, pair) for pair in self._timely(pairs, each.fitted)]
         return found
 
     def _open(self, best: Sequence[Weighed]) -> list[Weighed]:
@@ -64,9 +67,22 @@ class Weighing(Appraisal):
     def _singles(self) -> list[Hypothesis]:
         """Return each effect by itself, fitted to the whole record."""
         self._one_more = Superposed(self.estimator, self.none).fits if len(self.problem.sd) else self._fits
-        singles = list(self._one_more(self.effects, self.none, self.tick))
+        singles = self._timely(list(self._one_more(self.effects, self.none, self.tick)), self.none)
         self._settle(singles)
         return singles
+
+    def _timely(self, fits: Sequence[Hypothesis], given: Hypothesis) -> list[Hypothesis]:
+        """Leave out what acts all day where an effect that always acts explains as much: it is the same air or heat.
+
+        As much is up to the price of hours, and to what the form of an effect may leave.
+        """
+        gains = [0.5 * (self._loss(given) - self._loss(each)) for each in fits]
+        always = max(
+            (gain for gain, each in zip(gains, fits, strict=True) if not has_hours(_last(each)[0])), default=0.0
+        )
+        least = [(1.0 - WEIGHTS.form**2) * gain - float(np.log(SPANS)) for gain in gains]
+        pairs = zip(fits, least, strict=True)
+        return [each for each, enough in pairs if not acts_all_day(*_last(each)) or always < enough]
 
     def _settle(self, singles: Sequence[Hypothesis]) -> None:
         """Look for a better fit of nothing where the best effects led the room: else they gain what it had left."""
@@ -119,6 +135,10 @@ class Weighing(Appraisal):
                 for (old, new), g in zip(pairs, courses, strict=True)
             ],
         )
+
+
+def _last(fitted: Hypothesis) -> tuple[EffectType, Values]:
+    return fitted.effects[-1]
 
 
 def _may_be_beside(effect: EffectType, given: Hypothesis) -> bool:
