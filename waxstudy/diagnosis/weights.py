@@ -25,6 +25,7 @@ class Weights:
 
     prior: float
     price: float
+    parts_of_day: float
     unknown_price: float
     form: float
     form_of_room: float

@@ -10,13 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from waxstudy.diagnosis.estimate.start_points import TINY
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.hours import DAY_H
 
-BINS = 48  # parts of a day: a start a quarter of an hour off is still near enough for a closer look
+BINS = round(WEIGHTS.parts_of_day)
 SPANS = BINS * (BINS - 1)  # from the start of one of them to that of another: as many are tried, and paid for
 APART_H = 1.0  # between the hours of two spans; nearer ones end at the same place
-TINY = 1e-12
 
 
 class Span(NamedTuple):

@@ -11,13 +11,13 @@ import numpy as np
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import HOURS, EffectType, Space, Values, has_hours
+from waxstudy.diagnosis.estimate.start_points import STRONGEST, TINY
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.day import BINS, TINY, Span, apart, parts_of_day, promising
+from waxstudy.diagnosis.select.day import BINS, Span, apart, parts_of_day, promising
 from waxstudy.plugin import FloatArray
 from waxstudy.plugin.hours import DAY_H
 
-STRONGEST = 4.0  # times a point that was looked at: a straight line holds no further
 SEVERAL = 3  # spans of hours that are looked at closer, and fitted: the best one by half-hours need not be the best
 FIRST_STEP_H, LAST_STEP_H = 0.25, 0.0625  # of the closer look: half a part of the day, down to four minutes
 LEVELS, MIDDLE = (0.0, 0.5, 1.0), (0.5,)  # within its range, of what is neither strength nor hour; in a quick look

@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values, has_hours
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, has_hours
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -77,12 +77,10 @@ class Weighing(Appraisal):
         As much is up to the price of hours, and to what the form of an effect may leave.
         """
         gains = [0.5 * (self._loss(given) - self._loss(each)) for each in fits]
-        always = max(
-            (gain for gain, each in zip(gains, fits, strict=True) if not has_hours(_last(each)[0])), default=0.0
-        )
-        least = [(1.0 - WEIGHTS.form**2) * gain - float(np.log(SPANS)) for gain in gains]
-        pairs = zip(fits, least, strict=True)
-        return [each for each, enough in pairs if not acts_all_day(*_last(each)) or always < enough]
+        pairs = list(zip(fits, gains, strict=True))
+        most = max((gain for each, gain in pairs if not has_hours(each.effects[-1][0])), default=0.0)
+        enough = (most + float(np.log(SPANS))) / (1.0 - WEIGHTS.form**2)
+        return [each for each, gain in pairs if not acts_all_day(*each.effects[-1]) or gain > enough]
 
     def _settle(self, singles: Sequence[Hypothesis]) -> None:
         """Look for a better fit of nothing where the best effects led the room: else they gain what it had left."""
@@ -135,10 +133,6 @@ class Weighing(Appraisal):
                 for (old, new), g in zip(pairs, courses, strict=True)
             ],
         )
-
-
-def _last(fitted: Hypothesis) -> tuple[EffectType, Values]:
-    return fitted.effects[-1]
 
 
 def _may_be_beside(effect: EffectType, given: Hypothesis) -> bool:
