@@ -187,7 +187,7 @@ class SetpointOffset(Effect):
 
     @classmethod
     def hours(cls, p: Any) -> tuple[float, float] | None:
-        return None if is_always(p) else (p.from_h, p.to_h)
+        return None if is_always(p) else super().hours(p)
 
     @classmethod
     def sentence(cls, p: Any) -> str:

@@ -130,10 +130,6 @@ class WindowOpening(Effect):
         return with_heat(belief, exchange_W_K * (inputs.outdoor_C - inputs.air_C))
 
     @classmethod
-    def hours(cls, p: Any) -> tuple[float, float] | None:
-        return p.from_h, p.to_h
-
-    @classmethod
     def sentence(cls, p: Any) -> str:
         return (
             f"Every day from {clock(p.from_h)} to {clock(p.to_h)} a window lets {p.flow_L_s:.0f} L/s of outdoor air in."

@@ -161,3 +161,12 @@ def test_no_step_within_the_bounds_is_better_than_the_one_taken(seed: int) -> No
     near = np.clip(x + step + 0.1 * random.normal(size=(2000, NUISANCES)), -MOST_SD, MOST_SD) - x
     left = np.linalg.norm(missed + np.vstack((others, near)) @ slopes.T, axis=1)
     assert np.linalg.norm(missed + slopes @ step) <= left.min() + 1e-6
+
+
+def test_an_effect_with_hours_acts_between_them_unless_it_says_otherwise() -> None:
+    window, setpoint, leak = (EFFECTS[name] for name in ("window-opening", "setpoint-offset", "infiltration"))
+    hours = {"from_h": 22.0, "to_h": 5.0}
+    assert window.hours(window.Parameters(flow_L_s=5.0, **hours)) == (22.0, 5.0)
+    assert setpoint.hours(setpoint.Parameters(offset_K=1.0, **hours)) == (22.0, 5.0)
+    assert setpoint.hours(setpoint.Parameters(offset_K=1.0)) is None
+    assert leak.hours(leak.Parameters(factor=2.0)) is None

@@ -130,6 +130,11 @@ def test_a_name_that_is_not_there_is_answered_with_the_nearest(entry: Entry) -> 
     assert (done.code, "did you mean 'sensor_temperature_C'" in done.stderr) == (USAGE, True)
 
 
+def test_blanks_beside_a_channel_and_a_name_do_not_count(entry: Entry) -> None:
+    imported(entry, house(), "--map", " air_temperature_C = room_temperature ")
+    assert "air_temperature_C" in read(Path("living"))
+
+
 def test_of_several_rooms_none_is_taken(entry: Entry) -> None:
     frame = house().rename(columns={"room_temperature": "kitchen_temperature"})
     done = imported(entry, frame.assign(bedroom_temperature=19.0 + frame["heating_valve"]), "--yes")

@@ -56,7 +56,7 @@ def _pairs(what: str) -> Callable[[click.Context, click.Parameter, Sequence[str]
         for text, (key, mark, _) in zip(texts, pairs, strict=True):
             if not mark or not key.strip():
                 raise click.BadParameter(f"'{text}' is no {what}", ctx, param)
-        return {key.strip() if what.startswith("CHANNEL") else key: value for key, _, value in pairs}
+        return {key.strip(): value.strip() for key, _, value in pairs}
 
     return convert
 

@@ -155,7 +155,7 @@ def _long(
         rows = frame.iloc[places]
         written = rows[unit].dropna() if unit else pd.Series(dtype=object)
         told = str(written.iloc[0]).strip() if len(written) else ""
-        yield Readings(str(name), table.where, times[places], rows[value], told)
+        yield Readings(str(name).strip(), table.where, times[places], rows[value], told)
 
 
 def _value_column(table: Table, time: str, entity: str) -> str:

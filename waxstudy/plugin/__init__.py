@@ -36,7 +36,7 @@ from waxstudy.plugin.contracts import (
     Weather,
     WeatherRecord,
 )
-from waxstudy.plugin.effect import STAGES, Belief, Effect, Inputs, Prior
+from waxstudy.plugin.effect import HOURS, STAGES, Belief, Effect, Inputs, Prior
 from waxstudy.plugin.hook import hookimpl
 from waxstudy.plugin.hours import clock, open_share
 from waxstudy.plugin.model_error import ModelError
@@ -49,6 +49,7 @@ __all__ = [
     "API_VERSION",
     "CHAIN",
     "ERROR",
+    "HOURS",
     "KINDS",
     "LEVEL",
     "ROOM_OUTPUTS",

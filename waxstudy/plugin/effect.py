@@ -10,6 +10,7 @@ from waxstudy.plugin.contracts import CHAIN, Choice, Component, FloatArray
 
 # the links of the loop where a gap can lie
 STAGES = (*CHAIN, "emitter", "room")
+HOURS = ("from_h", "to_h")  # parameters of an effect that acts between two hours of every day
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ class Effect(Component):
     @classmethod
     def hours(cls, p: Any) -> tuple[float, float] | None:
         """Return the hours of each day from and to which it acts, None of what acts always."""
-        return None
+        return (p.from_h, p.to_h) if set(HOURS) <= cls.priors.keys() else None
 
     @classmethod
     def sentence(cls, p: Any) -> str:

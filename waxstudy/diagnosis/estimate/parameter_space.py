@@ -7,10 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from waxstudy.diagnosis.model.as_built import Edits as Edits
-from waxstudy.plugin import Effect, FloatArray, Prior
+from waxstudy.plugin import HOURS, Effect, FloatArray, Prior
 
 SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
-HOURS = ("from_h", "to_h")  # parameters of an effect that acts between two hours of every day
 SCAN_MORE = 64
 TIE = 1e-9  # of losses that are alike
 NARROW, QUICK_NARROW = 1e-5, 1e-3  # share of a range that is not looked into

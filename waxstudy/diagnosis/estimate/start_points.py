@@ -10,10 +10,10 @@ from operator import itemgetter
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
-from waxstudy.diagnosis.estimate.parameter_space import HOURS, Edits, EffectType, Space, Values, stepped
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values, stepped
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import HOURS, FloatArray
 
 IMPOSSIBLE = 1e12  # score of a belief that cannot be
 STRONGEST = 4.0  # times a point of a first look

@@ -11,7 +11,7 @@ from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
 from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import HOURS, Edits, EffectType, Values, has_hours
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values, has_hours
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.travel import travel
@@ -23,7 +23,7 @@ from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import Pattern
 from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import Belief, FloatArray
+from waxstudy.plugin import HOURS, Belief, FloatArray
 
 
 class Appraisal:

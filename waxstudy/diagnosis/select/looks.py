@@ -10,12 +10,12 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import HOURS, EffectType, Space, Values, has_hours
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, has_hours
 from waxstudy.diagnosis.estimate.start_points import STRONGEST, TINY
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import BINS, Span, apart, parts_of_day, promising
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import HOURS, FloatArray
 from waxstudy.plugin.hours import DAY_H
 
 SEVERAL = 3  # spans of hours that are looked at closer, and fitted: the best one by half-hours need not be the best
