@@ -116,12 +116,12 @@ def _hinders(effects: Effects, before: Belief, after: Belief) -> bool:
 def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> float:
     """Return the log likelihood that another hypothesis gains, of samples of which so many count as one.
 
-    Errors are weighed by what the other one leaves, where that is more than noise.
+    Errors are weighed by what the other one leaves, where that is more than noise. To leave less than noise is no gain.
     """
     gain = 0.0
     for old, new in zip(fitted.by_motion, other.by_motion, strict=True):
-        left = max(1.0, _left(new).whitened ** 2)
-        gain += 0.5 * (old.loss() - new.loss()) / share[old.channel] / left
+        noise, left = float(new.judged.sum()), max(1.0, _left(new).whitened ** 2)
+        gain += 0.5 * (max(noise, old.loss()) - max(noise, new.loss())) / share[old.channel] / left
     return gain
 
 
