@@ -18,7 +18,7 @@ from tests.diagnosis.realities import EFFECTS, dataset, effects, plain, planted,
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS
 from waxstudy.diagnosis.calibration import told
-from waxstudy.diagnosis.calibration.calibrate import Calibration, _covariance, calibrate
+from waxstudy.diagnosis.calibration.calibrate import Calibration, _covariance, _gain, calibrate
 from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
 from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.diagnose import record_of
@@ -177,6 +177,21 @@ def test_what_is_known_of_a_room_is_wider_along_what_errors_of_hours_move_togeth
     luck = (1.0 + (k / blocks) ** 0.5) ** 2
     assert found[0] / straight[0] == pytest.approx(size / luck if hangs_together else 1.0, rel=0.3)
     assert found[1:] / straight[1:] == pytest.approx(np.ones(k - 1), rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "gains"), [(0.9, 0.6, 0.0), (2.0, 0.6, 0.5 * 3.0), (2.0, 1.5, 0.5 * 7 / 9)]
+)
+def test_to_leave_less_than_noise_of_a_healthy_record_is_no_gain(before: float, after: float, gains: float) -> None:
+    """A slower sensor or a weaker controller smooths the noise of what it reads."""
+    samples, together = 1000, 4.0
+    every, zero = np.ones(samples, dtype=bool), np.zeros(samples, dtype=int)
+    one, other = (
+        Residual("sensor_temperature_C", "K", missed, missed, every, zero, zero, np.arange(samples))
+        for missed in (np.full(samples, before), np.full(samples, after))
+    )
+    pair = (Hypothesis((), PLAIN, np.zeros(0), [each]) for each in (one, other))
+    assert _gain(*pair, {"sensor_temperature_C": together}) == pytest.approx(gains * samples / together)
 
 
 @pytest.mark.slow
