@@ -13,9 +13,10 @@ from tests.fleet.conftest import FLEET, study
 from waxstudy.api.activating import activate
 from waxstudy.fleet.course import Course, copied
 from waxstudy.fleet.draw import Blocks, members
+from waxstudy.fleet.folder import BATCHES
 from waxstudy.fleet.prepare import prepared
 from waxstudy.fleet.response import response
-from waxstudy.fleet.result import BATCHES, Activated
+from waxstudy.fleet.result import Activated
 from waxstudy.report.activation import activation
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.engine import Loop

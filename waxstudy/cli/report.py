@@ -74,11 +74,13 @@ def command(
 
 def _of_fleet(folder: Path, form: str, has_options: bool) -> str:
     """Return the report of an activation; nothing for other folders."""
-    from waxstudy.fleet.result import holds_activation, read_activated
-    from waxstudy.results.folder import RunError
+    from waxstudy.fleet.folder import holds_activation
 
     if not holds_activation(folder):
         return ""
+    from waxstudy.fleet.result import read_activated
+    from waxstudy.results.folder import RunError
+
     if has_options:
         raise click.UsageError("--attribution, --sensitivity and --against are of a run of cases, not of an activation")
     try:

@@ -1,10 +1,4 @@
-"""The folder of a finished activation, format 1.
-
-activation.json    what was called, the table with bands, warnings, versions; written last
-response.parquet   the whole fleet over time after each call, with the band of other fleets
-loops.parquet      a row for each loop, week, state and call: what was drawn, and its figures
-batches/           what an activation that was interrupted goes on from
-"""
+"""What an activation left in its folder."""
 
 from __future__ import annotations
 
@@ -16,12 +10,12 @@ from typing import Any
 
 import pandas as pd
 
+from waxstudy.fleet.folder import BATCHES, LOOPS, MANIFEST, RESPONSE
 from waxstudy.fleet.response import Band
 from waxstudy.fleet.summary import Row
 from waxstudy.plugin.files import check_file, read_file, why
 from waxstudy.results.folder import RunError
 
-MANIFEST, RESPONSE, LOOPS, BATCHES = "activation.json", "response.parquet", "loops.parquet", "batches"
 FORMAT = 1
 
 
@@ -71,11 +65,6 @@ def _flat(row: Row) -> Any:
             yield from ((name, value.value), (f"{name}_low", value.low), (f"{name}_high", value.high))
         else:
             yield name, value
-
-
-def holds_activation(folder: Path) -> bool:
-    """Whether a folder holds what an activation leaves, finished or not."""
-    return (folder / MANIFEST).exists() or (folder / BATCHES).is_dir()
 
 
 def read_activated(folder: Path) -> Activated:

@@ -16,8 +16,9 @@ import pandas as pd
 
 from waxstudy.fleet import figures, response, summary
 from waxstudy.fleet.batch import computed, course_of
+from waxstudy.fleet.folder import BATCHES, LOOPS, MANIFEST, RESPONSE
 from waxstudy.fleet.prepare import Fleet, prepared
-from waxstudy.fleet.result import BATCHES, FORMAT, LOOPS, MANIFEST, RESPONSE
+from waxstudy.fleet.result import FORMAT
 from waxstudy.plugin import SimulationError
 from waxstudy.results.atomic import whole_file
 from waxstudy.results.json_text import json_text
