@@ -22,6 +22,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import BINS, DAY_H, parts_of_day, promising
 from waxstudy.diagnosis.select.looks import acts_all_day
 from waxstudy.diagnosis.select.superposed import Superposed
+from waxstudy.diagnosis.select.timed import timed
 from waxstudy.plugin import Belief, Effect, FloatArray
 
 SAMPLES, NUISANCES = 200, 3
@@ -170,3 +171,5 @@ def test_an_effect_with_hours_acts_between_them_unless_it_says_otherwise() -> No
     assert setpoint.hours(setpoint.Parameters(offset_K=1.0, **hours)) == (22.0, 5.0)
     assert setpoint.hours(setpoint.Parameters(offset_K=1.0)) is None
     assert leak.hours(leak.Parameters(factor=2.0)) is None
+    heat = timed(EFFECTS["extra-heat"])
+    assert heat.hours(heat.Parameters(heat_W=10.0, **hours)) == (22.0, 5.0)

@@ -135,6 +135,18 @@ def test_blanks_beside_a_channel_and_a_name_do_not_count(entry: Entry) -> None:
     assert "air_temperature_C" in read(Path("living"))
 
 
+def test_blanks_around_a_name_of_a_long_table_make_no_other_name(entry: Entry) -> None:
+    plain = house().melt(ignore_index=False, var_name="entity").reset_index()
+    blank = plain.assign(entity=plain["entity"].where(plain.index % 2 == 0, plain["entity"] + " "))
+    tables = []
+    for frame, folder in ((plain, "plain"), (blank, "blank")):
+        frame.to_csv("long.csv", index=False)
+        done = entry("import", "long.csv", "--map", "air_temperature_C=room_temperature", "--out", folder)
+        assert done.code == 0, done.stderr
+        tables.append(Path(folder, "data.csv").read_bytes())
+    assert tables[0] == tables[1]
+
+
 def test_of_several_rooms_none_is_taken(entry: Entry) -> None:
     frame = house().rename(columns={"room_temperature": "kitchen_temperature"})
     done = imported(entry, frame.assign(bedroom_temperature=19.0 + frame["heating_valve"]), "--yes")

@@ -143,7 +143,8 @@ def _long(
     table: Table, file: Path, time: str, units: dict[str, str], time_format: str | None, entity: str
 ) -> Iterator[Readings]:
     frame = table.frame
-    count = frame[entity].nunique()
+    names = frame[entity].astype("string").str.strip()
+    count = names.nunique()
     if count > MOST_ENTITIES or count * REPEATED > len(frame):
         wrong = f"column '{entity}' has {count} names in {len(frame)} rows: it names no sensors"
         raise refusal(table.where, wrong, EXPECTED)
@@ -151,11 +152,11 @@ def _long(
     unit = next((str(name) for name in frame.columns if str(name).strip().lower() in UNIT), None)
     times = stamps_of(frame[time], time_format, table.where)
     frame = frame.drop(columns=time)
-    for name, places in frame.groupby(entity, sort=True, observed=True).indices.items():
+    for name, places in frame.groupby(names, sort=True, observed=True).indices.items():
         rows = frame.iloc[places]
         written = rows[unit].dropna() if unit else pd.Series(dtype=object)
         told = str(written.iloc[0]).strip() if len(written) else ""
-        yield Readings(str(name).strip(), table.where, times[places], rows[value], told)
+        yield Readings(str(name), table.where, times[places], rows[value], told)
 
 
 def _value_column(table: Table, time: str, entity: str) -> str:
@@ -185,7 +186,7 @@ def _wide(
             continue
         name, unit = parted(column)
         if name.lower() in VALUE or (len(rest) == 1 and not name):
-            name = file.name.partition(".")[0]  # a file of one sensor is named after it
+            name = file.name.partition(".")[0].strip()  # a file of one sensor is named after it
         is_there = frame[column].notna().to_numpy()
         yield Readings(
             name, table.where, times[is_there], frame.loc[is_there, column], units.get(column, unit or unit_of_all)

@@ -126,7 +126,12 @@ class Effect(Component):
     @classmethod
     def hours(cls, p: Any) -> tuple[float, float] | None:
         """Return the hours of each day from and to which it acts, None of what acts always."""
-        return (p.from_h, p.to_h) if set(HOURS) <= cls.priors.keys() else None
+        return (p.from_h, p.to_h) if cls.has_hours() else None
+
+    @classmethod
+    def has_hours(cls) -> bool:
+        """Whether hours of the day, between which it acts, are looked for."""
+        return set(HOURS) <= cls.priors.keys()
 
     @classmethod
     def sentence(cls, p: Any) -> str:

@@ -18,17 +18,12 @@ Values = Mapping[str, float]
 EffectType = type[Effect]
 
 
-def has_hours(effect: EffectType) -> bool:
-    """Whether an effect acts between two hours of every day."""
-    return set(HOURS) <= effect.priors.keys()
-
-
 class Space:
     """The parameters of an effect as a unit cube."""
 
     def __init__(self, effect: EffectType) -> None:
         self.names, self.priors = list(effect.priors), list(effect.priors.values())
-        self.wraps = np.array([has_hours(effect) and name in HOURS for name in self.names], dtype=bool)
+        self.wraps = np.array([effect.has_hours() and name in HOURS for name in self.names], dtype=bool)
 
     def values(self, x: FloatArray) -> Values:
         """Return the values at a place; hours go on round the clock."""

@@ -11,7 +11,7 @@ from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
 from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values, has_hours
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.travel import travel
@@ -282,7 +282,7 @@ class Appraisal:
 def _price(effect: EffectType, values: Values) -> float:
     """Return what an effect costs: that it came, its parameters, and its hours, unless it acts always."""
     came = -float(np.log(WEIGHTS.prior))
-    if not has_hours(effect):
+    if not effect.has_hours():
         return came + WEIGHTS.price * len(effect.priors)
     acts_always = effect.hours(effect.Parameters(**values)) is None
     return came + WEIGHTS.price * (len(effect.priors) - len(HOURS)) + (0.0 if acts_always else float(np.log(SPANS)))

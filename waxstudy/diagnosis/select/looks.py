@@ -10,7 +10,7 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, has_hours
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
 from waxstudy.diagnosis.estimate.start_points import STRONGEST, TINY
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -85,7 +85,7 @@ class Looks:
     def _still(self, effect: EffectType) -> Values:
         """Return the parameters that make an effect nothing; it is nothing at any hours."""
         still = effect.neutral(self.problem.belief) or {}
-        return {name: value for name, value in still.items() if name not in HOURS or not has_hours(effect)}
+        return {name: value for name, value in still.items() if name not in HOURS or not effect.has_hours()}
 
     def _strengths(self, effect: EffectType, values: Values) -> tuple[float, float]:
         """Return between which strengths an effect may act, as a factor on its distance from nothing at some values.
@@ -166,7 +166,7 @@ class Looks:
 
 def is_timed(effect: EffectType) -> bool:
     """Whether hours of an effect add up: it gives a room heat between them. Setpoints of some hours do not."""
-    return has_hours(effect) and effect.stage == "room"
+    return effect.has_hours() and effect.stage == "room"
 
 
 def acts_all_day(effect: EffectType, values: Values) -> bool:

@@ -54,6 +54,10 @@ def timed(effect: EffectType) -> EffectType:
             return replace(other, inputs=_blended(belief.inputs, other.inputs, share))
 
         @classmethod
+        def hours(cls, p: Any) -> tuple[float, float] | None:
+            return p.from_h, p.to_h  # whatever the effect says of itself
+
+        @classmethod
         def sentence(cls, p: Any) -> str:
             said = effect.sentence(p).replace(" at all times", "").removesuffix(".")
             return f"{said}, every day from {clock(p.from_h)} to {clock(p.to_h)}."

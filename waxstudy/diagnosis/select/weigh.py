@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, has_hours
+from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -78,7 +78,7 @@ class Weighing(Appraisal):
         """
         gains = [0.5 * (self._loss(given) - self._loss(each)) for each in fits]
         pairs = list(zip(fits, gains, strict=True))
-        most = max((gain for each, gain in pairs if not has_hours(each.effects[-1][0])), default=0.0)
+        most = max((gain for each, gain in pairs if not each.effects[-1][0].has_hours()), default=0.0)
         enough = (most + float(np.log(SPANS))) / (1.0 - WEIGHTS.form**2)
         return [each for each, gain in pairs if not acts_all_day(*each.effects[-1]) or gain > enough]
 
