@@ -143,8 +143,10 @@ def _long(
     table: Table, file: Path, time: str, units: dict[str, str], time_format: str | None, entity: str
 ) -> Iterator[Readings]:
     frame = table.frame
-    names = frame[entity].astype("string").str.strip()
-    count = names.nunique()
+    written_as = {name: str(name).strip() for name in frame[entity].dropna().unique()}
+    is_plain = all(name == plain for name, plain in written_as.items())
+    names = frame[entity] if is_plain else frame[entity].map(written_as)  # a long table is mapped only if it must be
+    count = len(set(written_as.values()))
     if count > MOST_ENTITIES or count * REPEATED > len(frame):
         wrong = f"column '{entity}' has {count} names in {len(frame)} rows: it names no sensors"
         raise refusal(table.where, wrong, EXPECTED)
