@@ -29,16 +29,25 @@ FILES = ["diagnosis.json", "report.html", "traces.parquet"]
 OF_ROOM = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C", "return_temperature_C")
 
 
-@pytest.fixture(scope="session")
-def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Four days of a loop with a wax motor and a quick-opening valve, of which the modeller knows neither."""
-    folder = tmp_path_factory.mktemp("dataset")
+def made(folder: Path, *left_out: str) -> Path:
+    """Return four days of a loop with a wax motor and a quick-opening valve, of which the modeller knows neither."""
     (folder / "small.toml").write_text(SMALL)
     chosen = ("--case", "O_WM", "--believed", "O_CP", "--days", "4", "--interval-s", "120")
-    without = [word for channel in OF_ROOM for word in ("--without", channel)]
+    without = [word for channel in (*OF_ROOM, *left_out) for word in ("--without", channel)]
     done = call(folder, "reality", "small.toml", *chosen, *without, "--out", "loop")
     assert done.returncode == 0, done.stderr
     return folder / "loop"
+
+
+@pytest.fixture(scope="session")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return made(tmp_path_factory.mktemp("dataset"))
+
+
+@pytest.fixture(scope="session")
+def motor(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same loop, of which only the motor was recorded: soon diagnosed."""
+    return made(tmp_path_factory.mktemp("motor"), "sensor_temperature_C", "flow_L_h", "supply_temperature_C")
 
 
 # --- what it prints and writes -----------------------------------------------------------------------
@@ -87,23 +96,23 @@ def test_it_prints_the_summary_and_writes_three_files(dataset: Path, entry: Entr
 
 @pytest.mark.slow
 def test_json_is_all_that_is_printed_and_the_file_holds_the_same_bytes(
-    dataset: Path, entry: Entry, waxstudy: Waxstudy, tmp_path: Path
+    motor: Path, entry: Entry, waxstudy: Waxstudy, tmp_path: Path
 ) -> None:
-    printed = entry("diagnose", dataset, "--quick", "--json", "--seed", 7)
+    printed = entry("diagnose", motor, "--quick", "--json", "--seed", 7)
     assert (printed.code, printed.stderr) == (0, "")
     assert json.loads(printed.stdout)["seed"] == 7
     assert list(tmp_path.iterdir()) == []  # without --out nothing is written
-    again = waxstudy("diagnose", dataset, "--quick", "--json", "--seed", 7, "--out", "found")
+    again = waxstudy("diagnose", motor, "--quick", "--json", "--seed", 7, "--out", "found")
     assert again.stdout == printed.stdout
     assert (tmp_path / "found" / "diagnosis.json").read_text() == printed.stdout
 
 
 @pytest.mark.slow
-def test_an_earlier_diagnosis_is_replaced_and_other_files_of_the_folder_stay(dataset: Path, entry: Entry) -> None:
+def test_an_earlier_diagnosis_is_replaced_and_other_files_of_the_folder_stay(motor: Path, entry: Entry) -> None:
     Path("found").mkdir()
     Path("found/notes.txt").write_text("mine")
     Path("found/diagnosis.json").write_text("of last week")
-    assert entry("diagnose", dataset, "--quick", "--out", "found").code == 0
+    assert entry("diagnose", motor, "--quick", "--out", "found").code == 0
     assert sorted(path.name for path in Path("found").iterdir()) == sorted([*FILES, "notes.txt"])
     assert json.loads(Path("found/diagnosis.json").read_text())["dataset"] == "loop"
 
@@ -140,13 +149,13 @@ def read_until(reader: int, wanted: str) -> str:
 
 
 @pytest.mark.slow
-def test_progress_is_shown_on_a_terminal_unless_quiet(dataset: Path, tmp_path: Path) -> None:
-    process, reader = start(tmp_path, "diagnose", dataset, "--quick", "--json")
+def test_progress_is_shown_on_a_terminal_unless_quiet(motor: Path, tmp_path: Path) -> None:
+    process, reader = start(tmp_path, "diagnose", motor, "--quick", "--json")
     shown = read_until(reader, "100%")
     stdout, _ = process.communicate()
     assert "%" in shown
     assert json.loads(stdout)["dataset"] == "loop"
-    process, reader = start(tmp_path, "diagnose", dataset, "--quick", "--json", "--quiet")
+    process, reader = start(tmp_path, "diagnose", motor, "--quick", "--json", "--quiet")
     stdout, _ = process.communicate()
     assert read_until(reader, "%") == ""
     assert json.loads(stdout)["dataset"] == "loop"

@@ -13,7 +13,6 @@ from typing import Any
 
 import pandas as pd
 
-from waxstudy.api.activating import activate
 from waxstudy.fleet.result import Activated
 from waxstudy.plugin.registry import installed
 from waxstudy.report.content import Content, gather
@@ -105,6 +104,8 @@ def run(
     results: Results | Activated
     try:
         if read.activation:
+            from waxstudy.api.activating import activate  # it draws, which no run of cases does
+
             results = activate(read, folder, jit=jit, progress=_progress(progress))
         else:
             compute(read, folder, jit=jit, progress=_progress(progress), replaces=replace)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from waxstudy.plugin import FloatArray
 from waxstudy.results.comfort import LIMIT_K
@@ -49,6 +48,8 @@ def solve(
 
     low, high = _bracket(residual, near_K, step_K)
     if residual(low) * residual(high) < 0.0:
+        from scipy.optimize import brentq  # a study without equal comfort does without it
+
         brentq(residual, low, high, xtol=TOLERANCE_K)
     # among equals the last: where the curve jumps it is the one nearest to the jump
     best = min(reversed(seen), key=lambda shift_K: abs(float(np.mean(seen[shift_K])) - target_h))

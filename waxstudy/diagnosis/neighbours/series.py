@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from scipy.signal import lfilter
 
 from waxstudy.plugin import FloatArray
 
@@ -87,6 +86,8 @@ def response(values: FloatArray, tau_h: float, step_h: float, start: float = 0.0
     """Return what a first-order store of a time constant makes of its drive (n,): it comes to the drive's value."""
     if tau_h <= 0.0:
         return values
+    from scipy.signal import lfilter  # no diagnosis of a single loop waits for it
+
     kept = float(np.exp(-step_h / tau_h))
     found, _ = lfilter([1.0 - kept], [1.0, -kept], values, zi=[kept * start])
     return np.asarray(found)

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import inf
+from math import inf, lgamma
 
 import numpy as np
-from scipy.signal import fftconvolve
-from scipy.special import gammaln
 
 from waxstudy.diagnosis.neighbours.noise import Fit
 from waxstudy.diagnosis.neighbours.pattern import Pattern, Scored
@@ -51,6 +49,8 @@ def _pulls(house: House, fit: Fit, steps: int, tau_h: float) -> tuple[FloatArray
 
     Both by the errors' spread, and without what the regressors could take of the shape.
     """
+    from scipy.signal import fftconvolve  # no diagnosis of a single loop waits for it
+
     count = len(house)
     tail = min(count, steps + int(TAIL * tau_h / house.step_h) + len(fit.errors.weights) + 1)
     drive = (np.arange(tail) < steps).astype(float)
@@ -75,7 +75,7 @@ def _unrest(pull: FloatArray, weight: FloatArray) -> float:
 
 def days_paid(count: int, chosen: int) -> float:
     """Return twice the logarithm of in how many ways so many days can be chosen."""
-    return float(2.0 * (gammaln(count + 1) - gammaln(chosen + 1) - gammaln(count - chosen + 1)))
+    return 2.0 * (lgamma(count + 1) - lgamma(chosen + 1) - lgamma(count - chosen + 1))
 
 
 def unrest_of(house: House, fit: Fit, pattern: Pattern) -> float:
