@@ -1,9 +1,11 @@
-"""Help and shell completion: quick, because nothing heavy is imported for them."""
+"""Help and shell completion are quick: nothing heavy is imported for them, nor by a command what it does not use."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Sequence
+from pathlib import Path
 
 import click
 import pytest
@@ -34,14 +36,35 @@ HEAVY = (
     ids=" ".join,
 )
 def test_help_is_printed_without_heavy_imports(arguments: list[str]) -> None:
+    done = imported(arguments, HEAVY)
+    assert (done.returncode, done.stderr) == (0, "[]\n")
+    assert "waxstudy" in done.stdout
+
+
+def imported(arguments: list[str], modules: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    """Call a command in a process of its own, which prints those of some modules that it imported on stderr."""
     program = (
         "import sys; from waxstudy.cli import main\n"
         f"try: main({arguments})\n"
-        f"finally: print([name for name in {HEAVY} if name in sys.modules], file=sys.stderr)"
+        f"finally: print([name for name in {modules} if name in sys.modules], file=sys.stderr)"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "modules"),
+    [
+        (["run", "small.toml", "--quiet", "--out", "run"], ("matplotlib", "scipy.signal", "waxstudy.fleet.run")),
+        (["report", "run", "--quiet"], ("matplotlib", "numba", "waxstudy.fleet.result")),
+    ],
+    ids=["run", "report"],
+)
+def test_a_run_of_cases_waits_for_nothing_of_figures_or_fleets(
+    small_study: Path, small_run: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], modules: tuple[str, ...]
+) -> None:
+    monkeypatch.chdir(small_study.parent)
+    done = imported(arguments, modules)
     assert (done.returncode, done.stderr) == (0, "[]\n")
-    assert "waxstudy" in done.stdout
 
 
 @pytest.mark.parametrize("name", COMMANDS)
