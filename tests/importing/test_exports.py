@@ -116,7 +116,8 @@ def test_a_change_of_a_tenth_becomes_noise_and_so_does_a_tenth_of_a_litre(
         ("on_change_of_a_tenth", "sensor_temperature_C", 0.05, 0.1),
         ("counter_of_litres", "flow_L_h", 2.0, 3.0),
     ):
-        entry("import", made[name].source, "--out", name)
+        done = entry("import", made[name].source, "--out", name)
+        assert done.code == 0, done.stderr
         noise = read_dataset(Path(name)).noise[channel]
         assert at_least <= noise <= at_most
 
