@@ -326,6 +326,7 @@ CHANGED = replace(
             0.0,
             "film-walls departs by -0.61 (log of a factor), 0.3 standard deviations of what is usual.",
             "room",
+            description="log of a factor",
         ),
         Calibrated(
             "sensor-delay delay_s",

@@ -31,7 +31,7 @@ def command(dataset: Path, out: Path, as_json: bool, quiet: bool) -> None:
     """Find how a room was built, from a record of its loop when healthy.
 
     DATASET is a folder with dataset.toml and data.csv. A study takes the result as its [room], with from = "FILE.toml".
-    The last line printed is the file.
+    Without --json, the last line printed is the file.
     """
     use_one_thread()
     refuse_unwritable(out)

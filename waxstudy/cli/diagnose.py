@@ -85,7 +85,8 @@ def command(
 ) -> None:
     """Find where a record and what is believed disagree, which effect causes it, and how far the gap shrinks.
 
-    DATASET is a folder with dataset.toml and data.csv. With --out, the last line printed is the folder.
+    DATASET is a folder with dataset.toml and data.csv. With --out and without --json, the last line printed is the
+    folder.
     """
     if baseline and baseline_days:
         raise CommandError("--baseline and --baseline-days: give one of them", USAGE)

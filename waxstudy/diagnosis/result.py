@@ -99,6 +99,7 @@ class Calibrated:
     sentence: str
     part: Part
     is_clear: bool = False  # it differs by more than is noticeable, and by its interval, if it has one, not by chance
+    description: str = ""  # what a departure of the room is, as the logarithm of a factor
 
 
 @dataclass(frozen=True)

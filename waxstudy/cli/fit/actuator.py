@@ -46,7 +46,8 @@ def command(
     """Find the characteristic times in displacement records, and how they depend on what was before.
 
     RECORDS are CSV or parquet files, or folders of them; records.toml beside them says what each is of. A study takes
-    the result as actuator = { from = "FILE.toml" }. The last lines printed are the files.
+    the result as actuator = { from = "FILE.toml" }. A page, which is named before them, and figures as JSON lie beside.
+    Without --json, the last lines printed are the files.
     """
     refuse_unwritable(out)
     with failures():

@@ -52,8 +52,8 @@ def command(
 ) -> None:
     """Find the curve of a quick-opening valve in a record of flow and heating signal.
 
-    The opening is modelled from the signal. A study takes the result as valve = { from = "FILE.toml" }. The last line
-    printed is the file.
+    The opening is modelled from the signal. A study takes the result as valve = { from = "FILE.toml" }. A page,
+    which is named before it, and figures as JSON lie beside. Without --json, the last line printed is the file.
     """
     if authority is not None and pressure_drops is not None:
         raise CommandError("--authority and --pressure-drops say the same: give one of them", USAGE)

@@ -112,7 +112,7 @@ def _leaves_out(interval: Interval, still: float) -> bool:
 def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, description: str) -> Calibrated:
     interval = Interval(departure, departure - NORMAL * sd, departure + NORMAL * sd)
     is_clear = abs(departure) > CLEAR * knob.sd / WIDER and _leaves_out(interval, 0.0)
-    return Calibrated(knob.name, interval, 0.0, _in_words(knob, departure, description), part, is_clear)
+    return Calibrated(knob.name, interval, 0.0, _in_words(knob, departure, description), part, is_clear, description)
 
 
 def _in_words(knob: Nuisance, departure: float, description: str) -> str:

@@ -34,9 +34,13 @@ def as_built(each: Sequence[Calibrated]) -> Table[Calibrated]:
         text("part"),
         Column("documents", lambda one: words.quantity(one.documented, words.named(one.name)[1])),
         Column("as calibrated", lambda one: words.interval(one.value, words.named(one.name)[1])),
-        text("in words", lambda one: one.sentence if one.is_clear else "", kind="prose"),
+        text("in words", lambda one: one.sentence if one.is_clear else one.description, kind="prose"),
     ]
-    return Table("as calibrated, with 95 % intervals; in words what differs clearly", columns, each)
+    return Table(
+        "as calibrated, with 95 % intervals; a whole sentence where it differs clearly from the documents",
+        columns,
+        each,
+    )
 
 
 def fit(each: Sequence[BaselineFit]) -> Table[BaselineFit]:

@@ -33,7 +33,7 @@ EFFECT: Column[Any] = text("name", heading="effect")
 STAGE: Column[Any] = text("stage", lambda each: words.stage_words(each.stage))
 CHANNEL: Column[Any] = text("channel", lambda each: words.channel_words(each.channel))
 JUDGED_BY: Column[Any] = text("judged by", CHANNEL.value)
-PROBABILITY: Column[Any] = Column("probability", lambda each: words.chance(each.probability) or _p(each))
+PROBABILITY: Column[Any] = Column("probability or p", lambda each: words.chance(each.probability) or _p(each))
 
 
 def _p(each: Any) -> str:

@@ -26,7 +26,7 @@ BESIDE = 0.14  # of two points in the place of one
 
 @drawing(
     "heat",
-    "Missing heat",
+    "Missing heat over the record, and by what may drive it",
     "Which heat into the room's air would explain what was measured: below 0 the room lacks heat that is believed, "
     "above it has more. Above: over the record, in pieces as short as it resolves, with 95 % intervals; as believed "
     "(line and grey band) and with the effects found, if any (dashed, between thin lines). Dotted, where a healthy "

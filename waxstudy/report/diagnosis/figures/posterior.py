@@ -15,8 +15,8 @@ MOST = 8
 @drawing(
     "posterior",
     "How likely each hypothesis is",
-    "Probability of each hypothesis of the whole loop, the likeliest first, at most eight. They are of the effects of "
-    "the library, of nothing and of something unknown, and sum to 100 %.",
+    "Probability of the likeliest hypotheses of the whole loop, at most eight. All of them, of the effects of the "
+    "library, of nothing and of something unknown, sum to 100 %.",
 )
 def figure_posterior(diagnosis: Diagnosis) -> Figure:
     """Probabilities [%]; raise `Lacking` where nothing can be judged."""

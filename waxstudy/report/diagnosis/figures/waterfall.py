@@ -23,7 +23,7 @@ HATCH = "////"
     "waterfall",
     "How far the gap shrinks, effect by effect",
     "Root mean square gap of each channel over the whole record: as believed, what each effect takes away (hatched), "
-    "and what is left. Dashed: noise floor, below which no model can come.",
+    "and what is left. Dashed: noise floor, near what a perfect model would leave.",
 )
 def figure_waterfall(diagnosis: Diagnosis) -> Figure:
     """Gaps by channel, in the channel's unit; raise `Lacking` where no effect was found."""
