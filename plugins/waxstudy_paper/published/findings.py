@@ -190,7 +190,7 @@ def delay_and_curve_hardly_matter(f: Figures) -> Iterable[Check]:
 
 def modulation_brings_on_off_fluctuation(f: Figures) -> Iterable[Check]:
     for case in ("P_MC", "P_WM"):
-        yield Check(f"{case} less O_WM", f.mae(case) - f.mae("O_WM"), -0.1, 0.1, "K")
+        yield Check(f"MAE of {case} less O_WM", f.mae(case) - f.mae("O_WM"), -0.1, 0.1, "K")
 
 
 def order_of_fluctuation(f: Figures) -> Iterable[Check]:
@@ -198,7 +198,7 @@ def order_of_fluctuation(f: Figures) -> Iterable[Check]:
     pairs += [(pi, on_off) for pi in ("P_MC", "P_WM") for on_off in ("O_CP", "O_WM")]
     pairs += [("O_CP", "O_0"), ("O_WM", "O_0")]
     for less, more in pairs:
-        yield Check(f"{more} less {less}", f.mae(more) - f.mae(less), 0.0, INF, "K")
+        yield Check(f"MAE of {more} less {less}", f.mae(more) - f.mae(less), 0.0, INF, "K")
 
 
 def dead_band_is_the_source(f: Figures) -> Iterable[Check]:
@@ -208,16 +208,16 @@ def dead_band_is_the_source(f: Figures) -> Iterable[Check]:
 def shifts(f: Figures) -> Iterable[Check]:
     for week in WEEKS:
         for case in PI:
-            yield Check(f"{case}, {week}", f.shift(case, week), -INF, 0.0, "K")
-        yield Check(f"O_0, {week}", f.shift("O_0", week), 0.0, INF, "K")
+            yield Check(f"shift of {case}, {week}", f.shift(case, week), -INF, 0.0, "K")
+        yield Check(f"shift of O_0, {week}", f.shift("O_0", week), 0.0, INF, "K")
         for case in (*ON_OFF[1:], *PI):
-            yield Check(f"O_0 less {case}, {week}", f.shift("O_0", week) - f.shift(case, week), 0.0, INF, "K")
+            yield Check(f"shift of O_0 less {case}, {week}", f.shift("O_0", week) - f.shift(case, week), 0.0, INF, "K")
 
 
 def sun_dominates_february(f: Figures) -> Iterable[Check]:
     for case in (*ON_OFF, *PI):
         more = f.mae(case, "february") - f.mae(case, "january")
-        yield Check(f"{case}, February less January MAE", more, 0.0, INF, "K")
+        yield Check(f"MAE of {case}, February less January", more, 0.0, INF, "K")
         yield Check(f"{case}, highest in February", f.of(case, "february", "operative_max_C"), 24.0, INF, "°C")
     shares = np.mean([f.of(case, "february", "over_setpoint_1K_share") for case in (*ON_OFF, *PI)], axis=0)
     yield Check("share over 22 °C in February", shares, 0.15, 0.25)
@@ -225,8 +225,8 @@ def sun_dominates_february(f: Figures) -> Iterable[Check]:
 
 def wax_motor_in_february(f: Figures) -> Iterable[Check]:
     week = "february"
-    yield Check("O_WM less O_VC, MAE", f.mae("O_WM", week) - f.mae("O_VC", week), -INF, 0.0, "K")
-    yield Check("P_WM less P_MC, MAE", f.mae("P_WM", week) - f.mae("P_MC", week), 0.0, INF, "K")
+    yield Check("MAE of O_WM less O_VC", f.mae("O_WM", week) - f.mae("O_VC", week), -INF, 0.0, "K")
+    yield Check("MAE of P_WM less P_MC", f.mae("P_WM", week) - f.mae("P_MC", week), 0.0, INF, "K")
 
 
 def on_off_like_pi_in_detail(f: Figures) -> Iterable[Check]:
@@ -257,19 +257,19 @@ def load_dynamics(f: Figures) -> Iterable[Check]:
         return f.share_of_time(case, "january", "flow_L_h", low * full, high * full)
 
     for case in ("P_CP", "P_D"):
-        yield Check(f"{case} near a quarter", between(case, 0.15, 0.35), 0.5, 1.0)
+        yield Check(f"share of time near a quarter, {case}", between(case, 0.15, 0.35), 0.5, 1.0)
     for case in ("P_MC", "P_WM"):
-        yield Check(f"{case} between the ends", between(case) - between("O_WM"), -0.1, 0.1)
+        yield Check(f"share of time between the ends, {case} less O_WM", between(case) - between("O_WM"), -0.1, 0.1)
     for case in ("P_0", "P_VC"):
-        yield Check(f"{case} less P_CP between the ends", between(case) - between("P_CP"), -INF, 0.0)
-        yield Check(f"{case} less P_MC between the ends", between(case) - between("P_MC"), 0.0, INF)
+        yield Check(f"share of time between the ends, {case} less P_CP", between(case) - between("P_CP"), -INF, 0.0)
+        yield Check(f"share of time between the ends, {case} less P_MC", between(case) - between("P_MC"), 0.0, INF)
 
 
 def return_temperature(f: Figures) -> Iterable[Check]:
     """Mean of the cumulative curve, which is what "lower" can mean for whole curves."""
     for simpler, case in (("O_VC", "O_WM"), ("P_MC", "P_WM")):
         less = _curve_mean(f, case) - _curve_mean(f, simpler)
-        yield Check(f"{case} less {simpler}", less, -INF, 0.0, "K")
+        yield Check(f"mean return temperature of {case} less {simpler}", less, -INF, 0.0, "K")
 
 
 def usual_pi_needs_less(f: Figures) -> Iterable[Check]:
@@ -288,7 +288,7 @@ def on_off_needs_more(f: Figures) -> Iterable[Check]:
 def on_off_stands_in_for_pi(f: Figures) -> Iterable[Check]:
     """At a setpoint at least 0.1 K higher, for the same heat (conclusions)."""
     for week in WEEKS:
-        yield Check(f"O_VC less P_WM, {week}", f.shift("O_VC", week) - f.shift("P_WM", week), 0.1, INF, "K")
+        yield Check(f"shift of O_VC less P_WM, {week}", f.shift("O_VC", week) - f.shift("P_WM", week), 0.1, INF, "K")
         yield f.heat_over(f"O_VC over P_WM, {week}", "O_VC", "P_WM", week, -1.0, 1.0)
 
 
@@ -296,7 +296,7 @@ def usual_on_off_stands_out(f: Figures) -> Iterable[Check]:
     """Figure 21c: how far the cumulative curve of floor heat lies from that of O_WM, in the mean."""
     far = _curve_distance(f, "O_0")
     for case in ("O_CP", "O_D", "O_VC"):
-        yield Check(f"O_0 less {case}", far - _curve_distance(f, case), 0.0, INF, "W/m²")
+        yield Check(f"mean distance from O_WM, O_0 less {case}", far - _curve_distance(f, case), 0.0, INF, "W/m²")
 
 
 def _curve_distance(f: Figures, case: str) -> FloatArray:
