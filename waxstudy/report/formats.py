@@ -90,12 +90,14 @@ def _grid(table: Table[Any], is_narrow: bool = False) -> Grid:
         if is_narrow:
             least = max(map(cell_len, (*column.name.split(" "), *cells)))
             words = wrap(column.name, least, break_long_words=False, break_on_hyphens=False) or [""]
+        whole = (*words, *cells)
+        kept = [word for each in whole for word in each.split()] if can_wrap else whole  # what is never cut
         grid.add_column(
             Text("\n".join(map(visible, words))),
             justify="left" if column.is_left else "right",
             style="dim" if column.kind == "theirs" else None,
             no_wrap=not can_wrap,
-            min_width=None if can_wrap else max(map(cell_len, (*words, *cells))),
+            min_width=max(map(cell_len, kept)),
         )
     for texts in texts_of:
         row = zip(table.columns, texts, strict=True)

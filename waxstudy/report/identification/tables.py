@@ -12,9 +12,9 @@ from waxstudy.report.table import Column, Table, text
 
 SIMULATED = "SIMULATED: these records come from a virtual test bench; no motor was measured"
 MEANING = {
-    "dead_a_s": "dead time: a exp(-undercooling / tau) + b",
+    "dead_a_s": "dead time: a exp(-x / tau) + b, x is the undercooling",
     "rise_a_s": "rise time: the same",
-    "hold_a_s": "hold time: a (1 - exp(-overheating / tau)) + b",
+    "hold_a_s": "hold time: a (1 - exp(-x / tau)) + b, x is the overheating",
     "fall_s": "fall time",
     "h_min": "opening at which the flow starts",
     "h_mid": "opening at which the curve bends",
@@ -59,10 +59,10 @@ def coefficients(found: ActuatorFit) -> Table[Coefficient]:
         text("product"),
         text("name", heading="coefficient"),
         Column("value", lambda each: "-" if each.is_absent else each.value.value, ".1f", unit="s"),
-        text("interval", heading="95 % interval"),
+        text("interval", heading="95 % interval", kind="prose"),
         text("model", lambda each: each.curve.form),
         Column("cycles", lambda each: each.curve.cycles),
-        text("meaning", lambda each: MEANING.get(each.name)),
+        text("meaning", lambda each: MEANING.get(each.name), kind="prose"),
     ]
     rows = [
         Coefficient(product, name, value, found.model.times[name.split("_")[0]].curves[product])
@@ -77,10 +77,10 @@ def activation(found: ActuatorFit) -> Table[dict[str, Any]]:
     columns: list[Column[dict[str, Any]]] = [
         text("product", lambda of: of["product"]),
         Column("activation", lambda of: of["full_activation_median_s"], ".0f", unit="s"),
-        Column("longest", lambda of: of["full_activation_max_s"], ".0f"),
+        Column("longest", lambda of: of["full_activation_max_s"], ".0f", unit="s"),
         Column("above 300 s", lambda of: f"{100.0 * of['full_activation_above_300_s']:.0f} %"),
         Column("deactivation", lambda of: of["deactivation_median_s"], ".0f", unit="s"),
-        Column("longest", lambda of: of["deactivation_max_s"], ".0f"),
+        Column("longest", lambda of: of["deactivation_max_s"], ".0f", unit="s"),
     ]
     title = "full activation (dead + rise) and deactivation (hold + fall), median and longest"
     rows = [{"product": product, **found.activation(product)} for product in found.model.products]
@@ -94,7 +94,7 @@ def records(found: ActuatorFit) -> Table[Record]:
         text("product"),
         text("exemplar"),
         text("valve", lambda record: "yes" if record.has_valve else "no"),
-        Column("duration_min", form=".0f", heading="min"),
+        Column("duration_min", form=".0f", heading="length", unit="min"),
         Column("stroke", lambda record: f"{record.stroke:.3f} {record.unit}".strip()),
         Column("cycles", found.kept),
         text("left out", lambda record: counts(found.lost(record)).replace("none", ""), "prose"),
