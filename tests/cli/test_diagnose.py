@@ -46,7 +46,7 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def motor(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The same loop, of which only the motor was recorded: soon diagnosed."""
+    """The same loop, of which only the motor was recorded: quick to diagnose."""
     return made(tmp_path_factory.mktemp("motor"), "sensor_temperature_C", "flow_L_h", "supply_temperature_C")
 
 

@@ -44,7 +44,8 @@ def command(
     """Run every case of a study and print the comparison.
 
     What is already computed in the run folder for the same inputs is not computed again. The folder belongs to the
-    study file that began it: another one's run is refused. The last line printed is the run folder.
+    study file that began it: another one's run is refused. Without --json, the last line printed is the
+    run folder.
 
     With --sweep the study is run at many values of its parameters, and the folder holds one table of key figures. A
     study with [activation] calls a fleet of loops instead, and the folder holds what that gives, with a page.

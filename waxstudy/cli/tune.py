@@ -96,7 +96,7 @@ def command(
 
     The folder gets tuned.toml, from which a study takes them (controller = { from = "tuned.toml" }), a page with the
     landscape and what textbook rules give, and all figures as JSON. Every evaluation is kept as soon as it is finished:
-    the same command goes on from there. The last line printed is the folder.
+    the same command goes on from there. Without --json, the last line printed is the folder.
     """
     study = load_study(study_file)
     folder = out or Path("results") / f"{study.name}-{case_id}-tuned"

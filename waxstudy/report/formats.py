@@ -15,7 +15,7 @@ from rich.measure import Measurement
 from rich.table import Table as Grid
 from rich.text import Text
 
-from waxstudy.report.table import Table
+from waxstudy.report.table import Column, Table
 from waxstudy.study.visible import visible
 
 WIDEST = 1000  # columns that no table needs
@@ -82,7 +82,10 @@ def _grid(table: Table[Any], is_narrow: bool = False) -> Grid:
     """A table; a narrow one has headings no wider than its cells and words, and no space about its plus-minuses."""
     edges = {"show_edge": False, "padding": 0} if is_narrow else {"padding": (0, 1, 0, 0)}
     grid = Grid(box=box.SIMPLE_HEAD, pad_edge=False, **edges)
-    texts_of = [[_tight(text) if is_narrow else text for text in texts] for texts in table.texts]
+    texts_of = [
+        [_shown(column, text, is_narrow) for column, text in zip(table.columns, texts, strict=True)]
+        for texts in table.texts
+    ]
     for place, column in enumerate(table.columns):
         cells = [texts[place] for texts in texts_of]
         can_wrap = column.kind in ("prose", "list")
@@ -100,9 +103,13 @@ def _grid(table: Table[Any], is_narrow: bool = False) -> Grid:
             min_width=max(map(cell_len, kept)),
         )
     for texts in texts_of:
-        row = zip(table.columns, texts, strict=True)
-        grid.add_row(*(_first(text) if column.kind == "list" else text for column, text in row))
+        grid.add_row(*texts)
     return grid
+
+
+def _shown(column: Column[Any], text: str, is_narrow: bool) -> str:
+    text = _first(text) if column.kind == "list" else text
+    return _tight(text) if is_narrow else text
 
 
 def _tight(text: str) -> str:

@@ -116,8 +116,8 @@ def _hinders(effects: Effects, before: Belief, after: Belief) -> bool:
 def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> float:
     """Return the log likelihood that another hypothesis gains, of samples of which so many count as one.
 
-    Errors are weighed by what the other one leaves, where that is more than noise (of a motor or valve on the move more
-    than the chosen scale). To leave less is no gain: smoothing what a controller reads does that as well.
+    Errors are weighed by what the other one leaves, but at least by noise; those of a motor or valve that moves, by the
+    chosen scale. To leave less than noise is no gain: a smoothed reading of a controller does that as well.
     """
     gain = 0.0
     for old, new in zip(fitted.by_motion, other.by_motion, strict=True):
