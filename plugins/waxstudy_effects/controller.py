@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -150,7 +151,9 @@ def is_always(p: Any) -> bool:
 def aiming(p: Any, x: Any, u: float, t: float, dt: float) -> float:
     """Let the believed controller see the error from where it truly aims."""
     from_h, to_h = p.setpoint_offset_from_h, p.setpoint_offset_to_h
-    is_hour = (t / 3600.0 - from_h) % DAY_H < lasting_h(from_h, to_h)
+    since_h = t / 3600.0 - from_h
+    since_h -= DAY_H * math.floor(since_h / DAY_H)  # a remainder by `%` takes a processor as long as all else
+    is_hour = since_h < lasting_h(from_h, to_h)
     offset_K = p.setpoint_offset_always_K + (p.setpoint_offset_at_hours_K if is_hour else 0.0)
     return believed(p, x, u + offset_K, t, dt)
 

@@ -74,6 +74,7 @@ class SensorLagParameters(Parameters):
 @dataclass
 class Lag:
     lag_reading_C: float = 0.0
+    lag_share: float = 0.0  # of the way that is gone in a step
     lag_is_started: bool = False
 
 
@@ -83,8 +84,10 @@ def lagging(p: Any, x: Any, u: float, t: float, dt: float) -> float:
     if not x.lag_is_started or p.sensor_lag_time_constant_s == 0.0:
         x.lag_is_started = True
         x.lag_reading_C = reading_C
+        if p.sensor_lag_time_constant_s > 0.0:
+            x.lag_share = 1.0 - math.exp(-dt / p.sensor_lag_time_constant_s)
     else:
-        x.lag_reading_C += (reading_C - x.lag_reading_C) * (1.0 - math.exp(-dt / p.sensor_lag_time_constant_s))
+        x.lag_reading_C += (reading_C - x.lag_reading_C) * x.lag_share
     return x.lag_reading_C
 
 

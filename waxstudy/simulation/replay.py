@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numba import njit, types
+from numpy.typing import ArrayLike
 
 from waxstudy.plugin import CHAIN, FloatArray, SimulationError
 from waxstudy.simulation.cache import cached
@@ -27,18 +28,44 @@ def run(step: Any, parameters: Any, state: Any, low: float, high: float, u: Any,
     return DONE
 
 
-_POINTER, _NUMBER = types.int64, types.float64
-_RUN = types.int64(_POINTER, _POINTER, _POINTER, _NUMBER, _NUMBER, _NUMBER[::1], _NUMBER, _NUMBER)
+def spread(signal: Any, jump: Any, u: Any) -> None:
+    """Put a signal (n,) in the middle of each step into u (n, parts); `jump` (n,) is as for `replay`, (0,) for none."""
+    before, parts = signal[0], u.shape[1]
+    for i in range(len(signal)):
+        now = signal[i]
+        for k in range(parts):
+            middle = (k + 0.5) / parts
+            if len(jump) == 0:
+                u[i, k] = (now - before) * middle + before
+            else:
+                u[i, k] = now if now == before or middle > jump[i] else before
+        before = now
+
+
+def subtract(setpoint_C: Any, u: Any) -> None:
+    """Put the error in the place of the reading u (n, parts), by the setpoint of each interval (n,)."""
+    for i in range(len(setpoint_C)):
+        for k in range(u.shape[1]):
+            u[i, k] = setpoint_C[i] - u[i, k]
+
+
+_POINTER, _NUMBER, _STEPS = types.int64, types.float64, types.float64[:, ::1]
+_SERIES = types.Array(_NUMBER, 1, "C", readonly=True)
+_SIGNATURES = {
+    run: types.int64(_POINTER, _POINTER, _POINTER, _NUMBER, _NUMBER, _NUMBER[::1], _NUMBER, _NUMBER),
+    spread: types.void(_SERIES, _SERIES, _STEPS),
+    subtract: types.void(_SERIES, _STEPS),
+}
 
 
 @cache
-def compiled() -> Callable[..., int]:
-    """Return the compiled loop; it releases the interpreter lock."""
+def compiled(loop: Callable[..., Any]) -> Callable[..., Any]:
+    """Return one of the loops above, compiled; it releases the interpreter lock."""
 
     def build(folder: Path | None) -> Any:
-        return njit(_RUN, nogil=True, cache=folder is not None)(run)
+        return njit(_SIGNATURES[loop], nogil=True, cache=folder is not None)(loop)
 
-    function: Callable[..., int] = cached(build)
+    function: Callable[..., Any] = cached(build)
     return function
 
 
@@ -69,10 +96,10 @@ def replay(
     end = mean = np.zeros(0)
     for place in range(CHAIN.index(first), CHAIN.index(last) + 1):
         if place == CONTROLLER:
-            np.subtract(np.asarray(setpoint_C, dtype=float)[:, None], u, out=u)
+            compiled(subtract)(_series(setpoint_C), u)
         if chain.blocks[place]:
             block = ready.addresses[place], ready.parameters[place], pointers[place]
-            failed = compiled()(*block, chain.low[place], chain.high[place], u.reshape(-1), start_s, chain.step_s)
+            failed = compiled(run)(*block, chain.low[place], chain.high[place], u.reshape(-1), start_s, chain.step_s)
             if failed != DONE or ready.failed(states) is not None:
                 at = clock(start_s + max(0, failed) * chain.step_s)
                 raise SimulationError(f"{CHAIN[place]} failed at {at} of the record")
@@ -89,13 +116,10 @@ def _shown(u: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _in_steps(signal: FloatArray, jump: FloatArray | None, parts: int) -> FloatArray:
     """Return a signal in the middle of each step (n, parts)."""
-    now = np.asarray(signal, dtype=float)
-    before = np.concatenate((now[:1], now[:-1]))
-    middle = (np.arange(parts) + 0.5) / parts
-    if jump is None:
-        found = np.outer(now - before, middle)
-        found += before[:, None]
-        return found
-    found, jumps = np.repeat(now, parts).reshape(-1, parts), now != before  # few of many
-    found[jumps] = np.where(middle > jump[jumps, None], now[jumps, None], before[jumps, None])
-    return found
+    u = np.empty((len(signal), parts))
+    compiled(spread)(_series(signal), _series([] if jump is None else jump), u)
+    return u
+
+
+def _series(values: ArrayLike) -> FloatArray:
+    return np.ascontiguousarray(values, dtype=float)
