@@ -53,7 +53,7 @@ class Estimator(Generic[P]):
     """Fits hypotheses to one problem, always from the same belief. `thorough` below 1 looks at less.
 
     One that `keeps` slopes takes those of the nuisances at its base, or has them from a fit that came `before`, and
-    keeps them for all else: a room answers nearly in a straight line. Fits also begin `near` what is given of effects.
+    keeps them for all else: a room answers nearly in a straight line. Fits begin `near` what is given of effects.
     """
 
     def __init__(

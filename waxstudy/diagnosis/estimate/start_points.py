@@ -48,7 +48,7 @@ class StartPoints:
     """Where an effect, added to a hypothesis, may be worth a closer look.
 
     `straight` is how the nuisances follow: slopes, what solves for them, which residuals are fitted; None without any.
-    `near` are values that another look at the record found.
+    `near` are values that another look at the record found: points are spread over the parameters without them alone.
     """
 
     def __init__(
@@ -77,8 +77,8 @@ class StartPoints:
         still = self._at(given.effects, convention) if self.screen or is_scaled else None
         before = still.missed(self.parts) if still and is_scaled else None
         scored, scaled = list[tuple[float, Values]](), list[tuple[float, Values]]()
-        found_before = *self.effect.starts(self.problem.belief), *self.near
-        points = *self.space.points(self.thorough), *self.space.near(neutral), *found_before
+        spread = *self.space.points(self.thorough), *self.effect.starts(self.problem.belief)
+        points = *(self.near or spread), *self.space.near(neutral)
         for values in points:
             look = self._with(values, convention)  # one at a time: each is several times as long as the record
             self._screened(values, look, still, neutral, convention)
