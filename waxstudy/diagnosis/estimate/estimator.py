@@ -196,7 +196,10 @@ class Estimator(Generic[P]):
         straight = self.straight(tuple(parts)) if self.has_nuisances else None
         about = straight, self.thorough, screen, self.near.get(effect)
         look = StartPoints(self.problem, self.score, effect, given, parts, *about)
-        found = [(*look.best(convention), convention) for convention in self.conventions]
+        spread = [given.convention, *(each for each in self.conventions if not each.has_log_of(given.convention))]
+        found = [(*look.best(convention), convention) for convention in spread]
+        # what only the room's heat or means are read by moves an effect's best place by little
+        found += [look.again(found[0][1], convention) for convention in self.conventions if convention not in spread]
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         if possible and not self.has_nuisances:
             scanned = list(look.scanned(*possible[0]))

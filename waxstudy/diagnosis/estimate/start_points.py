@@ -145,6 +145,10 @@ class StartPoints:
         if best[0] < IMPOSSIBLE:
             yield *best, convention
 
+    def again(self, values: Values, convention: Convention) -> tuple[float, Values, Convention]:
+        """Return the score of values with another way to read the record, with them and it."""
+        return *self._looked(values, convention, self._still(convention)), convention
+
     def better(self, place: tuple[float, Values, Convention], values: Values) -> tuple[float, Values, Convention]:
         """Return a place, or the same way to read the record with other values, whichever misses less.
 

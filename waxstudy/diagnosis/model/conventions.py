@@ -23,6 +23,10 @@ class Convention:
         """Return in how many of its choices it differs: the sensor's log, the sun's heat, the room's temperatures."""
         return sum(one != another for one, another in zip(self._choices, other._choices, strict=True))
 
+    def has_log_of(self, other: Convention) -> bool:
+        """Whether the sensor's log is read in the same way."""
+        return self._choices[0] == other._choices[0]
+
     @property
     def is_handicapped(self) -> bool:
         """Whether it must be better than the others by more: it has most freedom."""
