@@ -25,7 +25,7 @@ class Convention:
 
     def has_log_of(self, other: Convention) -> bool:
         """Whether the sensor's log is read in the same way."""
-        return self._choices[0] == other._choices[0]
+        return bool(self._choices[0] == other._choices[0])
 
     @property
     def is_handicapped(self) -> bool:

@@ -18,6 +18,7 @@ from waxstudy.diagnosis.model.travel import travel
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import SPANS
+from waxstudy.diagnosis.select.days import days_of
 from waxstudy.diagnosis.select.evidence import departure, travel_left
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import Pattern
@@ -94,11 +95,12 @@ class Appraisal:
     def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
         """Return how much likelier the healthy record were, had effects been there then, and what else would differ.
 
-        Of what was calibrated on it is known how much of it was there: more of it is a change.
+        Of what was calibrated on it is known how much of it was there: more of it is a change. It has none of
+        a later one's days.
         """
         known = self.problem.as_built.knobs if self.problem.as_built else ()
         calibrated = {each.effect for each in known if isinstance(each, Knob)}
-        open_ = [(effect, values) for effect, values in fitted.effects if effect not in calibrated]
+        open_ = [pair for pair in fitted.effects if pair[0] not in calibrated and days_of(pair[0]) is None]
         return self.healthy.had_it(open_) if open_ else (0.0, np.zeros(len(self.problem.sd)))
 
     def _unlike(self, fitted: Hypothesis, moved: FloatArray) -> float:

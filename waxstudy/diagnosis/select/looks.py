@@ -15,6 +15,7 @@ from waxstudy.diagnosis.estimate.start_points import STRONGEST, TINY
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import BINS, Span, apart, parts_of_day, promising
+from waxstudy.diagnosis.select.days import Days, on_days
 from waxstudy.plugin import HOURS, FloatArray
 from waxstudy.plugin.hours import DAY_H
 
@@ -59,6 +60,23 @@ class Looks:
             return sorted(looks, key=lambda each: -each.gain)
         points = [*Space(effect).points(self.thorough), *effect.starts(self.problem.belief)]
         return sorted(self._looks(effect, points, before), key=lambda each: -each.gain)[:1]
+
+    def on_days(self, effect: EffectType, values: Values, among: Sequence[Days]) -> tuple[EffectType, Look] | None:
+        """Return an effect where it acts on those of some days that promise most, and a look at it."""
+        count = len(among[0].acts) if among else 0
+        alone = [self._change(on_days(effect, Days.only(day, count)), values) for day in range(count)]
+        found = [each for each in alone if each is not None]
+        if not found or len(found) < len(alone):
+            return None
+        changes, acts = np.column_stack(found), np.array([each.acts for each in among], dtype=float)
+        taken, before = self.basis.T @ changes, self._free(self.missed(self.still))
+        power = np.maximum(np.sum(acts @ (changes.T @ changes - taken.T @ taken) * acts, axis=1), TINY)
+        along = acts @ (before @ changes)
+        strength = np.clip(-along / power, *self._strengths(effect, values))
+        gains = -strength * along - 0.5 * strength**2 * power
+        best = int(np.argmax(gains))
+        look = Look(values, changes @ acts[best], float(strength[best]), float(gains[best]))
+        return on_days(effect, among[best]), look
 
     def values(self, effect: EffectType, look: Look) -> Values:
         """Return the parameters of an effect at the strength of a look."""

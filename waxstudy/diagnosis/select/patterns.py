@@ -53,36 +53,33 @@ def _named(record: Record) -> Iterator[Pattern]:
     time_h = (np.arange(count) + 0.5) * interval_h
     length_h = count * interval_h
     yield Pattern("growing", np.asarray(2.0 * time_h / length_h), ((0.0, length_h),))
-    first_h = record.start_s / 3600.0
-    days = int(record.day.max())
-    for day in range(1, days + 1):
-        begin_h = day * DAY_H - first_h
-        yield _pattern(f"from day {day + 1} on", time_h >= begin_h, interval_h)
-        yield _pattern(f"up to day {day}", time_h < begin_h, interval_h)
-        yield _pattern(f"on day {day + 1} only", record.day == day, interval_h)
+    for words, acts in of_days(record):
+        yield _pattern(words, acts[record.day], interval_h)
     for hour in range(24):
         for hours in LENGTHS_H:
             words = f"every day from {hour:02d}:00 to {int(hour + hours) % 24:02d}:00"
             yield _pattern(words, (record.clock_h - hour) % DAY_H < hours, interval_h)
+
+
+def of_days(record: Record) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the courses that are tried of whole days: in words, and on which days each acts (days,)."""
+    days = np.arange(int(record.day.max()) + 1)
+    for day in days[1:].tolist():
+        yield f"from day {day + 1} on", days >= day
+        yield f"up to day {day}", days < day
+        yield f"on day {day + 1} only", days == day
     for rest in (0, 1):
-        yield _pattern(f"every other day from day {rest + 1} on", record.day % 2 == rest, interval_h)
-    for words, acts in _of_week(record):
-        yield _pattern(words, acts, interval_h)
-
-
-def _of_week(record: Record) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the courses by the days of the week: when each acts (n,)."""
+        yield f"every other day from day {rest + 1} on", days % 2 == rest
     if record.first_weekday is None:
         return
-    weekday = (record.day + record.first_weekday) % len(WEEK)
+    weekday = (days + record.first_weekday) % len(WEEK)
     is_weekend = weekday >= WEEK.index("Saturday")
     if is_weekend.any() and not is_weekend.all():
         yield "on Saturdays and Sundays", is_weekend
         yield "from Mondays to Fridays", ~is_weekend
     for place, name in enumerate(WEEK):
-        acts = weekday == place
-        if len(np.unique(record.day[acts])) > 1:
-            yield f"on {name}s", acts
+        if (weekday == place).sum() > 1:
+            yield f"on {name}s", weekday == place
 
 
 def concentrated(residual: Residual, together: float, record: Record) -> Pattern | None:

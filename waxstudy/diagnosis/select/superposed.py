@@ -14,7 +14,8 @@ from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.looks import Looks
+from waxstudy.diagnosis.select.days import Days
+from waxstudy.diagnosis.select.looks import Looks, is_timed
 from waxstudy.plugin import FloatArray
 
 PROMISING = 2.0  # of log likelihood that an effect must gain in a straight line, for a closer look
@@ -50,6 +51,17 @@ class Superposed:
         if fitted is None or self.estimator.score(given, ALL) - self.estimator.score(fitted, ALL) < 2.0 * PROMISING:
             return fitted
         return self._fitted(fitted.effects, fitted.departures, fitted.convention)
+
+    def on_days(self, fitted: Hypothesis, among: Sequence[Days]) -> Hypothesis | None:
+        """Return an effect of a room that acts at hours, where it acts on those of some days that promise most."""
+        ((effect, values),) = fitted.effects
+        if not is_timed(effect) or not (found := self.looks.on_days(effect, values, among)):
+            return None
+        chosen, look = found
+        most = MOST_SD * self.problem.sd
+        step = self.looks.step(self.looks.missed(self.looks.still), look)
+        edits = [(chosen, self.looks.values(chosen, look))]
+        return self._fitted(edits, np.clip(self.looks.still.departures + step, -most, most), fitted.convention)
 
     def _instead(self, effect: EffectType, given: Hypothesis) -> Iterator[tuple[Edits, FloatArray]]:
         """Yield a start at which the effect does what the nuisances of its own kind do in the given hypothesis."""

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import create_model
 
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
-from waxstudy.plugin import Belief, FloatArray, Inputs, Parameters, Prior, clock, open_share, parameter
+from waxstudy.plugin import HOURS, Belief, FloatArray, Inputs, Parameters, Prior, clock, open_share, parameter
 from waxstudy.plugin.hours import DAY_H
 
 HOUR = Prior(0.0, DAY_H, noticeable=0.5)
@@ -33,13 +33,13 @@ def can_be_timed(effect: EffectType, belief: Belief) -> bool:
 @cache
 def timed(effect: EffectType) -> EffectType:
     """Return the effect with two more parameters, the hours of the day from and to which it acts."""
-    hours: dict[str, Any] = {each: (float, _hour(each)) for each in ("from_h", "to_h")}
+    hours: dict[str, Any] = {each: (float, _hour(each)) for each in HOURS}
     name = f"Timed{effect.__name__}"
     parameters: type[Parameters] = create_model(f"{name}Parameters", __base__=effect.Parameters, **hours)
 
     class Timed(effect):  # type: ignore[misc, valid-type]
         Parameters = parameters
-        priors = {**effect.priors, "from_h": HOUR, "to_h": HOUR}
+        priors = {**effect.priors, **dict.fromkeys(HOURS, HOUR)}
 
         @classmethod
         def neutral(cls, belief: Belief) -> Mapping[str, float] | None:
@@ -51,7 +51,7 @@ def timed(effect: EffectType) -> EffectType:
             assert belief.inputs
             assert other.inputs
             share = open_share(belief.inputs, p.from_h, p.to_h)
-            return replace(other, inputs=_blended(belief.inputs, other.inputs, share))
+            return replace(other, inputs=blended(belief.inputs, other.inputs, share))
 
         @classmethod
         def hours(cls, p: Any) -> tuple[float, float] | None:
@@ -75,7 +75,7 @@ def _hour(name: str) -> Any:
     return parameter(0.0, unit="h", ge=0.0, le=DAY_H, description=words, source="found from the record")
 
 
-def _blended(before: Inputs, after: Inputs, share: FloatArray) -> Inputs:
+def blended(before: Inputs, after: Inputs, share: FloatArray) -> Inputs:
     """Return inputs of which each course is changed for a share of each interval."""
     changes: dict[str, FloatArray] = {}
     for field in fields(Inputs):

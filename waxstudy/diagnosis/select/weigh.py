@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import Appraisal
 from waxstudy.diagnosis.select.day import SPANS
+from waxstudy.diagnosis.select.days import courses
 from waxstudy.diagnosis.select.looks import acts_all_day
 from waxstudy.diagnosis.select.patterns import Pattern, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
@@ -60,13 +62,17 @@ class Weighing(Appraisal):
                 found += [self.beside(each, pair) for pair in self._timely(pairs, each.fitted)]
         return found
 
+    @cached_property
+    def _superposed(self) -> Superposed:
+        return Superposed(self.estimator, self.none)
+
     def _open(self, best: Sequence[Weighed]) -> list[Weighed]:
         """Return hypotheses that leave something for more to tell; of a room its unknowns may hide that."""
         return [each for each in best if self.problem.segment.with_room or each.misfit > WEIGHTS.open]
 
     def _singles(self) -> list[Hypothesis]:
         """Return each effect by itself, fitted to the whole record."""
-        self._one_more = Superposed(self.estimator, self.none).fits if len(self.problem.sd) else self._fits
+        self._one_more = self._superposed.fits if len(self.problem.sd) else self._fits
         singles = self._timely(list(self._one_more(self.effects, self.none, self.tick)), self.none)
         self._settle(singles)
         return singles
@@ -97,11 +103,12 @@ class Weighing(Appraisal):
                 yield fitted
 
     def _patterned(self, best: Sequence[Weighed]) -> Iterator[Weighed]:
-        """Yield effects of the chain that act at certain times, where that tells much more than that they act always.
+        """Yield effects that act at certain times: of a room those with hours on some days only, of a chain any.
 
-        What an effect does to each sample is taken times its strength there: what it does later is left out.
+        What an effect of a chain does to each sample is taken times its strength there: what it does later is left out.
         """
         if self.problem.segment.with_room:
+            yield from self._on_days(best)
             return
         possible = self._open(best)
         tried = sum(1 for _ in patterns(self.problem.record)) if possible else 0
@@ -111,6 +118,26 @@ class Weighing(Appraisal):
             fitted, pattern = min(made, key=lambda pair: self._loss(pair[0]))
             weighed = self.of(fitted, pattern=pattern)
             yield replace(weighed, price=weighed.price + WEIGHTS.price + float(np.log(tried)))
+
+    def _on_days(self, best: Sequence[Weighed]) -> Iterator[Weighed]:
+        """Yield effects of a room that act on some days only, which are paid for by how many courses are tried.
+
+        What the day gains on which it gains most is left out: what happened once may be chance.
+        """
+        record, inputs = self.problem.record, self.problem.belief.inputs
+        among = courses(record, inputs) if inputs else []
+        for each in best:
+            if fitted := self._superposed.on_days(each.fitted, among):
+                weighed = self.of(fitted)
+                price = weighed.price + WEIGHTS.price + float(np.log(len(among)))
+                yield replace(weighed, gain=weighed.gain - self._most_of_a_day(fitted), price=price)
+
+    def _most_of_a_day(self, fitted: Hypothesis) -> float:
+        """Return the log likelihood that a hypothesis of a room gains on the day on which it gains most."""
+        day = np.concatenate([self.problem.record.day[each.sample] for each in fitted.residuals])
+        nothing = self._nothing(fitted)
+        gains = np.bincount(day, 0.5 * (self._missed(nothing) ** 2 - self._missed(fitted) ** 2))
+        return max(0.0, float(gains.max()))
 
     def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> Hypothesis:
         """Return a hypothesis whose effect has a course, at the strength that suits the record best."""
