@@ -142,5 +142,7 @@ def test_days_are_tried_once_and_weather_has_its_own() -> None:
     assert coldest(3).acts in {each.acts for each in among}
     words = {each.words for each in among}
     assert {"on day 3 only", "from day 4 on", "every other day from day 2 on"} <= words
+    midnight = replace(record, start_s=-INTERVAL_S)  # its first stamp is a midnight
+    assert {len(each.acts) for each in courses(midnight, believed.inputs)} == {DAYS}
     still = replace(believed.inputs, outdoor_C=np.zeros(len(record)), solar_W=np.zeros(len(record)))
     assert not any("colder" in each.words or "sun" in each.words for each in courses(record, still))

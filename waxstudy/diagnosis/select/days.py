@@ -11,7 +11,7 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.select.patterns import of_days
+from waxstudy.diagnosis.select.patterns import day_of, of_days
 from waxstudy.diagnosis.select.timed import blended
 from waxstudy.plugin import Belief, FloatArray, Inputs
 from waxstudy.plugin.hours import DAY_H
@@ -48,13 +48,14 @@ def courses(record: Record, inputs: Inputs) -> list[Days]:
 
 def _of_weather(record: Record, inputs: Inputs) -> Iterator[tuple[str, np.ndarray]]:
     """Yield in words and by day (days,) where it is colder or warmer than between two days, sunnier or duller."""
-    counts = np.bincount(record.day)
+    day = day_of(record)
+    counts = np.bincount(day)
     if not counts.all():
         return
     outdoor = inputs.outdoor_C, "colder", "warmer", ".1f", "C"
     sun = inputs.solar_W, "with less", "with more", ".0f", "W of sun"
     for values, less, more, digits, unit in (outdoor, sun):
-        mean = np.bincount(record.day, values) / counts
+        mean = np.bincount(day, values) / counts
         for below, above in pairwise(np.unique(mean).tolist()):
             edge = 0.5 * (below + above)
             yield f"on days {less} than {edge:{digits}} {unit}", mean < edge

@@ -54,16 +54,21 @@ def _named(record: Record) -> Iterator[Pattern]:
     length_h = count * interval_h
     yield Pattern("growing", np.asarray(2.0 * time_h / length_h), ((0.0, length_h),))
     for words, acts in of_days(record):
-        yield _pattern(words, acts[record.day], interval_h)
+        yield _pattern(words, acts[day_of(record)], interval_h)
     for hour in range(24):
         for hours in LENGTHS_H:
             words = f"every day from {hour:02d}:00 to {int(hour + hours) % 24:02d}:00"
             yield _pattern(words, (record.clock_h - hour) % DAY_H < hours, interval_h)
 
 
+def day_of(record: Record) -> np.ndarray:
+    """Return the number of the day of each sample (n,): what ended at the first midnight belongs to the first one."""
+    return np.asarray(np.maximum(record.day, 0))
+
+
 def of_days(record: Record) -> Iterator[tuple[str, np.ndarray]]:
     """Yield the courses that are tried of whole days: in words, and on which days each acts (days,)."""
-    days = np.arange(int(record.day.max()) + 1)
+    days = np.arange(int(day_of(record).max()) + 1)
     for day in days[1:].tolist():
         yield f"from day {day + 1} on", days >= day
         yield f"up to day {day}", days < day

@@ -19,7 +19,7 @@ from waxstudy.diagnosis.select.appraise import Appraisal
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import courses
 from waxstudy.diagnosis.select.looks import acts_all_day
-from waxstudy.diagnosis.select.patterns import Pattern, patterns
+from waxstudy.diagnosis.select.patterns import Pattern, day_of, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
@@ -134,7 +134,7 @@ class Weighing(Appraisal):
 
     def _most_of_a_day(self, fitted: Hypothesis) -> float:
         """Return the log likelihood that a hypothesis of a room gains on the day on which it gains most."""
-        day = np.concatenate([self.problem.record.day[each.sample] for each in fitted.residuals])
+        day = np.concatenate([day_of(self.problem.record)[each.sample] for each in fitted.residuals])
         nothing = self._nothing(fitted)
         gains = np.bincount(day, 0.5 * (self._missed(nothing) ** 2 - self._missed(fitted) ** 2))
         return max(0.0, float(gains.max()))
