@@ -30,16 +30,15 @@ def run(step: Any, parameters: Any, state: Any, low: float, high: float, u: Any,
 
 def spread(signal: Any, jump: Any, u: Any) -> None:
     """Put a signal (n,) in the middle of each step into u (n, parts); `jump` (n,) is as for `replay`, (0,) for none."""
-    before, parts = signal[0], u.shape[1]
+    parts = u.shape[1]
     for i in range(len(signal)):
-        now = signal[i]
+        before, now = signal[max(0, i - 1)], signal[i]
         for k in range(parts):
             middle = (k + 0.5) / parts
             if len(jump) == 0:
                 u[i, k] = (now - before) * middle + before
             else:
                 u[i, k] = now if now == before or middle > jump[i] else before
-        before = now
 
 
 def subtract(setpoint_C: Any, u: Any) -> None:

@@ -95,8 +95,8 @@ class Appraisal:
     def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
         """Return how much likelier the healthy record were, had effects been there then, and what else would differ.
 
-        Of what was calibrated on it is known how much of it was there: more of it is a change. It has none of
-        a later one's days.
+        Of what was calibrated on it is known how much of it was there: more of it is a change. What acts on some days
+        of the later record cannot have been there.
         """
         known = self.problem.as_built.knobs if self.problem.as_built else ()
         calibrated = {each.effect for each in known if isinstance(each, Knob)}
