@@ -16,8 +16,10 @@ from waxstudy.diagnosis.diagnose import diagnose, record_of
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import Diagnosis
-from waxstudy.diagnosis.select.days import Days, courses, on_days
+from waxstudy.diagnosis.select.appraise import _price
+from waxstudy.diagnosis.select.days import Days, courses, days_of, on_days
 from waxstudy.diagnosis.select.timed import timed
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Effect, Inputs
 
 DAYS, INTERVAL_S = 7, 300.0
@@ -43,7 +45,7 @@ def coldest(count: int) -> Days:
 
 @pytest.fixture
 def acting(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Effects of a room that the library has on all days only."""
+    """Put effects that act on some days into the library."""
     heat, window = timed(EFFECTS["extra-heat"]), EFFECTS["window-opening"]
     put_in: dict[str, type[Effect]] = {"stove": on_days(heat, coldest(3)), "window": on_days(window, EVERY_OTHER)}
     for name, effect in put_in.items():
@@ -110,8 +112,9 @@ def test_a_room_in_which_nothing_happened_has_no_day_of_its_own() -> None:
 
 def test_hours_over_midnight_belong_to_the_day_on_which_they_begin() -> None:
     inputs = a_day_and_a_half()
-    assert Days.only(0, 2).share(inputs, (22.0, 2.0))[22:26].tolist() == [1.0] * 4
-    assert Days.only(1, 2).share(inputs, (22.0, 2.0))[22:26].tolist() == [0.0] * 4
+    assert Days.only(0, 2).share(inputs, (22.4, 2.0))[22:26].tolist() == [1.0] * 4  # from within an interval on
+    assert Days.only(1, 2).share(inputs, (22.4, 2.0))[22:26].tolist() == [0.0] * 4
+    assert Days.only(0, 2).share(inputs, (22.4, 2.0))[:2].tolist() == [0.0] * 2  # began on the day before
     assert Days.only(0, 2).share(inputs, None).tolist() == [1.0] * 24 + [0.0] * 12
 
 
@@ -133,15 +136,27 @@ def test_an_effect_does_nothing_on_other_days_and_all_of_it_on_its_own() -> None
     assert second.extra_W.any()
 
 
+def test_days_are_paid_for_in_whatever_company() -> None:
+    heat, values = timed(EFFECTS["extra-heat"]), {"heat_W": 100.0, "radiant_share": 0.0, "from_h": 6.0, "to_h": 8.0}
+    on = replace(EVERY_OTHER, tried=50)
+    assert _price(on_days(heat, on), values) == pytest.approx(_price(heat, values) + WEIGHTS.price + np.log(50))
+
+
+def test_an_attribute_of_somebody_else_s_effect_is_no_days() -> None:
+    assert days_of(type("Theirs", (EFFECTS["window-opening"],), {"acts_on": "Mondays", "days": 3})) is None
+
+
 def test_days_are_tried_once_and_weather_has_its_own() -> None:
     record, believed = seen()
     assert believed.inputs
     among = courses(record, believed.inputs)
     assert len({each.acts for each in among}) == len(among)
-    assert all(len(each.acts) == DAYS and any(each.acts) and not all(each.acts) for each in among)
+    assert all(len(each.acts) == DAYS and 1 < sum(each.acts) < DAYS for each in among)
+    assert {each.tried for each in among} == {len(among)}
     assert coldest(3).acts in {each.acts for each in among}
     words = {each.words for each in among}
-    assert {"on day 3 only", "from day 4 on", "every other day from day 2 on"} <= words
+    assert {"from day 4 on", "every other day from day 2 on"} <= words
+    assert "on day 3 only" not in words  # what happened once may be chance
     midnight = replace(record, start_s=-INTERVAL_S)  # its first stamp is a midnight
     assert {len(each.acts) for each in courses(midnight, believed.inputs)} == {DAYS}
     still = replace(believed.inputs, outdoor_C=np.zeros(len(record)), solar_W=np.zeros(len(record)))

@@ -86,6 +86,8 @@ def replay(
     gets. With `jump` (n,) the signal is a switch that jumps after that part of each interval; without, it runs straight
     from sample to sample. Nothing behind the block of kind `last` is run. Raises `SimulationError`.
     """
+    if not len(signal) == len(setpoint_C) == len(signal if jump is None else jump):
+        raise ValueError("signal, setpoint and jumps must be of the same length")
     ready = CompiledChain(chain)
     states = ready.start()
     pointers, parts = ready.pointers(states), round(interval_s / chain.step_s)

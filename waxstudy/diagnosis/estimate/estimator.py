@@ -198,7 +198,7 @@ class Estimator(Generic[P]):
         look = StartPoints(self.problem, self.score, effect, given, parts, *about)
         spread = [given.convention, *(each for each in self.conventions if not each.has_log_of(given.convention))]
         found = [(*look.best(convention), convention) for convention in spread]
-        # what only the room's heat or means are read by moves an effect's best place by little
+        # another reading of the sun or of means moves an effect's best place by little, and the fit goes there
         found += [look.again(found[0][1], convention) for convention in self.conventions if convention not in spread]
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         if possible and not self.has_nuisances:

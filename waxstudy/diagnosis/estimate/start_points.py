@@ -48,7 +48,7 @@ class StartPoints:
     """Where an effect, added to a hypothesis, may be worth a closer look.
 
     `straight` is how the nuisances follow: slopes, what solves for them, which residuals are fitted; None without any.
-    `near` are values that another look at the record found: points are spread over the parameters without them alone.
+    `near` are values that another look at the record found; an effect by itself then needs no points that are spread.
     """
 
     def __init__(
@@ -78,7 +78,8 @@ class StartPoints:
         before = still.missed(self.parts) if still and is_scaled else None
         scored, scaled = list[tuple[float, Values]](), list[tuple[float, Values]]()
         spread = *self.space.points(self.thorough), *self.effect.starts(self.problem.belief)
-        points = *(self.near or spread), *self.space.near(neutral)
+        found_before = self.near if self.near and not given.effects else (*spread, *self.near)
+        points = *found_before, *self.space.near(neutral)
         for values in points:
             look = self._with(values, convention)  # one at a time: each is several times as long as the record
             self._screened(values, look, still, neutral, convention)

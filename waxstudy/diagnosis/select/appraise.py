@@ -21,7 +21,7 @@ from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import days_of
 from waxstudy.diagnosis.select.evidence import departure, travel_left
 from waxstudy.diagnosis.select.gain_spread import gain_spread
-from waxstudy.diagnosis.select.patterns import Pattern
+from waxstudy.diagnosis.select.patterns import Pattern, day_of
 from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import HOURS, Belief, FloatArray
@@ -68,7 +68,7 @@ class Appraisal:
         """Return a hypothesis, added to nothing or to a given one, with what speaks for it."""
         ease = 0.5 * (self.estimator.strain(self.none) - self.estimator.strain(fitted))
         nothing = self._nothing(fitted)
-        gain = 0.5 * (self._loss(nothing) - self._loss(fitted)) - ease
+        gain = 0.5 * (self._loss(nothing) - self._loss(fitted)) - ease - self._once(fitted)
         always, moved = self._always(fitted)
         spread, most = self._spread(fitted)
         price = sum(_price(effect, values) for effect, values in fitted.effects)
@@ -92,11 +92,19 @@ class Appraisal:
             pattern=pattern,
         )
 
+    def _once(self, fitted: Hypothesis) -> float:
+        """Return what a hypothesis with days gains on the day of most: what happened once may be chance."""
+        if not any(days_of(effect) for effect, _ in fitted.effects):
+            return 0.0
+        day = np.concatenate([day_of(self.problem.record)[each.sample] for each in fitted.residuals])
+        gains = np.bincount(day, 0.5 * (self._missed(self._nothing(fitted)) ** 2 - self._missed(fitted) ** 2))
+        return max(0.0, float(gains.max()))
+
     def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
         """Return how much likelier the healthy record were, had effects been there then, and what else would differ.
 
         Of what was calibrated on it is known how much of it was there: more of it is a change. What acts on some days
-        of the later record cannot have been there.
+        only is not looked for there.
         """
         known = self.problem.as_built.knobs if self.problem.as_built else ()
         calibrated = {each.effect for each in known if isinstance(each, Knob)}
@@ -282,8 +290,10 @@ class Appraisal:
 
 
 def _price(effect: EffectType, values: Values) -> float:
-    """Return what an effect costs: that it came, its parameters, and its hours, unless it acts always."""
-    came = -float(np.log(WEIGHTS.prior))
+    """Return what an effect costs: that it came, its parameters, its days, and its hours, unless it acts always."""
+    came, days = -float(np.log(WEIGHTS.prior)), days_of(effect)
+    if days is not None:
+        came += WEIGHTS.price + float(np.log(days.tried))
     if not effect.has_hours():
         return came + WEIGHTS.price * len(effect.priors)
     acts_always = effect.hours(effect.Parameters(**values)) is None

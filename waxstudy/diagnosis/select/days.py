@@ -23,50 +23,61 @@ class Days:
 
     words: str
     acts: tuple[bool, ...]
+    tried: int = 1  # courses that it was chosen from
 
     @classmethod
     def only(cls, day: int, count: int) -> Days:
         return cls("", tuple(each == day for each in range(count)))
 
     def share(self, inputs: Inputs, hours: tuple[float, float] | None) -> FloatArray:
-        """Return 1 for each interval of these days, 0 for the others (n,); hours over midnight belong to the first."""
-        begin_h = hours[0] if hours and hours[0] > hours[1] else 0.0
+        """Return 1 for each interval of these days, 0 for the others (n,); hours over midnight belong to the first.
+
+        What began before the first day is of no day.
+        """
+        # a day of hours over midnight begins in the middle of those in which nothing acts
+        begin_h = 0.5 * sum(hours) if hours and hours[0] > hours[1] else 0.0
         middle_h = (inputs.start_s + (np.arange(len(inputs.outdoor_C)) + 0.5) * inputs.interval_s) / 3600.0
-        day = np.clip((middle_h - begin_h) // DAY_H, 0, len(self.acts) - 1).astype(int)
-        return np.asarray(np.array(self.acts, dtype=float)[day])
+        day = ((middle_h - begin_h) // DAY_H).astype(int)
+        is_known = (day >= 0) & (day < len(self.acts))
+        return np.where(is_known, np.array(self.acts, dtype=float)[np.where(is_known, day, 0)], 0.0)
 
 
 def courses(record: Record, inputs: Inputs) -> list[Days]:
     """Return the days that are tried, each once: of the calendar and the week, the coldest, warmest, sunniest, dullest.
 
-    Weather is that of whole days. What depends on it in steps, as a stove that is lit when it is cold, acts on these.
+    At least two of them: what happened once may be chance. What depends on the weather in steps, as a stove that is lit
+    when it is cold, acts on the last four.
     """
     named = [*of_days(record), *_of_weather(record, inputs)]
     found = {tuple(acts.tolist()): words for words, acts in reversed(named)}
-    return [Days(words, acts) for acts, words in found.items() if any(acts) and not all(acts)]
+    chosen = {acts: words for acts, words in found.items() if sum(acts) > 1 and not all(acts)}
+    return [Days(words, acts, len(chosen)) for acts, words in chosen.items()]
 
 
 def _of_weather(record: Record, inputs: Inputs) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield in words and by day (days,) where it is colder or warmer than between two days, sunnier or duller."""
+    """Yield in words and by day (days,) where it is colder or warmer than between two days, sunnier or duller.
+
+    The weather of a day is the mean of what the record has of it.
+    """
     day = day_of(record)
     counts = np.bincount(day)
     if not counts.all():
         return
-    outdoor = inputs.outdoor_C, "colder", "warmer", ".1f", "C"
-    sun = inputs.solar_W, "with less", "with more", ".0f", "W of sun"
+    outdoor = inputs.outdoor_C, "colder", "warmer", 1, "C"
+    sun = inputs.solar_W, "with less", "with more", 0, "W of sun"
     for values, less, more, digits, unit in (outdoor, sun):
         mean = np.bincount(day, values) / counts
         for below, above in pairwise(np.unique(mean).tolist()):
-            edge = 0.5 * (below + above)
-            yield f"on days {less} than {edge:{digits}} {unit}", mean < edge
-            yield f"on days {more} than {edge:{digits}} {unit}", mean > edge
+            edge = round(0.5 * (below + above), digits) + 0.0  # as it is told; no -0
+            yield f"on days {less} than {edge:.{digits}f} {unit}", mean < edge
+            yield f"on days {more} than {edge:.{digits}f} {unit}", mean > edge
 
 
 def on_days(effect: EffectType, on: Days) -> EffectType:
     """Return the effect where it acts on some days only, with the same parameters."""
 
     class OnDays(effect):  # type: ignore[misc, valid-type]
-        days = on
+        acts_on = on
 
         @classmethod
         def apply(cls, belief: Belief, p: Any) -> Belief:
@@ -87,5 +98,5 @@ def on_days(effect: EffectType, on: Days) -> EffectType:
 
 def days_of(effect: EffectType) -> Days | None:
     """Return the days on which an effect acts; None where it acts on all of them."""
-    found: Days | None = getattr(effect, "days", None)
-    return found
+    found = getattr(effect, "acts_on", None)
+    return found if isinstance(found, Days) else None

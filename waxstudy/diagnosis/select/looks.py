@@ -62,7 +62,10 @@ class Looks:
         return sorted(self._looks(effect, points, before), key=lambda each: -each.gain)[:1]
 
     def on_days(self, effect: EffectType, values: Values, among: Sequence[Days]) -> tuple[EffectType, Look] | None:
-        """Return an effect where it acts on those of some days that promise most, and a look at it."""
+        """Return an effect where it acts on those of some days that promise most, and a look at it.
+
+        A course promises what its days do without the best of them.
+        """
         count = len(among[0].acts) if among else 0
         alone = [self._change(on_days(effect, Days.only(day, count)), values) for day in range(count)]
         found = [each for each in alone if each is not None]
@@ -70,11 +73,12 @@ class Looks:
             return None
         changes, acts = np.column_stack(found), np.array([each.acts for each in among], dtype=float)
         taken, before = self.basis.T @ changes, self._free(self.missed(self.still))
-        power = np.maximum(np.sum(acts @ (changes.T @ changes - taken.T @ taken) * acts, axis=1), TINY)
-        along = acts @ (before @ changes)
+        gram, pull = changes.T @ changes - taken.T @ taken, before @ changes
+        power, along = np.maximum(np.sum(acts @ gram * acts, axis=1), TINY), acts @ pull
         strength = np.clip(-along / power, *self._strengths(effect, values))
         gains = -strength * along - 0.5 * strength**2 * power
-        best = int(np.argmax(gains))
+        by_day = acts * (-np.outer(strength, pull) - 0.5 * np.outer(strength**2, np.diag(gram)))
+        best = int(np.argmax(gains - np.maximum(0.0, by_day.max(axis=1))))
         look = Look(values, changes @ acts[best], float(strength[best]), float(gains[best]))
         return on_days(effect, among[best]), look
 
@@ -185,6 +189,11 @@ class Looks:
 def is_timed(effect: EffectType) -> bool:
     """Whether hours of an effect add up: it gives a room heat between them. Setpoints of some hours do not."""
     return effect.has_hours() and effect.stage == "room"
+
+
+def has_hours(effect: EffectType, values: Values) -> bool:
+    """Whether an effect gives a room heat between two hours of a day, and rests at others."""
+    return is_timed(effect) and not acts_all_day(effect, values)
 
 
 def acts_all_day(effect: EffectType, values: Values) -> bool:

@@ -15,7 +15,7 @@ from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.days import Days
-from waxstudy.diagnosis.select.looks import Looks, is_timed
+from waxstudy.diagnosis.select.looks import Looks, has_hours
 from waxstudy.plugin import FloatArray
 
 PROMISING = 2.0  # of log likelihood that an effect must gain in a straight line, for a closer look
@@ -55,13 +55,17 @@ class Superposed:
     def on_days(self, fitted: Hypothesis, among: Sequence[Days]) -> Hypothesis | None:
         """Return an effect of a room that acts at hours, where it acts on those of some days that promise most."""
         ((effect, values),) = fitted.effects
-        if not is_timed(effect) or not (found := self.looks.on_days(effect, values, among)):
+        belief = self.problem.belief
+        other = effect.apply(belief, effect.Parameters(**values))
+        is_of_inputs = other.room == belief.room and other.blocks == belief.blocks  # a room itself has no days
+        if not is_of_inputs or not (found := self.looks.on_days(effect, values, among)):
             return None
         chosen, look = found
         most = MOST_SD * self.problem.sd
         step = self.looks.step(self.looks.missed(self.looks.still), look)
         edits = [(chosen, self.looks.values(chosen, look))]
-        return self._fitted(edits, np.clip(self.looks.still.departures + step, -most, most), fitted.convention)
+        days = self._fitted(edits, np.clip(self.looks.still.departures + step, -most, most), fitted.convention)
+        return days if days and has_hours(*days.effects[0]) else None
 
     def _instead(self, effect: EffectType, given: Hypothesis) -> Iterator[tuple[Edits, FloatArray]]:
         """Yield a start at which the effect does what the nuisances of its own kind do in the given hypothesis."""

@@ -18,8 +18,8 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import Appraisal
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import courses
-from waxstudy.diagnosis.select.looks import acts_all_day
-from waxstudy.diagnosis.select.patterns import Pattern, day_of, patterns
+from waxstudy.diagnosis.select.looks import acts_all_day, has_hours
+from waxstudy.diagnosis.select.patterns import Pattern, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
@@ -53,7 +53,7 @@ class Weighing(Appraisal):
         found = [self.of(each) for each in (self.none, *singles)]
         # an effect that comes and goes gains much, but not on all days
         told = [each for each in found[1:] if each.gain + each.ease > each.price]
-        found += list(self._patterned(sorted(told, key=lambda each: -each.gain)[:DEEPER]))
+        found += list(self._patterned(sorted(told, key=lambda each: -each.gain)))
         best = sorted(found[1:], key=lambda each: -score(each))[:DEEPER]
         if best and score(best[0]) > score(found[0]) and not self.estimator.is_quick:
             for each in self._open(best):
@@ -102,15 +102,15 @@ class Weighing(Appraisal):
             if fitted is not None:
                 yield fitted
 
-    def _patterned(self, best: Sequence[Weighed]) -> Iterator[Weighed]:
-        """Yield effects that act at certain times: of a room those with hours on some days only, of a chain any.
+    def _patterned(self, told: Sequence[Weighed]) -> Iterator[Weighed]:
+        """Yield the best few effects as they act at certain times: of a room those with hours, on some days.
 
         What an effect of a chain does to each sample is taken times its strength there: what it does later is left out.
         """
         if self.problem.segment.with_room:
-            yield from self._on_days(best)
+            yield from self._on_days([each for each in told if has_hours(*each.fitted.effects[0])][:DEEPER])
             return
-        possible = self._open(best)
+        possible = self._open(told[:DEEPER])
         tried = sum(1 for _ in patterns(self.problem.record)) if possible else 0
         for each in possible:
             # one after the other: of a long record all of them would not lie in memory
@@ -120,24 +120,12 @@ class Weighing(Appraisal):
             yield replace(weighed, price=weighed.price + WEIGHTS.price + float(np.log(tried)))
 
     def _on_days(self, best: Sequence[Weighed]) -> Iterator[Weighed]:
-        """Yield effects of a room that act on some days only, which are paid for by how many courses are tried.
-
-        What the day gains on which it gains most is left out: what happened once may be chance.
-        """
+        """Yield effects of a room that act between hours, where they do so on some days only."""
         record, inputs = self.problem.record, self.problem.belief.inputs
         among = courses(record, inputs) if inputs else []
         for each in best:
             if fitted := self._superposed.on_days(each.fitted, among):
-                weighed = self.of(fitted)
-                price = weighed.price + WEIGHTS.price + float(np.log(len(among)))
-                yield replace(weighed, gain=weighed.gain - self._most_of_a_day(fitted), price=price)
-
-    def _most_of_a_day(self, fitted: Hypothesis) -> float:
-        """Return the log likelihood that a hypothesis of a room gains on the day on which it gains most."""
-        day = np.concatenate([day_of(self.problem.record)[each.sample] for each in fitted.residuals])
-        nothing = self._nothing(fitted)
-        gains = np.bincount(day, 0.5 * (self._missed(nothing) ** 2 - self._missed(fitted) ** 2))
-        return max(0.0, float(gains.max()))
+                yield self.of(fitted)
 
     def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> Hypothesis:
         """Return a hypothesis whose effect has a course, at the strength that suits the record best."""
