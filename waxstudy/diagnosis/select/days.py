@@ -45,8 +45,8 @@ class Days:
 def courses(record: Record, inputs: Inputs) -> list[Days]:
     """Return the days that are tried, each once: of the calendar and the week, the coldest, warmest, sunniest, dullest.
 
-    At least two of them: what happened once may be chance. What depends on the weather in steps, as a stove that is lit
-    when it is cold, acts on the last four.
+    Each holds two days at least: what happened once may be chance. Weather tells the days of what depends on it in
+    steps, as of a stove that is lit when it is cold.
     """
     named = [*of_days(record), *_of_weather(record, inputs)]
     found = {tuple(acts.tolist()): words for words, acts in reversed(named)}
