@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+import waxstudy as wx
 from tests.diagnosis.houses import Event, made, toml
+from waxstudy.dataset.excerpt import MOST_DAYS
 from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis.neighbours.judge import judged
 from waxstudy.diagnosis.result import NeighbourEvent, RoomsBeside
 from waxstudy.study.problems import StudyError
 
-OUTDOOR = "outdoor_temperature_C"
 NIGHTS = [(24.0 * day + 22.0, 24.0 * day + 30.0) for day in (3, 4, 7)]
 OVERLAP = 0.5  # hours of both over hours of either, that is asked for
 
@@ -30,8 +32,7 @@ def written(folder: Path, record: pd.DataFrame, rooms: int, extra: str = "", wit
 def beside(folder: Path, record: pd.DataFrame, rooms: int, extra: str = "", with_gains: bool = True) -> RoomsBeside:
     dataset = read_dataset(written(folder, record, rooms, extra, with_gains))
     assert dataset.neighbours
-    outdoor_C = dataset.values[OUTDOOR].to_numpy(dtype=float)
-    return judged(dataset.neighbours, outdoor_C, dataset.time, dataset.interval_s, lambda what, share: None)
+    return judged(dataset.neighbours, lambda what, share: None)
 
 
 def overlap(events: list[NeighbourEvent], spans_h: list[tuple[float, float]]) -> float:
@@ -105,7 +106,7 @@ def test_an_assumed_capacity_gives_watts_where_no_heat_was_recorded(tmp_path: Pa
     (folder / "dataset.toml").write_text(text)
     dataset = read_dataset(folder)
     assert dataset.neighbours
-    found = judged(dataset.neighbours, None, dataset.time, dataset.interval_s, lambda what, share: None)
+    found = judged(replace(dataset.neighbours, outdoor_C=None), lambda what, share: None)
     own = of_room(found, 1)
     assert own[0].heat_W
     assert "assumed" in own[0].heat_from
@@ -174,6 +175,21 @@ def test_a_room_of_its_own_is_held_against_those_named(tmp_path: Path) -> None:
     assert [each.name for each in neighbours.rooms] == ["made", "room0", "room1"]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("baseline", [None, ("2021-01-12", "2021-01-16")], ids=["alone", "after days of its own"])
+def test_rooms_of_a_long_record_are_judged_on_all_its_days(tmp_path: Path, baseline: tuple[str, str] | None) -> None:
+    """A loop is looked at for four weeks; what happened in a room before or after them is found all the same."""
+    days = MOST_DAYS + 10
+    early, late = [(50.0, 58.0)], [(24.0 * (days - 2) + 20.0, 24.0 * (days - 1) + 4.0)]
+    events = [Event(0, early, outside_W_K=40.0), Event(0, late, outside_W_K=40.0)]
+    record = made(3, days=days, rooms=3, events=events)
+    found = wx.diagnose(written(tmp_path, record, 3), baseline).diagnosis
+    own = of_room(found.neighbours, 0)
+    assert overlap(own, [*early, *late]) >= OVERLAP
+    assert found.verdict == "room"
+    assert any("Rooms beside each other are judged on all days" in each for each in found.warnings)
+
+
 DATA = Path(os.environ.get("WAXSTUDY_DATA", Path(__file__).parents[3] / "shared" / "data"))
 HOUSE = DATA / "measured_house" / "o5_2019-02-01_to_10.csv"
 TOML = Path(__file__).parents[2] / "studies" / "measured_house" / "rooms" / "dataset.toml"
@@ -185,8 +201,7 @@ def test_in_the_measured_house_a_cold_evening_is_named(tmp_path: Path) -> None:
     (tmp_path / "dataset.toml").write_text(TOML.read_text().replace("../o5_2019-02-01_to_10.csv", str(HOUSE)))
     dataset = read_dataset(tmp_path)
     assert dataset.neighbours
-    outdoor_C = dataset.values[OUTDOOR].to_numpy(dtype=float)
-    found = judged(dataset.neighbours, outdoor_C, dataset.time, dataset.interval_s, lambda what, share: None)
+    found = judged(dataset.neighbours, lambda what, share: None)
     own = [each for each in found.events if each.room == "child1"]
     last = max(own, key=lambda each: each.spans_h[0][0])
     assert overlap([last], [(224.5, 229.0)]) >= OVERLAP

@@ -61,6 +61,8 @@ def _days(dataset: Dataset) -> Dataset:
         "the valve moves most there, and least is missing. What shows on other days only is not seen: cut the record "
         "to judge those."
     )
+    if dataset.neighbours:
+        said += " Rooms beside each other are judged on all days."
     return replace(
         dataset, time=dataset.time[chosen], values=dataset.values[chosen], warnings=(*dataset.warnings, said)
     )

@@ -20,7 +20,7 @@ from waxstudy.plugin.registry import nearest
 from waxstudy.study.check import Check
 from waxstudy.study.spots import RawTable, Spot
 
-AIR, GAIN, SUN = "air_temperature_C", "internal_gain_W", "sun"
+AIR, GAIN, SUN, OUTDOOR = "air_temperature_C", "internal_gain_W", "sun", "outdoor_temperature_C"
 LEAST_DAYS = 3.0  # in which two rooms were measured at once: what is usual of them is not known sooner
 
 
@@ -49,7 +49,7 @@ class NeighbourTable:
 
 @dataclass(frozen=True)
 class MeasuredRoom:
-    """A room on the record's grid; NaN is missing."""
+    """A room on the grid of all of them; NaN is missing."""
 
     name: str
     air_C: FloatArray  # (n,)
@@ -59,10 +59,13 @@ class MeasuredRoom:
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Rooms that were measured beside each other, on the record's grid, with the sun that was recorded."""
+    """Rooms that were measured beside each other, with what drives them, on a grid of their own: no days are cut."""
 
+    time: pd.DatetimeIndex  # (n,) ends of intervals, local standard time
+    interval_s: float
     rooms: Sequence[MeasuredRoom]
     sun: Mapping[str, FloatArray]  # (n,) by column
+    outdoor_C: FloatArray | None = None  # (n,)
 
 
 def read_neighbours(check: Check, column: Any) -> NeighbourTable:
@@ -114,7 +117,7 @@ def _told(room: Neighbour) -> str:
 
 def measured(
     table: pd.DataFrame, times: pd.DatetimeIndex, described: NeighbourTable, about: DatasetTable, notes: Notes
-) -> tuple[pd.DatetimeIndex, Neighbours] | None:
+) -> Neighbours | None:
     """Return the rooms on the grid of the record's stamps; note what makes them unusable."""
     rows = {each.name: _samples(table, each, notes) for each in described.rooms}
     sun = _sun(table, described.sun, notes)
@@ -133,7 +136,7 @@ def measured(
     light = {str(name): _gridded(sun[name], times, about, notes) for name in sun}
     for wrong in _too_little(found, interval_s):
         notes.refuse("[neighbours]", wrong)
-    return None if notes.problems else (index, Neighbours(found, light))
+    return None if notes.problems else Neighbours(index, interval_s, found, light)
 
 
 def _gridded(sun: pd.Series, times: pd.DatetimeIndex, about: DatasetTable, notes: Notes) -> FloatArray:
@@ -190,10 +193,15 @@ def _too_little(rooms: Sequence[MeasuredRoom], interval_s: float) -> Iterator[st
             yield f"{each.name} has {days:.1f} days in common with another room: at least {LEAST_DAYS:g} are needed"
 
 
-def with_own_room(
+def beside_record(
     neighbours: Neighbours, described: NeighbourTable, columns: Mapping[str, Column], values: pd.DataFrame, name: str
 ) -> Neighbours:
-    """Return the rooms with the dataset's own, if it has one, and no column of it is also a neighbour's."""
+    """Return the rooms with the outdoor air of a record on their grid, and with its own room, if it has one.
+
+    It has none where a column of its air is also a neighbour's.
+    """
+    outdoor_C = values[OUTDOOR].to_numpy(dtype=float) if OUTDOOR in values else None
+    neighbours = replace(neighbours, outdoor_C=outdoor_C)
     if AIR not in values:
         return neighbours
     own = {part.column for part in (columns[AIR].parts if AIR in columns else Column(column=AIR).parts)}

@@ -39,7 +39,6 @@ from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.study.problems import Problem, StudyError
 
-OUTDOOR = "outdoor_temperature_C"
 QUICK = 0.35  # of the fits' effort
 Tell = Callable[[str, float], None]
 
@@ -128,9 +127,7 @@ def _with_neighbours(diagnosis: Diagnosis, dataset: Dataset, tick: Tell) -> Diag
     """Return a diagnosis with what the rooms that were measured beside each other tell."""
     if dataset.neighbours is None:
         return diagnosis
-    has_outdoor = OUTDOOR in dataset.values
-    outdoor_C = dataset.values[OUTDOOR].to_numpy(dtype=float) if has_outdoor else None
-    beside = judged(dataset.neighbours, outdoor_C, dataset.time, dataset.interval_s, tick)
+    beside = judged(dataset.neighbours, tick)
     diagnosis = replace(diagnosis, neighbours=beside)
     if diagnosis.verdict not in ("none", "untestable"):
         return diagnosis

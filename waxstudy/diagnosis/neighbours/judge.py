@@ -16,7 +16,6 @@ from waxstudy.diagnosis.neighbours.search import Tick, gained, searched
 from waxstudy.diagnosis.neighbours.series import STEP_S, House, RoomSeries, coarse
 from waxstudy.diagnosis.neighbours.spans import tried, unrest_of
 from waxstudy.diagnosis.result import Interval, NeighbourEvent, NeighbourRoom, RoomCourse, RoomsBeside
-from waxstudy.plugin import FloatArray
 
 LIKELY = 0.9  # chosen: a departure is told; the search, and what was found after, may have changed it
 SURE_LOG = 50.0  # beyond, a probability is 1
@@ -27,11 +26,9 @@ BY_OWN = "by the room's answer to its own recorded heat"
 BY_CAPACITY = "by the heat capacity that was assumed"
 
 
-def judged(
-    neighbours: Neighbours, outdoor_C: FloatArray | None, time: pd.DatetimeIndex, interval_s: float, tick: Tick
-) -> RoomsBeside:
-    """Return what departs in which room; `time` (n,) are the ends of the record's intervals."""
-    house = house_of(neighbours, outdoor_C, time, interval_s)
+def judged(neighbours: Neighbours, tick: Tick) -> RoomsBeside:
+    """Return what departs in which room."""
+    house = house_of(neighbours)
     controls = searched(house, tick)
     found = [each for control in controls.values() for each in happenings(control) if _probability(each) >= LIKELY]
     events = [_event(each, found, house) for each in found]
@@ -40,8 +37,9 @@ def judged(
     return RoomsBeside(rooms, events, sentence(events, rooms), courses, house.begin.isoformat())
 
 
-def house_of(neighbours: Neighbours, outdoor_C: FloatArray | None, time: pd.DatetimeIndex, interval_s: float) -> House:
-    """Return a record's rooms on steps of half an hour, or of its own interval if that is longer."""
+def house_of(neighbours: Neighbours) -> House:
+    """Return rooms on steps of half an hour, or of their own interval if that is longer."""
+    interval_s, outdoor_C = neighbours.interval_s, neighbours.outdoor_C
     per_step = max(1, round(STEP_S / interval_s))
 
     def series(room: MeasuredRoom) -> RoomSeries:
@@ -52,7 +50,7 @@ def house_of(neighbours: Neighbours, outdoor_C: FloatArray | None, time: pd.Date
         rooms=[series(room) for room in neighbours.rooms],
         outdoor_C=None if outdoor_C is None else coarse(outdoor_C, per_step),
         sun={name: coarse(values, per_step) for name, values in neighbours.sun.items()},
-        begin=time[0] - pd.Timedelta(interval_s, "s"),
+        begin=neighbours.time[0] - pd.Timedelta(interval_s, "s"),
         step_s=per_step * interval_s,
         per_step=per_step,
     )
