@@ -78,9 +78,10 @@ def huber(rows: FloatArray, target: FloatArray) -> FloatArray:
     """Return the coefficients (p,) of least squares in which outliers count by less (Huber 1964)."""
     weights: FloatArray = np.ones(len(target))
     found: FloatArray = np.zeros(rows.shape[1])
+    ridge = _ridge(rows)
     for _ in range(2 * ROUNDS):
         weighted = rows * weights[:, None]
-        found = np.asarray(np.linalg.solve(weighted.T @ rows + _ridge(rows), weighted.T @ target), dtype=float)
+        found = np.asarray(np.linalg.solve(weighted.T @ rows + ridge, weighted.T @ target), dtype=float)
         left = target - rows @ found
         weights = np.asarray(HUBER / np.maximum(np.abs(left) / max(spread(left), FLOOR_K * FLOOR_K), HUBER))
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import inf, lgamma
 
 import numpy as np
@@ -18,7 +19,6 @@ LENGTHS_H = (1, 1.5, 2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 9, 10, 12, 14, 17, 20, 24, 3
 DAILY_MOST_H = 14.0  # of what may come back on other days
 LEAST_DAYS = 3  # on which hours come back, to be a pattern rather than single spans
 UNREST_MOST_H = 12.0  # longer spans are too few to tell: they have the unrest of these
-TAIL = 4.0  # time constants after which nothing of a response is left
 USUAL = 0.8  # share of the spans that are taken for a room's own unrest
 USUAL_SD = 1.2816  # of a normal distribution: this share keeps so near to 0
 FEWEST = 10  # spans from which a room's unrest is known
@@ -33,35 +33,56 @@ def tried(house: House) -> int:
 def scored(house: House, fit: Fit, most_h: float = inf) -> Iterator[Scored]:
     """Yield for each length (up to `most_h`) and answer the best single span, and the best hours on several days."""
     for tau_h in TAUS_H:
-        unrest = 1.0
+        steady, unrest = _Steady.of(house, fit, tau_h), 1.0
         for length_h in (each for each in LENGTHS_H if each <= most_h):
             steps = round(length_h / house.step_h)
             if 1 <= steps < len(house) // 2:
-                pull, weight = _pulls(house, fit, steps, tau_h)
+                pull, weight = steady.pulls(steps)
                 unrest = _unrest(pull, weight) if length_h <= UNREST_MOST_H else unrest
                 yield _single(pull, weight, unrest, Pattern(((0, steps),), (tau_h,)))
                 if length_h <= DAILY_MOST_H:
                     yield from _daily(house, (pull, weight), unrest, Pattern(((0, steps),), (tau_h,)))
 
 
-def _pulls(house: House, fit: Fit, steps: int, tau_h: float) -> tuple[FloatArray, FloatArray]:
-    """Return for each first step (n,) the product of a span's shape with what is left, and the shape's own square.
+@dataclass(frozen=True)
+class _Steady:
+    """What begins at a step and never ends: a span is the difference of two of them, one for its end."""
 
-    Both by the errors' spread, and without what the regressors could take of the shape.
-    """
+    shape: FloatArray  # (n,) its innovations, from its first step on
+    known: FloatArray  # (n,) one over the square of the errors' spread, 0 where unknown
+    products: FloatArray  # (n, 1 + p) for each first step, with what is left and with the regressors
+    square: FloatArray  # (n,) of the shape itself
+
+    @classmethod
+    def of(cls, house: House, fit: Fit, tau_h: float) -> _Steady:
+        shape = fit.errors.of_shape(response(np.ones(len(house)), tau_h, house.step_h))
+        by = 1.0 / fit.errors.sd_K
+        rows, known = np.column_stack((fit.white, fit.basis)) * by[:, None], fit.known * by**2
+        return cls(shape, known, _from_each(rows, shape), _from_each(known, shape**2))
+
+    def pulls(self, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Return for each first step (n,) the product of a span's shape with what is left, and the shape's own square.
+
+        Both by the errors' spread, and without what the regressors could take of the shape.
+        """
+        products = self.products - _later(self.products, steps)
+        both = np.concatenate((np.zeros(steps), self.shape[steps:] * self.shape[:-steps]))
+        square = self.square + _later(self.square, steps) - 2.0 * _from_each(self.known, both)
+        left = square - np.sum(products[:, 1:] ** 2, axis=1)
+        seen = left > LEAST_SHARE * np.median(square)
+        return np.where(seen, products[:, 0], 0.0), np.where(seen, left, 0.0)
+
+
+def _from_each(rows: FloatArray, shape: FloatArray) -> FloatArray:
+    """Return the products of a shape (n,) that begins at each step with rows (n, ...)."""
     from scipy.signal import fftconvolve  # no diagnosis of a single loop waits for it
 
-    count = len(house)
-    tail = min(count, steps + int(TAIL * tau_h / house.step_h) + len(fit.errors.weights) + 1)
-    drive = (np.arange(tail) < steps).astype(float)
-    shape = fit.errors.of_shape(response(drive, tau_h, house.step_h))
-    by = 1.0 / fit.errors.sd_K
-    rows = np.column_stack((fit.white, fit.basis)) * by[:, None]
-    products = fftconvolve(rows, shape[::-1, None], axes=0)[tail - 1 :]
-    square = fftconvolve(fit.known * by**2, shape[::-1] ** 2)[tail - 1 :]
-    left = square - np.sum(products[:, 1:] ** 2, axis=1)
-    seen = left > LEAST_SHARE * np.median(square)
-    return np.where(seen, products[:, 0], 0.0), np.where(seen, left, 0.0)
+    back = shape[::-1].reshape(-1, *[1] * (rows.ndim - 1))
+    return np.asarray(fftconvolve(rows, back, axes=0)[len(shape) - 1 :])
+
+
+def _later(values: FloatArray, steps: int) -> FloatArray:
+    return np.concatenate((values[steps:], np.zeros((steps, *values.shape[1:]))))
 
 
 def _unrest(pull: FloatArray, weight: FloatArray) -> float:
@@ -82,7 +103,7 @@ def unrest_of(house: House, fit: Fit, pattern: Pattern) -> float:
     """Return by how much the variance of a pattern's size is above what the errors alone would give, at least 1."""
     begin, end = pattern.spans[0]
     steps = max(1, min(end - begin, round(UNREST_MOST_H / house.step_h)))
-    return max(_unrest(*_pulls(house, fit, steps, tau_h)) for tau_h in pattern.taus_h)
+    return max(_unrest(*_Steady.of(house, fit, tau_h).pulls(steps)) for tau_h in pattern.taus_h)
 
 
 def _gains(pull: FloatArray, weight: FloatArray) -> FloatArray:
