@@ -360,7 +360,8 @@ class ExtraHeat(Effect):
     api_version = "1.0"
     stage = "room"
     Parameters = ExtraHeatParameters
-    priors = {"heat_W": Prior(-500.0, 500.0, noticeable=10.0), "radiant_share": Prior(0.0, 1.0, noticeable=0.3)}
+    # a fan heater gives 2 kW; nothing common takes as much
+    priors = {"heat_W": Prior(-500.0, 2000.0, noticeable=10.0), "radiant_share": Prior(0.0, 1.0, noticeable=0.3)}
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

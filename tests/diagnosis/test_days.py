@@ -24,7 +24,7 @@ from waxstudy.plugin import Belief, Effect, Inputs
 
 DAYS, INTERVAL_S = 7, 300.0
 EVERY_OTHER = Days("every other day from day 2 on", tuple(day % 2 == 1 for day in range(DAYS)))
-STOVE = effects(stove={"heat_W": 350.0, "from_h": 18.0, "to_h": 22.0})
+STOVE = effects(stove={"heat_W": 900.0, "from_h": 18.0, "to_h": 22.0})
 WINDOW = effects(window={"flow_L_s": 15.0, "from_h": 11.5, "to_h": 12.25})
 
 
@@ -82,7 +82,7 @@ def test_a_stove_that_is_lit_on_cold_evenings_is_heat_between_hours_on_cold_days
     assert only.when.pattern.startswith("from 1")
     assert "on days colder than" in only.when.pattern
     assert list(only.when.spans_h) == hours(coldest(3), 18.0, 22.0)
-    assert only.parameters["heat_W"].value == pytest.approx(350.0, rel=0.2)
+    assert only.parameters["heat_W"].value == pytest.approx(900.0, rel=0.2)
     assert "every day" not in only.sentence
     assert "on days colder than" in only.sentence
 
