@@ -214,7 +214,7 @@ def _run(
 ) -> dict[str, FloatArray]:
     """Return `ROOM_OUTPUTS` and the water's heat of a room that begins at modes, shifted after so many intervals."""
     n = len(driven.supply_C)
-    modes, last_W, mean_W = np.zeros((n, len(driven.decay))), np.zeros(n), np.zeros(n)
+    modes, last_W, mean_W = np.empty((n, len(driven.decay))), np.empty(n), np.empty(n)
     compiled()(
         driven.decay,
         driven.heat_gain,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import exp
@@ -38,6 +38,11 @@ class Nuisance:
         """The names of all that it tells of."""
         return frozenset((self.name,))
 
+    @property
+    def is_of_inputs(self) -> bool:
+        """Whether it changes a course of what drives the room, and nothing of the room itself."""
+        return isinstance(self.apply, _OfInput)
+
     def beyond(self, departure: float) -> Nuisance:
         """Return what is unknown of it where it departs already."""
         return self
@@ -52,7 +57,7 @@ class Factor(Nuisance):
 
     @classmethod
     def on(cls, name: str, sd: float, varies: float, of: str, heat_W: FloatArray) -> Factor:
-        apply = _of_input(of, partial(_times, heat_W))
+        apply = _OfInput(of, partial(_times, heat_W))
         return cls(name, sd, apply, varies=varies, is_habit=True, heat_W=heat_W, of=of)
 
     def beyond(self, departure: float) -> Factor:
@@ -81,7 +86,7 @@ def heats(record: Record) -> Iterator[Nuisance]:
     for name, channel, measured, assumed in HEATS:
         if record.has(channel):
             sd = record.spreads.get(channel, assumed if channel in record.assumed else measured)
-            yield Nuisance(name, sd, _of_input(FIELDS[channel], lambda old, factor: exp(factor) * old))
+            yield Nuisance(name, sd, _OfInput(FIELDS[channel], lambda old, factor: exp(factor) * old))
 
 
 def habits(record: Record) -> Iterator[Nuisance]:
@@ -92,7 +97,7 @@ def habits(record: Record) -> Iterator[Nuisance]:
             yield Factor.on(f"factor on {found.source}", found.factor_sd, found.factor_varies, of, found.values)
         for shape in found.shapes:
             if shape.varies is not None:
-                apply = _of_input(of, partial(_more, shape.heat_W))
+                apply = _OfInput(of, partial(_more, shape.heat_W))
                 yield Nuisance(shape.name, shape.sd, apply, varies=shape.varies, is_habit=True)
 
 
@@ -100,8 +105,8 @@ def of_record(belief: Belief, record: Record, driven_by: str) -> list[Nuisance]:
     """Return what nobody knows of a record itself: unrecorded drives, how warm it was at first, lost flows."""
     return [
         *_unrecorded(record),
-        Nuisance(START, START_K, _of_input("start_K", lambda old, departure: departure)),
-        Nuisance(FLOOR, START_K, _of_input("start_floor_K", lambda old, departure: departure)),
+        Nuisance(START, START_K, _OfInput("start_K", lambda old, departure: departure)),
+        Nuisance(FLOOR, START_K, _OfInput("start_floor_K", lambda old, departure: departure)),
         *_lost(belief, record, driven_by),
     ]
 
@@ -111,7 +116,7 @@ def _unrecorded(record: Record) -> Iterator[Nuisance]:
     for channel, found in record.stand_ins.items():
         for shape in found.shapes:
             if shape.varies is None:
-                apply = _of_input(FIELDS[channel], partial(_more, shape.heat_W))
+                apply = _OfInput(FIELDS[channel], partial(_more, shape.heat_W))
                 yield Nuisance(shape.name, shape.sd, apply, shape.is_once)
 
 
@@ -134,7 +139,7 @@ def _lost(belief: Belief, record: Record, driven_by: str) -> Iterator[Nuisance]:
         within = np.zeros(len(record))
         within[first[place] : end[place]] = 1.0
         name = f"flow lost after {first[place] * record.interval_s / 3600.0:.1f} h"
-        flowed = _of_input("added_flow_L_h", partial(_more, within))
+        flowed = _OfInput("added_flow_L_h", partial(_more, within))
         yield Nuisance(name, full_flow_L_h(record, belief), flowed, is_event=True)
 
 
@@ -146,12 +151,27 @@ def _of_room(uncertainty: Uncertainty) -> Nuisance:
     return Nuisance(uncertainty.name, uncertainty.sd, apply)
 
 
-def _of_input(of: str, changed: Callable[[Any, float], Any]) -> Callable[[Belief, float], Belief]:
-    """Return what puts another value in the place of a field of the inputs, by a departure."""
+@dataclass(frozen=True)
+class _OfInput:
+    """Puts another value in the place of a field of the inputs, by a departure."""
 
-    def apply(belief: Belief, departure: float) -> Belief:
-        assert belief.inputs
-        value = changed(getattr(belief.inputs, of), departure)
-        return replace(belief, inputs=replace(belief.inputs, **{of: value}))
+    of: str
+    changed: Callable[[Any, float], Any]
 
-    return apply
+    def __call__(self, belief: Belief, departure: float) -> Belief:
+        return _with_inputs(belief, [(self, departure)])
+
+
+def departed_inputs(belief: Belief, departures: Iterable[tuple[Nuisance, float]]) -> Belief:
+    """Return a belief after departures of its inputs, of which new ones are made once for all."""
+    return _with_inputs(belief, ((each.apply, value) for each, value in departures if isinstance(each.apply, _OfInput)))
+
+
+def _with_inputs(belief: Belief, changes: Iterable[tuple[_OfInput, float]]) -> Belief:
+    inputs, new = belief.inputs, dict[str, Any]()
+    for change, departure in changes:
+        new[change.of] = change.changed(new[change.of] if change.of in new else getattr(inputs, change.of), departure)
+    if not new:
+        return belief
+    assert inputs
+    return replace(belief, inputs=replace(inputs, **new))

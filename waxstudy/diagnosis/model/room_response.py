@@ -140,7 +140,7 @@ def means(values: FloatArray, parts: int) -> FloatArray:
 
 def weighted(values: FloatArray, weight: FloatArray, parts: int) -> FloatArray:
     """Return the means over each `parts` values by weight, NaN where there is none."""
-    whole = np.where(np.isfinite(values), weight, 0.0)
-    sums = means(whole, parts)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(sums > 0.0, means(whole * np.nan_to_num(values), parts) / sums, np.nan)
+    known = np.isfinite(values)
+    sums = means(np.where(known, weight, 0.0), parts)
+    weighed = means(np.where(known, weight * values, 0.0), parts)
+    return np.asarray(np.divide(weighed, sums, out=np.full(len(sums), np.nan), where=sums > 0.0))

@@ -15,7 +15,7 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
 from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.diagnosis.model.nuisance import Nuisance, habits, heats, nuisances, of_record
+from waxstudy.diagnosis.model.nuisance import Nuisance, departed_inputs, habits, heats, nuisances, of_record
 from waxstudy.diagnosis.model.perturbation import Perturbation
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Prediction, Segment
@@ -114,14 +114,15 @@ class SegmentProblem:
     def _departed(self, departures: FloatArray, absorbed: frozenset[str]) -> Belief:
         """Return the belief with departures of the room, but for those that an effect takes the place of."""
         pairs = zip(self.nuisances, departures, strict=True)
-        values = [0.0 if each.name in absorbed else float(departure) for each, departure in pairs]
+        values = [(each, 0.0 if each.name in absorbed else float(departure)) for each, departure in pairs]
+        of_room = [pair for pair in values if not pair[0].is_of_inputs]
         # slopes change one nuisance at a time: what was edited before it stays
-        same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1][0], zip(values, self._edits, strict=False)))
+        same = sum(1 for _ in takewhile(lambda pair: pair[0][1] == pair[1][0], zip(of_room, self._edits, strict=False)))
         del self._edits[same:]
-        for nuisance, value in zip(self.nuisances[same:], values[same:], strict=True):
+        for nuisance, value in of_room[same:]:
             before = self._edits[-1][1] if self._edits else self.belief
             self._edits.append((value, nuisance.apply(before, value)))
-        return self._edits[-1][1] if self._edits else self.belief
+        return departed_inputs(self._edits[-1][1] if self._edits else self.belief, values)
 
     def at(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
         # fits begin and end at places that they have been to
