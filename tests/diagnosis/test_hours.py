@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, dataset, effects, planted, rows
 from tests.diagnosis.test_calibration import DAYS, of_room
-from waxstudy.diagnosis.diagnose import record_of
+from waxstudy.diagnosis.diagnose import QUICK, record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.parameter_space import Space, Values
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
@@ -98,7 +98,7 @@ class Ventilation(EFFECTS["window-opening"]):  # type: ignore[misc]
 
 
 @cache
-def window_fit(effect: type[Effect], flow_L_s: float, from_h: float, to_h: float) -> Values:
+def window_fit(effect: type[Effect], flow_L_s: float, from_h: float, to_h: float, thorough: float = 1.0) -> Values:
     """What is fitted of a window in a room that is known from a week."""
     calibration, believed = of_room()
     record = record_of(dataset(rows("REAL", DAYS, interval_s=300.0), "REAL"))
@@ -108,7 +108,7 @@ def window_fit(effect: type[Effect], flow_L_s: float, from_h: float, to_h: float
         window = effects(window_opening={"flow_L_s": flow_L_s, "from_h": from_h, "to_h": to_h})
         record = planted(segment, record, there, window)
     problem = SegmentProblem(segment, record, there, as_built=calibration.as_built, parts=np.full(len(record), FIT))
-    estimator = Estimator(problem, keeps=True)
+    estimator = Estimator(problem, thorough, keeps=True)
     (fitted,) = Superposed(estimator, estimator.base).fits([effect], estimator.base, lambda name: None)
     ((_, values),) = fitted.effects
     return values
@@ -124,6 +124,12 @@ def test_a_window_is_found_to_minutes_however_far_the_air_falls(
     for name, true in (("from_h", from_h), ("to_h", to_h)):
         assert abs((found[name] - true + 12.0) % 24.0 - 12.0) < 0.1
     assert found["flow_L_s"] == pytest.approx(flow_L_s, rel=0.25)
+
+
+@pytest.mark.slow
+def test_a_quick_look_finds_it_by_slopes_of_the_room_without_a_window() -> None:
+    quick, thorough = (window_fit(EFFECTS["window-opening"], 60.0, 4.6, 6.7, share) for share in (QUICK, 1.0))
+    assert quick == pytest.approx(thorough, rel=0.05)
 
 
 @pytest.mark.parametrize(

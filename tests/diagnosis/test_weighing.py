@@ -525,7 +525,10 @@ def test_nothing_is_fitted_again_from_where_the_best_three_effects_led_the_room(
     weighing: Any = bare(True, sd=np.ones(1))
     asked: list[float] = []
 
-    def nuisance_fit(effects: Any, departures: FloatArray, convention: Any, parts: Any) -> Hypothesis | None:
+    def nuisance_fit(
+        effects: Any, departures: FloatArray, convention: Any, parts: Any, known: Any
+    ) -> Hypothesis | None:
+        assert known is weighing._superposed.kept
         asked.append(float(departures[0]))
         return None if departures[0] == 4.0 else at(-float(departures[0]))
 
@@ -534,6 +537,7 @@ def test_nothing_is_fitted_again_from_where_the_best_three_effects_led_the_room(
 
     weighing.estimator = SimpleNamespace(strain=lambda fitted: 0.0, nuisance_fit=nuisance_fit)
     weighing.healthy = SimpleNamespace(room_loss=lambda fitted: losses[float(fitted.departures[0])])
+    weighing._superposed = SimpleNamespace(kept=np.ones((1, 1)))
     weighing.none = at(0.0)
     weighing._settle([at(each) for each in (1.0, 2.0, 3.0, 4.0)])
     assert asked == [2.0, 4.0, 3.0]

@@ -43,8 +43,8 @@ class Looks:
         self.problem, self.thorough, self.is_quick = estimator.problem, estimator.thorough, estimator.is_quick
         sd = self.problem.sd
         self.still = self.problem.at((), np.zeros(len(sd)), convention) or estimator.base
-        slopes = np.vstack((estimator.slopes_at(self.still), self.problem.prior / sd))
-        self.basis, self.triangle = np.linalg.qr(slopes)
+        self.slopes = estimator.slopes_at(self.still)  # (m, nuisances)
+        self.basis, self.triangle = np.linalg.qr(np.vstack((self.slopes, self.problem.prior / sd)))
         self._seen = self.problem.record.memory(arrays=4)
         self._in_parts: dict[tuple[object, ...], FloatArray | None] = {}
 

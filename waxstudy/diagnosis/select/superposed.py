@@ -28,6 +28,11 @@ class Superposed:
         self.estimator, self.problem = estimator, estimator.problem
         self.looks = Looks(estimator, none.convention)
 
+    @property
+    def kept(self) -> FloatArray | None:
+        """Slopes of the nuisances that a quick look keeps to, as they are where nothing changed; else None."""
+        return self.looks.slopes if self.estimator.is_quick else None
+
     def fits(
         self, effects: Sequence[EffectType], given: Hypothesis, tick: Callable[[str], None]
     ) -> Iterator[Hypothesis]:
@@ -46,7 +51,7 @@ class Superposed:
             # with more than one there is nothing to tell; alone it is told what it comes to
             return None if given.effects else self.problem.at(*best, given.convention)
         starts = [*(start for start, _ in found), *self._instead(effect, given)]
-        tried = [self._fitted(*start, given.convention) for start in starts]
+        tried = [self._fitted(*start, given.convention, self.kept) for start in starts]
         fitted = min((each for each in tried if each), key=lambda each: self.estimator.score(each, ALL), default=None)
         if fitted is None or self.estimator.score(given, ALL) - self.estimator.score(fitted, ALL) < 2.0 * PROMISING:
             return fitted
@@ -77,11 +82,13 @@ class Superposed:
         if values.keys() >= effect.priors.keys() and not np.array_equal(departures, given.departures):
             yield (*given.effects, (effect, values)), departures
 
-    def _fitted(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
-        """Return a hypothesis fitted from given values, by slopes of the departures as they are there."""
-        start = self.problem.at(effects, departures, convention)
-        slopes = self.estimator.slopes_at(start) if start else None
-        return self.estimator.nuisance_fit(effects, departures, convention, ALL, slopes)
+    def _fitted(
+        self, effects: Edits, departures: FloatArray, convention: Convention, known: FloatArray | None = None
+    ) -> Hypothesis | None:
+        """Return a hypothesis fitted from given values, by slopes of the departures as they are there, if not known."""
+        if known is None and (start := self.problem.at(effects, departures, convention)):
+            known = self.estimator.slopes_at(start)
+        return self.estimator.nuisance_fit(effects, departures, convention, ALL, known)
 
     def _starts(self, effect: EffectType, given: Hypothesis) -> list[tuple[tuple[Edits, FloatArray], float]]:
         """Return the best values and departures to start from, with the log likelihood gained where all is straight."""
