@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +16,8 @@ from tests.diagnosis.houses import Event, made, toml
 from waxstudy.dataset.excerpt import MOST_DAYS
 from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis.neighbours.judge import judged
-from waxstudy.diagnosis.result import NeighbourEvent, RoomsBeside
+from waxstudy.diagnosis.result import Interval, NeighbourEvent, RoomsBeside
+from waxstudy.report.diagnosis.figures.neighbours import NUMBER, numbered
 from waxstudy.study.problems import StudyError
 
 NIGHTS = [(24.0 * day + 22.0, 24.0 * day + 30.0) for day in (3, 4, 7)]
@@ -188,6 +190,19 @@ def test_rooms_of_a_long_record_are_judged_on_all_its_days(tmp_path: Path, basel
     assert overlap(own, [*early, *late]) >= OVERLAP
     assert found.verdict == "room"
     assert any("Rooms beside each other are judged on all days" in each for each in found.warnings)
+
+
+def test_numbers_of_a_figure_never_touch_and_the_largest_have_theirs() -> None:
+    def event(size_K: float, days: Sequence[float]) -> NeighbourEvent:
+        spans_h = [(24.0 * day, 24.0 * day + 2.0) for day in days]
+        return NeighbourEvent("room", "", spans_h, Interval(size_K, size_K, size_K), None, "", "", (), 1.0)
+
+    places = numbered([event(0.6, np.arange(72.0).tolist()), event(-4.0, [10.3, 71.9])], 72.0)
+    days = sorted(day for day, _ in places)
+    assert min(np.diff(days)) >= NUMBER * 72.0
+    assert 0.5 * NUMBER * 72.0 <= days[0] < days[-1] <= 72.0 - 0.5 * NUMBER * 72.0
+    assert sorted(size_K for _, size_K in places)[:2] == [-4.0, -4.0]
+    assert numbered([event(0.6, [1.0, 3.0])], 10.0) == [(pytest.approx(1.0 + 1.0 / 24.0), 0.6), (3.0 + 1.0 / 24.0, 0.6)]
 
 
 DATA = Path(os.environ.get("WAXSTUDY_DATA", Path(__file__).parents[3] / "shared" / "data"))

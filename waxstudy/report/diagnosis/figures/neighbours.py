@@ -15,6 +15,7 @@ from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_below
 
 COLDER, WARMER = "#9ecae1", "#fdd0a2"  # told apart by their hatching in grey print
 MOST_DATES = 14  # below a panel
+NUMBER = 0.045  # of a panel's width: what a number takes
 PANEL_IN, ROOM_FOR_LEGEND_IN = 2.0, 0.8
 
 
@@ -23,7 +24,7 @@ PANEL_IN, ROOM_FOR_LEGEND_IN = 2.0, 0.8
     "Rooms that depart from their neighbours",
     "Air of each room in which something departs: as measured (line), and as its neighbours, the weather, its own "
     "recorded heat and its ordinary day have it (dashed). Shaded: the hours in which it departs; hatched where it is "
-    "warmer. Numbers are mean departures in kelvins.",
+    "warmer. Numbers are mean departures in kelvins, the largest where there is no room for all.",
 )
 def figure_neighbours(diagnosis: Diagnosis) -> Figure:
     """Air [°C] of each room with events by time [days]; `Lacking` where no room departs."""
@@ -48,11 +49,23 @@ def _room(panel: Axes, name: str, course: RoomCourse, events: Sequence[Neighbour
         for begin, end in each.spans_h:
             look = {"facecolor": COLDER if is_colder else WARMER, "hatch": "" if is_colder else "////"}
             panel.axvspan(begin / 24.0, end / 24.0, edgecolor="white", linewidth=0.0, zorder=0, **look)  # type: ignore[arg-type]
-            _number(panel, 0.5 * (begin + end) / 24.0, each.size_K.value)
+    for place, size_K in numbered(events, float(days[-1])):
+        _number(panel, place, size_K)
     panel.plot(days, course.expected_C, color=COLOURS[1], linestyle=DASHED, label="as its neighbours say")
     panel.plot(days, course.measured_C, color=BLACK, label="measured")
     panel.set(ylabel="air, °C", title=name, xlim=(0.0, days[-1]))
     panel.margins(y=0.15)
+
+
+def numbered(events: Sequence[NeighbourEvent], days: float) -> list[tuple[float, float]]:
+    """Return where numbers stand [days] and which [K]: the largest first, none too near to another or to an end."""
+    found: list[tuple[float, float]] = []
+    for each in sorted(events, key=lambda each: -abs(each.size_K.value)):
+        for begin, end in each.spans_h:
+            place = float(np.clip(0.5 * (begin + end) / 24.0, 0.5 * NUMBER * days, (1.0 - 0.5 * NUMBER) * days))
+            if all(abs(place - other) >= NUMBER * days for other, _ in found):
+                found.append((place, each.size_K.value))
+    return found
 
 
 def _number(panel: Axes, day: float, size_K: float) -> None:
