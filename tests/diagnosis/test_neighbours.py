@@ -16,6 +16,8 @@ from tests.diagnosis.houses import Event, made, toml
 from waxstudy.dataset.excerpt import MOST_DAYS
 from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis.neighbours.judge import judged
+from waxstudy.diagnosis.neighbours.reading import when
+from waxstudy.diagnosis.neighbours.series import House, RoomSeries
 from waxstudy.diagnosis.result import Interval, NeighbourEvent, RoomsBeside
 from waxstudy.report.diagnosis.figures.neighbours import NUMBER, numbered
 from waxstudy.study.problems import StudyError
@@ -190,6 +192,30 @@ def test_rooms_of_a_long_record_are_judged_on_all_its_days(tmp_path: Path, basel
     assert overlap(own, [*early, *late]) >= OVERLAP
     assert found.verdict == "room"
     assert any("Rooms beside each other are judged on all days" in each for each in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("days", "words"),
+    [
+        (range(3, 40, 2), "every other day from 14 Jan to 19 Feb"),
+        (range(3, 9), "every day from 14 Jan to 19 Jan"),
+        (range(5, 33, 7), "on Saturdays from 16 Jan to 6 Feb"),
+        ([5, 6, 12, 13, 19, 20, 26, 27], "on Saturdays and Sundays from 16 Jan to 7 Feb"),
+        ([day for day in range(35) if day % 7 < 5], "from Mondays to Fridays from 11 Jan to 12 Feb"),
+        ([1, 10, 19, 28], "every 9 days from 12 Jan to 8 Feb"),
+        ([1, 8, 22, 29], "on 12 Jan, 19 Jan, 2 Feb, 9 Feb"),
+        ([1, 3, 5], "on 12 Jan, 14 Jan, 16 Jan"),
+        (
+            [0, 1, 3, 4, 6, 7, 9, 10, 12],
+            "on 11 Jan, 12 Jan, 14 Jan, 15 Jan, 17 Jan, 18 Jan, 20 Jan, 21 Jan and 1 more day",
+        ),
+    ],
+)
+def test_days_that_come_back_are_told_by_their_rule_and_others_one_by_one(days: Sequence[int], words: str) -> None:
+    begin = pd.Timestamp("2021-01-11")  # a Monday
+    air = np.zeros(60 * 48)
+    house = House([RoomSeries("room", air)], None, {}, begin, 1800.0)
+    assert when(house, [(48 * day + 20, 48 * day + 24) for day in days]) == f"10:00 to 12:00, {words}"
 
 
 def test_numbers_of_a_figure_never_touch_and_the_largest_have_theirs() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from calendar import day_name
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -17,6 +19,7 @@ STEP = 0.7  # of the departure, from one sample to the next at both ends: no roo
 MOST = 0.5  # of the hours
 BRIGHT = 0.5  # of the hours, from which sun may do it as well
 MOST_DAYS = 8  # that are named one by one
+REGULAR = 4  # chosen: times that days come back, to be told as days that do
 
 LOST = "heat is lost to a colder place at once, as through an open window or door"
 GAINED = "the air gets heat at once, as of a heater, people or cooking that was not recorded"
@@ -128,8 +131,26 @@ def _days(days: Sequence[pd.Timestamp], house: House) -> str:
     since = every[every >= days[0]]
     if len(days) >= len(since) - 1 > MOST_DAYS // 2:
         return "every day" if days[0] <= every[1] else f"every day from {_day(days[0])} on"
-    named = ", ".join(_day(each) for each in days[:MOST_DAYS])
-    return f"on {named}" + (f" and {len(days) - MOST_DAYS} more days" if len(days) > MOST_DAYS else "")
+    if regular := _regular(days):
+        return f"{regular} from {_day(days[0])} to {_day(days[-1])}"
+    named, more = ", ".join(_day(each) for each in days[:MOST_DAYS]), len(days) - MOST_DAYS
+    return f"on {named}" + (f" and {more} more day{'s' if more > 1 else ''}" if more > 0 else "")
+
+
+def _regular(days: Sequence[pd.Timestamp]) -> str:
+    """Return what days that come back have in common, nothing where they do not come back without exception."""
+    gaps = {(later - day).days for day, later in pairwise(days)}
+    week, between = sorted({each.weekday() for each in days}), pd.date_range(days[0], days[-1], freq="D")
+    if len(days) < REGULAR:
+        return ""
+    if len(gaps) == 1 and gaps != {7}:
+        (gap,) = gaps
+        return {1: "every day", 2: "every other day"}.get(gap, f"every {gap} days")
+    if len(days) < REGULAR * len(week) or list(days) != [each for each in between if each.weekday() in week]:
+        return ""
+    if week == [*range(5)]:
+        return "from Mondays to Fridays"
+    return "on " + " and ".join(f"{day_name[place]}s" for place in week)
 
 
 def _day(day: pd.Timestamp) -> str:
