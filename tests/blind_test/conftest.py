@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -24,11 +26,20 @@ NONE = '{"verdict": "none"}'
 
 @pytest.fixture(scope="session")
 def finished_test(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with four records in `test` and their key in `key`; not to be changed."""
-    folder = tmp_path_factory.mktemp("blind")
-    (folder / "key").write_text(f"{KEY}\n")
-    done = call(folder, "blind-test", "make", "--cases", CASES, "--out", "test", "--key-file", "key")
-    assert done.returncode == 0, done.stderr
+    """A folder with four records in `test` and their key in `key`; not to be changed.
+
+    Processes that test side by side share it: who comes later waits for it.
+    """
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "blind"
+    folder.mkdir(exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "made").exists():
+            (folder / "key").write_text(f"{KEY}\n")
+            done = call(folder, "blind-test", "make", "--cases", CASES, "--out", "test", "--key-file", "key")
+            assert done.returncode == 0, done.stderr
+            (folder / "made").touch()
     return folder
 
 

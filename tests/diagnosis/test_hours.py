@@ -127,7 +127,7 @@ def test_a_window_is_found_to_minutes_however_far_the_air_falls(
 
 
 @pytest.mark.slow
-def test_a_quick_look_finds_it_by_slopes_of_the_room_without_a_window() -> None:
+def test_a_quick_look_finds_a_window_as_a_thorough_one_does() -> None:
     quick, thorough = (window_fit(EFFECTS["window-opening"], 60.0, 4.6, 6.7, share) for share in (QUICK, 1.0))
     assert quick == pytest.approx(thorough, rel=0.05)
 

@@ -15,9 +15,11 @@ import waxstudy as wx
 from tests.diagnosis.houses import Event, made, toml
 from waxstudy.dataset.excerpt import MOST_DAYS
 from waxstudy.dataset.read import read_dataset
-from waxstudy.diagnosis.neighbours.judge import judged
+from waxstudy.diagnosis.neighbours.control import controlled
+from waxstudy.diagnosis.neighbours.judge import house_of, judged
 from waxstudy.diagnosis.neighbours.reading import when
 from waxstudy.diagnosis.neighbours.series import House, RoomSeries
+from waxstudy.diagnosis.neighbours.spans import Steady
 from waxstudy.diagnosis.result import Interval, NeighbourEvent, RoomsBeside
 from waxstudy.report.diagnosis.figures.neighbours import NUMBER, numbered
 from waxstudy.study.problems import StudyError
@@ -41,7 +43,7 @@ def beside(folder: Path, record: pd.DataFrame, rooms: int, extra: str = "", with
 
 def overlap(events: list[NeighbourEvent], spans_h: list[tuple[float, float]]) -> float:
     """Return the hours of both over the hours of either."""
-    hours = np.arange(0.0, 24.0 * 30, 0.25)
+    hours = np.arange(0.0, 24.0 * 60, 0.25)
     told = np.any([(hours >= a) & (hours < b) for each in events for a, b in each.spans_h], axis=0)
     true = np.any([(hours >= a) & (hours < b) for a, b in spans_h], axis=0)
     return float((told & true).sum() / (told | true).sum())
@@ -182,16 +184,32 @@ def test_a_room_of_its_own_is_held_against_those_named(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("baseline", [None, ("2021-01-12", "2021-01-16")], ids=["alone", "after days of its own"])
 def test_rooms_of_a_long_record_are_judged_on_all_its_days(tmp_path: Path, baseline: tuple[str, str] | None) -> None:
-    """A loop is looked at for four weeks; what happened in a room before or after them is found all the same."""
+    """A loop is looked at for four weeks; what happened in a room before or after them is found, but in a baseline."""
     days = MOST_DAYS + 10
     early, late = [(50.0, 58.0)], [(24.0 * (days - 2) + 20.0, 24.0 * (days - 1) + 4.0)]
     events = [Event(0, early, outside_W_K=40.0), Event(0, late, outside_W_K=40.0)]
     record = made(3, days=days, rooms=3, events=events)
     found = wx.diagnose(written(tmp_path, record, 3), baseline).diagnosis
     own = of_room(found.neighbours, 0)
-    assert overlap(own, [*early, *late]) >= OVERLAP
+    assert overlap(own, late if baseline else [*early, *late]) >= OVERLAP
     assert found.verdict == "room"
     assert any("Rooms beside each other are judged on all days" in each for each in found.warnings)
+
+
+@pytest.mark.parametrize("steps", [8, 24])
+@pytest.mark.parametrize("tau_h", [0.0, 4.0])
+def test_a_span_in_a_long_gap_weighs_nothing(tmp_path: Path, steps: int, tau_h: float) -> None:
+    record = made(1, days=20, rooms=3)
+    per_day = len(record) // 20
+    record.iloc[3 * per_day : 17 * per_day, record.columns.get_loc("room0")] = np.nan
+    dataset = read_dataset(written(tmp_path, record, 3))
+    assert dataset.neighbours
+    house = house_of(dataset.neighbours)
+    control = controlled(house, house.rooms[0], {room.name: room.air_C for room in house.rooms})
+    _, weight = Steady.of(house, control.fit, tau_h).pulls(steps)
+    a_day = round(24.0 / house.step_h)
+    assert (weight[4 * a_day : 14 * a_day] == 0.0).all()
+    assert (weight[a_day : 2 * a_day] > 0.0).all()
 
 
 @pytest.mark.parametrize(
@@ -206,6 +224,10 @@ def test_rooms_of_a_long_record_are_judged_on_all_its_days(tmp_path: Path, basel
         ([1, 8, 22, 29], "on 12 Jan, 19 Jan, 2 Feb, 9 Feb"),
         ([1, 3, 5], "on 12 Jan, 14 Jan, 16 Jan"),
         (
+            [day for day in range(35) if day % 7 in (0, 1, 3)],
+            "on 11 Jan, 12 Jan, 14 Jan, 18 Jan, 19 Jan, 21 Jan, 25 Jan, 26 Jan and 7 more days",
+        ),
+        (
             [0, 1, 3, 4, 6, 7, 9, 10, 12],
             "on 11 Jan, 12 Jan, 14 Jan, 15 Jan, 17 Jan, 18 Jan, 20 Jan, 21 Jan and 1 more day",
         ),
@@ -216,6 +238,19 @@ def test_days_that_come_back_are_told_by_their_rule_and_others_one_by_one(days: 
     air = np.zeros(60 * 48)
     house = House([RoomSeries("room", air)], None, {}, begin, 1800.0)
     assert when(house, [(48 * day + 20, 48 * day + 24) for day in days]) == f"10:00 to 12:00, {words}"
+
+
+def test_spans_that_a_record_cuts_short_leave_their_rule_and_years_are_told() -> None:
+    nights = [(48 * day + 44, min(48 * day + 60, 60 * 48)) for day in range(1, 60, 2)]
+    usual, over_years = (
+        when(House([RoomSeries("room", np.zeros(60 * 48))], None, {}, pd.Timestamp(begin), 1800.0), nights)
+        for begin in ("2021-01-11", "2021-12-11")
+    )
+    assert usual == "22:00 to 06:00, every other day from 12 Jan to 11 Mar"
+    assert over_years == "22:00 to 06:00, every other day from 12 Dec 2021 to 8 Feb 2022"
+    uneven = [(48 * day + 20, 48 * day + 24 + day % 2) for day in range(1, 20)]
+    house = House([RoomSeries("room", np.zeros(60 * 48))], None, {}, pd.Timestamp("2021-01-11"), 1800.0)
+    assert when(house, uneven).endswith("19 Jan 10:00 to 19 Jan 12:00; and 11 more times")
 
 
 def test_numbers_of_a_figure_never_touch_and_the_largest_have_theirs() -> None:

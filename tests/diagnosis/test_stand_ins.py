@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pandas as pd
@@ -32,7 +32,7 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.search import select
 from waxstudy.diagnosis.select.unexplained import done_by_drives, unexplained
-from waxstudy.plugin import Facade
+from waxstudy.plugin import Effect, Facade
 from waxstudy_paper.weather import sun as weather_sun
 
 TALLINN = Site(latitude=59.4, longitude=24.7, timezone="Europe/Tallinn")
@@ -80,6 +80,34 @@ def test_a_healthy_record_tells_the_next_one_of_the_hours_at_which_people_heat_a
     further = unknowns[0].apply(believed, 0.3).inputs  # on from where the factor is
     assert further
     assert further.gains_W == pytest.approx(np.exp(departures[0] + 0.3) * own_W + hours_W)
+
+
+def test_departures_come_to_the_same_whatever_was_asked_before() -> None:
+    seen = record_of(dataset(rows("REAL", DAYS, without=(GAINS,)), "REAL"))
+    believed = belief("REAL", seen)
+    room = next(each for each in segments(seen, believed) if each.with_room and not each.is_supply)
+    problem = SegmentProblem(room, seen, believed)
+    assert {each.is_of_inputs for each in problem.nuisances} == {True, False}
+    values: dict[type[Effect], dict[str, float]] = {
+        EFFECTS["thermal-mass"]: {"factor": 2.0},
+        EFFECTS["solar-factor"]: {"factor": 1.5},
+    }
+    some = 0.1 * problem.sd
+    moved = [some + step for step in np.diag(0.5 * problem.sd)]
+    for departures in (some, *moved, np.zeros(len(some)), *moved[::-1]):
+        for edits in ((), tuple(values.items())):
+            absorbed = {name for effect, _ in edits for name in effect.absorbs}
+            expected = believed
+            for nuisance, departure in zip(problem.nuisances, departures.tolist(), strict=True):
+                expected = nuisance.apply(expected, 0.0 if nuisance.name in absorbed else departure)
+            for effect, parameters in edits:
+                expected = effect.apply(expected, effect.Parameters(**parameters))
+            found = problem.edited(edits, departures)
+            assert (found.blocks, found.room) == (expected.blocks, expected.room)
+            assert found.inputs
+            assert expected.inputs
+            for field in fields(found.inputs):
+                assert np.array_equal(getattr(found.inputs, field.name), getattr(expected.inputs, field.name))
 
 
 def test_a_record_with_gains_needs_no_habits_of_a_healthy_one_without() -> None:

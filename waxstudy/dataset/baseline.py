@@ -75,7 +75,10 @@ def parted(dataset: Dataset, first: pd.Timestamp, last: pd.Timestamp) -> tuple[D
         raise _wrong(dataset, problem)
     if np.count_nonzero(after) * dataset.interval_s < LEAST_DAYS * 86_400.0:
         raise _wrong(dataset, f"less than {LEAST_DAYS:g} days come after {last.date()}, and nothing is left to judge")
-    return _rows(dataset, chosen), _rows(dataset, after)
+    judged = _rows(dataset, after)
+    if judged.neighbours:
+        judged = replace(judged, neighbours=replace(judged.neighbours, since=last + pd.Timedelta(1, "D")))
+    return _rows(dataset, chosen), judged
 
 
 def _rows(dataset: Dataset, chosen: np.ndarray) -> Dataset:

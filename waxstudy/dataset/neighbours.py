@@ -66,6 +66,7 @@ class Neighbours:
     rooms: Sequence[MeasuredRoom]
     sun: Mapping[str, FloatArray]  # (n,) by column
     outdoor_C: FloatArray | None = None  # (n,)
+    since: pd.Timestamp | None = None  # what ended before is of a baseline, and no finding
 
 
 def read_neighbours(check: Check, column: Any) -> NeighbourTable:

@@ -283,7 +283,7 @@ class NeighbourEvent:
 
     room: str
     when: str  # in the record's local time
-    spans_h: Sequence[tuple[float, float]]  # from and to, since the record began
+    spans_h: Sequence[tuple[float, float]]  # from and to, since `RoomsBeside.begins`
     size_K: Interval
     heat_W: Interval | None  # that would do the same; none where no heat or capacity is known or assumed
     heat_from: str  # how it is known
@@ -296,7 +296,7 @@ class NeighbourEvent:
 class RoomCourse:
     """A room's air as measured, and as its neighbours and what drives it have it: means around `hours`."""
 
-    hours: Sequence[float]  # since the record began
+    hours: Sequence[float]  # since `RoomsBeside.begins`
     measured_C: Sequence[float]
     expected_C: Sequence[float]
 
@@ -309,7 +309,7 @@ class RoomsBeside:
     events: Sequence[NeighbourEvent] = ()
     sentence: str = ""
     courses: Mapping[str, RoomCourse] = field(default_factory=dict)  # of rooms with events
-    begins: str = ""  # the record, in local time
+    begins: str = ""  # the whole record, of which a loop may be judged on some days only; in its own time
 
 
 @dataclass(frozen=True)

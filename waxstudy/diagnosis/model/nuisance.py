@@ -170,8 +170,6 @@ def departed_inputs(belief: Belief, departures: Iterable[tuple[Nuisance, float]]
 def _with_inputs(belief: Belief, changes: Iterable[tuple[_OfInput, float]]) -> Belief:
     inputs, new = belief.inputs, dict[str, Any]()
     for change, departure in changes:
+        assert inputs
         new[change.of] = change.changed(new[change.of] if change.of in new else getattr(inputs, change.of), departure)
-    if not new:
-        return belief
-    assert inputs
-    return replace(belief, inputs=replace(inputs, **new))
+    return replace(belief, inputs=replace(inputs, **new)) if inputs and new else belief

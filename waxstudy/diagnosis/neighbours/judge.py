@@ -27,10 +27,12 @@ BY_CAPACITY = "by the heat capacity that was assumed"
 
 
 def judged(neighbours: Neighbours, tick: Tick) -> RoomsBeside:
-    """Return what departs in which room."""
+    """Return what departs in which room; days of a baseline tell what is usual, and what ended in them is left out."""
     house = house_of(neighbours)
     controls = searched(house, tick)
-    found = [each for control in controls.values() for each in happenings(control) if _probability(each) >= LIKELY]
+    first = 0 if neighbours.since is None else int((house.begins < neighbours.since).sum())
+    all_ = [each for control in controls.values() for each in happenings(control)]
+    found = [each for each in all_ if each.spans[-1][1] > first and _probability(each) >= LIKELY]
     events = [_event(each, found, house) for each in found]
     rooms = [_room(control) for control in controls.values()]
     courses = {name: _course(control) for name, control in controls.items() if any(e.room == name for e in events)}

@@ -19,6 +19,7 @@ STEP = 0.7  # of the departure, from one sample to the next at both ends: no roo
 MOST = 0.5  # of the hours
 BRIGHT = 0.5  # of the hours, from which sun may do it as well
 MOST_DAYS = 8  # that are named one by one
+MOST_WEEKDAYS = 2  # that have a name together
 REGULAR = 4  # chosen: times that days come back, to be told as days that do
 
 LOST = "heat is lost to a colder place at once, as through an open window or door"
@@ -106,12 +107,15 @@ def when(house: House, spans: Sequence[tuple[int, int]]) -> str:
     ends = [(_at(house, begin), _at(house, end)) for begin, end in spans]
     if len(ends) == 1:
         begin, end = ends[0]
-        until = f"{end:%H:%M}" if end.date() == begin.date() else _moment(end)
+        until = f"{end:%H:%M}" if end.date() == begin.date() else _moment(end, house)
         last = " (the end of the record)" if spans[0][1] >= len(house) else ""
-        return f"{_moment(begin)} to {until}{last}"
-    hours = {(begin.strftime("%H:%M"), end.strftime("%H:%M")) for begin, end in ends}
+        return f"{_moment(begin, house)} to {until}{last}"
+    # the record's ends may cut a span short
+    whole = [(_at(house, begin), _at(house, end)) for begin, end in spans if begin > 0 and end < len(house)]
+    hours = {(begin.strftime("%H:%M"), end.strftime("%H:%M")) for begin, end in whole or ends}
     if len(hours) > 1:
-        return "; ".join(f"{_moment(begin)} to {_moment(end)}" for begin, end in ends)
+        told = [f"{_moment(begin, house)} to {_moment(end, house)}" for begin, end in ends[:MOST_DAYS]]
+        return "; ".join(told) + _more(len(ends), "times", "; ")
     from_, to = next(iter(hours))
     return f"{from_} to {to}, {_days([each.normalize() for each, _ in ends], house)}"
 
@@ -120,8 +124,8 @@ def _at(house: House, step: int) -> pd.Timestamp:
     return house.begin + pd.Timedelta(step * house.step_s, "s")
 
 
-def _moment(time: pd.Timestamp) -> str:
-    return f"{time.day} {time:%b %H:%M}"
+def _moment(time: pd.Timestamp, house: House) -> str:
+    return f"{_day(time, house)} {time:%H:%M}"
 
 
 def _days(days: Sequence[pd.Timestamp], house: House) -> str:
@@ -130,11 +134,10 @@ def _days(days: Sequence[pd.Timestamp], house: House) -> str:
     every = pd.date_range(first, last, freq="D")
     since = every[every >= days[0]]
     if len(days) >= len(since) - 1 > MOST_DAYS // 2:
-        return "every day" if days[0] <= every[1] else f"every day from {_day(days[0])} on"
+        return "every day" if days[0] <= every[1] else f"every day from {_day(days[0], house)} on"
     if regular := _regular(days):
-        return f"{regular} from {_day(days[0])} to {_day(days[-1])}"
-    named, more = ", ".join(_day(each) for each in days[:MOST_DAYS]), len(days) - MOST_DAYS
-    return f"on {named}" + (f" and {more} more day{'s' if more > 1 else ''}" if more > 0 else "")
+        return f"{regular} from {_day(days[0], house)} to {_day(days[-1], house)}"
+    return "on " + ", ".join(_day(each, house) for each in days[:MOST_DAYS]) + _more(len(days), "days")
 
 
 def _regular(days: Sequence[pd.Timestamp]) -> str:
@@ -150,8 +153,18 @@ def _regular(days: Sequence[pd.Timestamp]) -> str:
         return ""
     if week == [*range(5)]:
         return "from Mondays to Fridays"
+    if len(week) > MOST_WEEKDAYS:
+        return ""
     return "on " + " and ".join(f"{day_name[place]}s" for place in week)
 
 
-def _day(day: pd.Timestamp) -> str:
-    return f"{day.day} {day:%b}"
+def _day(day: pd.Timestamp, house: House) -> str:
+    """Return a day in words, with its year where a record has days of two."""
+    is_of_years = house.begin.year != _at(house, len(house) - 1).year
+    return f"{day.day} {day:%b}" + (f" {day.year}" if is_of_years else "")
+
+
+def _more(count: int, what: str, before: str = " ") -> str:
+    """Return how many more there are than are named one by one."""
+    more = count - MOST_DAYS
+    return f"{before}and {more} more {what if more > 1 else what.removesuffix('s')}" if more > 0 else ""

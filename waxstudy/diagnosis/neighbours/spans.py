@@ -33,7 +33,7 @@ def tried(house: House) -> int:
 def scored(house: House, fit: Fit, most_h: float = inf) -> Iterator[Scored]:
     """Yield for each length (up to `most_h`) and answer the best single span, and the best hours on several days."""
     for tau_h in TAUS_H:
-        steady, unrest = _Steady.of(house, fit, tau_h), 1.0
+        steady, unrest = Steady.of(house, fit, tau_h), 1.0
         for length_h in (each for each in LENGTHS_H if each <= most_h):
             steps = round(length_h / house.step_h)
             if 1 <= steps < len(house) // 2:
@@ -45,7 +45,7 @@ def scored(house: House, fit: Fit, most_h: float = inf) -> Iterator[Scored]:
 
 
 @dataclass(frozen=True)
-class _Steady:
+class Steady:
     """What begins at a step and never ends: a span is the difference of two of them, one for its end."""
 
     shape: FloatArray  # (n,) its innovations, from its first step on
@@ -54,7 +54,7 @@ class _Steady:
     square: FloatArray  # (n,) of the shape itself
 
     @classmethod
-    def of(cls, house: House, fit: Fit, tau_h: float) -> _Steady:
+    def of(cls, house: House, fit: Fit, tau_h: float) -> Steady:
         shape = fit.errors.of_shape(response(np.ones(len(house)), tau_h, house.step_h))
         by = 1.0 / fit.errors.sd_K
         rows, known = np.column_stack((fit.white, fit.basis)) * by[:, None], fit.known * by**2
@@ -69,7 +69,7 @@ class _Steady:
         both = np.concatenate((np.zeros(steps), self.shape[steps:] * self.shape[:-steps]))
         square = self.square + _later(self.square, steps) - 2.0 * _from_each(self.known, both)
         left = square - np.sum(products[:, 1:] ** 2, axis=1)
-        seen = left > LEAST_SHARE * np.median(square)
+        seen = left > LEAST_SHARE * np.median(square[self.known > 0.0])  # the rest is rounding
         return np.where(seen, products[:, 0], 0.0), np.where(seen, left, 0.0)
 
 
@@ -103,7 +103,7 @@ def unrest_of(house: House, fit: Fit, pattern: Pattern) -> float:
     """Return by how much the variance of a pattern's size is above what the errors alone would give, at least 1."""
     begin, end = pattern.spans[0]
     steps = max(1, min(end - begin, round(UNREST_MOST_H / house.step_h)))
-    return max(_unrest(*_Steady.of(house, fit, tau_h).pulls(steps)) for tau_h in pattern.taus_h)
+    return max(_unrest(*Steady.of(house, fit, tau_h).pulls(steps)) for tau_h in pattern.taus_h)
 
 
 def _gains(pull: FloatArray, weight: FloatArray) -> FloatArray:

@@ -30,7 +30,7 @@ class Superposed:
 
     @property
     def kept(self) -> FloatArray | None:
-        """Slopes of the nuisances that a quick look keeps to, as they are where nothing changed; else None."""
+        """Slopes of the nuisances where nothing changed: first fits of a quick look keep to them; else None."""
         return self.looks.slopes if self.estimator.is_quick else None
 
     def fits(

@@ -80,7 +80,10 @@ def _dates(panel: Axes, begins: pd.Timestamp, hours: float) -> None:
     every = max(1, round(hours / 24.0 / MOST_DATES))
     midnights = pd.date_range(begins.ceil("D"), begins + pd.Timedelta(hours, "h"), freq=f"{every}D")
     places = [(each - begins).total_seconds() / 86_400.0 for each in midnights]
-    panel.set_xticks(places, [f"{each.day} {each:%b}" for each in midnights])
+    is_of_years = midnights[0].year != midnights[-1].year
+    panel.set_xticks(
+        places, [f"{each.day} {each:%b}" + (f"\n{each.year}" if is_of_years else "") for each in midnights]
+    )
 
 
 def _keys(panel: Axes) -> None:
