@@ -49,7 +49,7 @@ class NeighbourTable:
 
 @dataclass(frozen=True)
 class MeasuredRoom:
-    """A room on the grid of all of them; NaN is missing."""
+    """A room on the grid that all rooms share; NaN is missing."""
 
     name: str
     air_C: FloatArray  # (n,)
@@ -59,7 +59,7 @@ class MeasuredRoom:
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Rooms that were measured beside each other, with what drives them, on a grid of their own: no days are cut."""
+    """Rooms that were measured beside each other and what drives them, on all days of the file."""
 
     time: pd.DatetimeIndex  # (n,) ends of intervals, local standard time
     interval_s: float

@@ -309,7 +309,7 @@ class RoomsBeside:
     events: Sequence[NeighbourEvent] = ()
     sentence: str = ""
     courses: Mapping[str, RoomCourse] = field(default_factory=dict)  # of rooms with events
-    begins: str = ""  # the whole record, of which a loop may be judged on some days only; in its own time
+    begins: str = ""  # first moment of the whole record, in local time; a loop may be judged on some days only
 
 
 @dataclass(frozen=True)

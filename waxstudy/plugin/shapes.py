@@ -95,7 +95,7 @@ def role_problems(inputs: Sequence[Any]) -> Problems:
 def lost_problems(room: LinearRoom, heat_W: Mapping[Role, FloatArray]) -> Problems:
     """Yield recorded heat that would be lost, as no input of its role brings a room anything; NaN is not known."""
     for role, watts in heat_W.items():
-        if not room.takes(role) and np.nan_to_num(watts).any():
+        if not room.takes(role) and watts[~np.isnan(watts)].any():
             mean_W = float(np.nanmean(watts))
             yield f"{role.value} are recorded, {mean_W:.3g} W on average, but no input with the role {role} takes them"
 

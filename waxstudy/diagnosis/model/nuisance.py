@@ -163,7 +163,7 @@ class _OfInput:
 
 
 def departed_inputs(belief: Belief, departures: Iterable[tuple[Nuisance, float]]) -> Belief:
-    """Return a belief after departures of its inputs, of which new ones are made once for all."""
+    """Return a belief after all departures of its inputs, which are copied once; those of the room are left out."""
     return _with_inputs(belief, ((each.apply, value) for each, value in departures if isinstance(each.apply, _OfInput)))
 
 

@@ -141,6 +141,6 @@ def means(values: FloatArray, parts: int) -> FloatArray:
 def weighted(values: FloatArray, weight: FloatArray, parts: int) -> FloatArray:
     """Return the means over each `parts` values by weight, NaN where there is none."""
     known = np.isfinite(values)
-    sums = means(np.where(known, weight, 0.0), parts)
-    weighed = means(np.where(known, weight, 0.0) * np.where(known, values, 0.0), parts)
+    whole = np.where(known, weight, 0.0)
+    sums, weighed = means(whole, parts), means(whole * np.where(known, values, 0.0), parts)
     return np.asarray(np.divide(weighed, sums, out=np.full(len(sums), np.nan), where=sums > 0.0))

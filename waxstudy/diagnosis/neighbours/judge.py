@@ -27,7 +27,7 @@ BY_CAPACITY = "by the heat capacity that was assumed"
 
 
 def judged(neighbours: Neighbours, tick: Tick) -> RoomsBeside:
-    """Return what departs in which room; days of a baseline tell what is usual, and what ended in them is left out."""
+    """Return what departs in which room. Days of a baseline tell what is usual; what ended in them is left out."""
     house = house_of(neighbours)
     controls = searched(house, tick)
     first = 0 if neighbours.since is None else int((house.begins < neighbours.since).sum())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from calendar import day_name
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -11,6 +10,7 @@ import pandas as pd
 
 from waxstudy.diagnosis.neighbours.events import Happening
 from waxstudy.diagnosis.neighbours.series import House
+from waxstudy.diagnosis.select.patterns import WEEK
 
 QUICK = 0.5  # of the largest departure, within an hour of its beginning: air, not structure
 AT_ONCE_H = 1.0
@@ -19,8 +19,8 @@ STEP = 0.7  # of the departure, from one sample to the next at both ends: no roo
 MOST = 0.5  # of the hours
 BRIGHT = 0.5  # of the hours, from which sun may do it as well
 MOST_DAYS = 8  # that are named one by one
-MOST_WEEKDAYS = 2  # that have a name together
-REGULAR = 4  # chosen: times that days come back, to be told as days that do
+MOST_WEEKDAYS = 2  # of the week: a longer list of weekdays says less than dates do
+REGULAR = 4  # times that days come back, to be told by their rule: three may be chance
 
 LOST = "heat is lost to a colder place at once, as through an open window or door"
 GAINED = "the air gets heat at once, as of a heater, people or cooking that was not recorded"
@@ -141,21 +141,19 @@ def _days(days: Sequence[pd.Timestamp], house: House) -> str:
 
 
 def _regular(days: Sequence[pd.Timestamp]) -> str:
-    """Return what days that come back have in common, nothing where they do not come back without exception."""
-    gaps = {(later - day).days for day, later in pairwise(days)}
-    week, between = sorted({each.weekday() for each in days}), pd.date_range(days[0], days[-1], freq="D")
+    """Return the rule by which days come back, nothing where they have none or one of them is an exception."""
     if len(days) < REGULAR:
         return ""
-    if len(gaps) == 1 and gaps != {7}:
+    gaps = {(later - day).days for day, later in pairwise(days)}
+    if len(gaps) == 1 and gaps != {len(WEEK)}:
         (gap,) = gaps
         return {1: "every day", 2: "every other day"}.get(gap, f"every {gap} days")
+    week, between = sorted({each.weekday() for each in days}), pd.date_range(days[0], days[-1], freq="D")
     if len(days) < REGULAR * len(week) or list(days) != [each for each in between if each.weekday() in week]:
         return ""
     if week == [*range(5)]:
         return "from Mondays to Fridays"
-    if len(week) > MOST_WEEKDAYS:
-        return ""
-    return "on " + " and ".join(f"{day_name[place]}s" for place in week)
+    return "on " + " and ".join(f"{WEEK[place]}s" for place in week) if len(week) <= MOST_WEEKDAYS else ""
 
 
 def _day(day: pd.Timestamp, house: House) -> str:

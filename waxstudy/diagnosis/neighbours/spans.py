@@ -46,7 +46,7 @@ def scored(house: House, fit: Fit, most_h: float = inf) -> Iterator[Scored]:
 
 @dataclass(frozen=True)
 class Steady:
-    """What begins at a step and never ends: a span is the difference of two of them, one for its end."""
+    """A shape that begins at a step and never ends: a span is one from its first step, less one from its end."""
 
     shape: FloatArray  # (n,) its innovations, from its first step on
     known: FloatArray  # (n,) one over the square of the errors' spread, 0 where unknown

@@ -30,7 +30,7 @@ class Superposed:
 
     @property
     def kept(self) -> FloatArray | None:
-        """Slopes of the nuisances where nothing changed: first fits of a quick look keep to them; else None."""
+        """Slopes of the nuisances where nothing changed, for the first fits of a quick look; None in a thorough one."""
         return self.looks.slopes if self.estimator.is_quick else None
 
     def fits(
@@ -85,7 +85,7 @@ class Superposed:
     def _fitted(
         self, effects: Edits, departures: FloatArray, convention: Convention, known: FloatArray | None = None
     ) -> Hypothesis | None:
-        """Return a hypothesis fitted from given values, by slopes of the departures as they are there, if not known."""
+        """Return a hypothesis fitted from given values, by known slopes of the departures, or those at the start."""
         if known is None and (start := self.problem.at(effects, departures, convention)):
             known = self.estimator.slopes_at(start)
         return self.estimator.nuisance_fit(effects, departures, convention, ALL, known)
