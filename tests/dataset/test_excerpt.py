@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from waxstudy.dataset.excerpt import MOST_DAYS, excerpt
+from waxstudy.dataset.excerpt import MOST_DAYS, SWITCHING, excerpt
 from waxstudy.dataset.read import Dataset
 
 DAY_S = 86_400
@@ -82,3 +82,12 @@ def test_what_begins_within_five_seconds_is_left_out() -> None:
     assert found.interval_s == 6.0
     assert found.time[0] == dataset.time[5]
     assert np.isfinite(found.values.to_numpy()).all()
+
+
+def test_the_valve_is_no_reason_where_nothing_of_it_was_recorded() -> None:
+    dataset = recorded(60)
+    (with_valve,) = excerpt(dataset).warnings
+    of_rooms = dataset.values.drop(columns=dataset.values.columns.intersection(SWITCHING))
+    (without,) = excerpt(replace(dataset, values=of_rooms)).warnings
+    assert ("valve" in with_valve, "valve" in without) == (True, False)
+    assert "least is missing" in without

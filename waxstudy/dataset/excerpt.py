@@ -56,10 +56,12 @@ def _days(dataset: Dataset) -> Dataset:
     first = int(np.flatnonzero(sums >= AS_GOOD * sums.max())[-1])
     chosen = (day >= days[first]) & (day <= days[first + MOST_DAYS - 1])
     begin, end = (f"{each:%Y-%m-%d}" for each in (days[first], days[first + MOST_DAYS - 1]))
+    why = (
+        "least is missing there" if _switching(dataset) is None else "the valve moves most there, and least is missing"
+    )
     said = (
         f"Of the record's {len(days)} days the {MOST_DAYS} from {begin} to {end} are judged, which tell most: "
-        "the valve moves most there, and least is missing. What shows on other days only is not seen: cut the record "
-        "to judge those."
+        f"{why}. What shows on other days only is not seen: cut the record to judge those."
     )
     if dataset.neighbours:
         said += " Rooms beside each other are judged on all days."
@@ -71,9 +73,14 @@ def _days(dataset: Dataset) -> Dataset:
 def _telling(dataset: Dataset) -> FloatArray:
     """Return what each sample tells: that it is there, and as much as a day of samples where the valve opens."""
     there = dataset.values.notna().mean(axis=1).to_numpy(dtype=float) * dataset.interval_s / 86_400.0
-    name = next((each for each in SWITCHING if each in dataset.values), None)
+    name = _switching(dataset)
     if name is None:
         return np.asarray(there)
     values = dataset.values[name].to_numpy(dtype=float)
     on = values > 0.5 * np.nanmax(values, initial=0.0)
     return np.asarray(there + np.append(0.0, on[1:] & ~on[:-1]))
+
+
+def _switching(dataset: Dataset) -> str | None:
+    """Return the channel that shows the valve move, None where none was recorded."""
+    return next((each for each in SWITCHING if each in dataset.values), None)
