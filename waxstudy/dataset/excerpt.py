@@ -56,12 +56,10 @@ def _days(dataset: Dataset) -> Dataset:
     first = int(np.flatnonzero(sums >= AS_GOOD * sums.max())[-1])
     chosen = (day >= days[first]) & (day <= days[first + MOST_DAYS - 1])
     begin, end = (f"{each:%Y-%m-%d}" for each in (days[first], days[first + MOST_DAYS - 1]))
-    why = (
-        "least is missing there" if _switching(dataset) is None else "the valve moves most there, and least is missing"
-    )
+    moves = "the valve moves most and " if _switching(dataset) else ""
     said = (
         f"Of the record's {len(days)} days the {MOST_DAYS} from {begin} to {end} are judged, which tell most: "
-        f"{why}. What shows on other days only is not seen: cut the record to judge those."
+        f"{moves}least is missing there. What shows on other days only is not seen: cut the record to judge those."
     )
     if dataset.neighbours:
         said += " Rooms beside each other are judged on all days."
@@ -82,5 +80,5 @@ def _telling(dataset: Dataset) -> FloatArray:
 
 
 def _switching(dataset: Dataset) -> str | None:
-    """Return the channel that shows the valve move, None where none was recorded."""
+    """Return the recorded channel that tells when the valve moves, None where there is none."""
     return next((each for each in SWITCHING if each in dataset.values), None)
