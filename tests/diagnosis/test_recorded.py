@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import PERFECT, belief, reality, record, study
-from waxstudy.diagnosis.model.room_response import built, room_response
+from waxstudy.diagnosis.model.room_response import built, coarsened, room_response
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Role, Room
 from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond, respond_to_heat
@@ -142,3 +142,15 @@ def test_a_room_s_link_is_driven_by_the_flow_that_was_recorded() -> None:
     assert isinstance(segment, Segment)
     assert (segment.stages, segment.driven_by) == (("emitter", "room"), "flow_L_h")
     assert built(study().room) is built(study().room)
+
+
+def test_an_input_that_was_changed_is_not_taken_for_one_that_was_there_before() -> None:
+    """Means of inputs are kept by the arrays themselves, and of arrays that are gone another may take the place."""
+    seen = record("REAL", interval_s=60.0, days=2, **PERFECT)
+    believed = belief("REAL", seen)
+    assert believed.inputs
+    for number in range(200):
+        heat_W = np.full(len(seen), float(number))
+        coarse, _ = coarsened(seen, replace(believed, inputs=replace(believed.inputs, gains_W=heat_W)), heat_W, 5)
+        assert coarse.gains_W == pytest.approx(np.full(len(seen) // 5, float(number)))
+        del heat_W, coarse

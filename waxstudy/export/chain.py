@@ -14,7 +14,7 @@ from waxstudy.export.model import Model, NotExportable, Stage, Variable
 from waxstudy.plugin import CHAIN, TEMPERATURE, Block, Choice, Port
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.machine_code import machine_code
-from waxstudy.simulation.records import choices_of, parameter_record, state_record
+from waxstudy.simulation.records import choices_of, parameter_dtype, parameter_record, state_record
 from waxstudy.simulation.typed import CannotCompile
 
 INPUT = {
@@ -81,7 +81,7 @@ def _model(blocks: Mapping[str, Choice], step_s: float, kinds: tuple[str, ...]) 
 
 def _code(block: type[Block], plain: Any, symbol: str) -> str:
     try:
-        return machine_code(block, parameter_record(plain).dtype, symbol)
+        return machine_code(block, parameter_dtype(plain), symbol)
     except CannotCompile as error:
         raise NotExportable(f"{block.kind} '{block.name}' cannot be compiled, and so not exported: {error}") from error
 
@@ -130,7 +130,7 @@ def _end(causality: str, name: str, port: Port, place: int) -> Variable:
 def _parameters(block: type[Block], plain: Any, step_s: float, first_byte: int) -> Iterator[Variable]:
     """Yield the numbers of a block's parameters; those that its start asks for cannot be changed any more."""
     asked = _asked_by_start(block, plain, step_s)
-    layout: Mapping[str, Any] = parameter_record(plain).dtype.fields or {}
+    layout: Mapping[str, Any] = parameter_dtype(plain).fields or {}
     for name in getattr(plain, "_fields", ()):
         field, value = block.Parameters.model_fields[name], getattr(plain, name)
         if choices_of(field.annotation) or math.isnan(value):  # the title says the choice; what is not given is NaN

@@ -23,7 +23,7 @@ from waxstudy.simulation.cache import cached
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.kernel import CHAIN_LENGTH, CONTROLLER
 from waxstudy.simulation.machine_code import alone, machine_code
-from waxstudy.simulation.records import parameter_record, state_dtype, state_record
+from waxstudy.simulation.records import parameter_dtype, parameter_record, state_dtype, state_record
 from waxstudy.simulation.sources import digest, function_digest
 from waxstudy.simulation.standalone import CARRY, ROW, Address, Stage, Standalone, Told
 from waxstudy.simulation.typed import CannotCompile
@@ -108,7 +108,7 @@ def standalone(blocks: Mapping[str, Choice], step_s: float, setpoint_C: float) -
     code_of: Callable[..., bytes] = _of_block  # a cached function takes hashable arguments, which classes are
     try:
         pairs = zip(chain.blocks, chain.plain, strict=True)
-        codes = [code_of(block, parameter_record(plain).dtype) for block, plain in pairs if block]
+        codes = [code_of(block, parameter_dtype(plain)) for block, plain in pairs if block]
     except (CannotCompile, PluginError):  # Python says what is wrong with it, or runs it
         return None
     stages = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,7 @@ class Chain:
         for kind, choice in blocks.items():
             place = CHAIN.index(kind)
             assert issubclass(choice.component, Block)
-            self.blocks[place] = _sound(choice.component)
+            self.blocks[place] = _sound(choice.component)  # type: ignore[arg-type]  # a class is hashable
             self.plain[place] = plain_parameters(choice.parameters)
         self.step_s = step_s
         ports = [block.output if block else None for block in self.blocks]
@@ -73,6 +74,7 @@ class Stepped:
         return self._step(self._plain, self._state, u, time_s, self.step_s)
 
 
+@cache
 def _sound(block: type[Block]) -> type[Block]:
     """Return a block; raise `PluginError` where memory or loop could not rely on what it declares."""
     problems = [*port_problems(block)]

@@ -21,7 +21,7 @@ from waxstudy.plugin import Block, delayed
 from waxstudy.plugin.registry import PluginError
 from waxstudy.simulation import kernel
 from waxstudy.simulation.cache import cached
-from waxstudy.simulation.records import parameter_record, state_dtype
+from waxstudy.simulation.records import parameter_dtype, state_dtype
 from waxstudy.simulation.sources import digest, function_digest, helpers
 from waxstudy.simulation.typed import CannotCompile, examine, reason
 
@@ -121,7 +121,7 @@ def address(block: type[Block], plain: Any) -> int:
     Raises `CannotCompile`, or `PluginError` for a mistake that would give other results than Python does.
     """
     compile_block: Callable[..., Any] = _guarded  # a cached function takes hashable arguments, which classes are
-    return int(compile_block(block, parameter_record(plain).dtype).address)
+    return int(compile_block(block, parameter_dtype(plain)).address)
 
 
 _LOOP = types.int64(

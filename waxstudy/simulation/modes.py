@@ -140,7 +140,7 @@ def drive(
     few_rates, basis, error = rates, np.eye(len(rates)), 0.0
     if tolerance_K > 0.0:
         pulse_W = curve.max() * max(1.0, float(np.max(supply_C)) - 21.0)
-        jumps = np.append(np.max(np.abs(np.diff(inputs, axis=0, prepend=inputs[:1])), axis=0), pulse_W)
+        jumps = np.append(_largest_steps(inputs), pulse_W)
         air = to_modes @ room.air_nodes
         starts = np.column_stack((air, to_modes @ np.ones(len(root)) - air))  # a kelvin of air and walls, of the rest
         few_rates, basis, error = fewer(rates, outputs[:5], driving * jumps, starts, tolerance_K)
@@ -163,6 +163,12 @@ def drive(
         to_modes=np.ascontiguousarray(_in_lanes(to_modes.T @ basis).T),
         dropped_error_K=error,
     )
+
+
+def _largest_steps(inputs: FloatArray) -> FloatArray:
+    """Return the largest change of each input (m,) from one interval to the next, of inputs (n, m)."""
+    steps = np.diff(np.ascontiguousarray(inputs.T))
+    return np.asarray(np.abs(steps, out=steps).max(axis=1, initial=0.0))
 
 
 @lru_cache(maxsize=2)

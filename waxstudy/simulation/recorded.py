@@ -232,8 +232,10 @@ def _run(
         last_W,
         mean_W,
     )
-    ends = modes @ driven.outputs.T + driven.offsets + last_W[:, None] * driven.heat_offset
-    return {name: ends[:, place] for place, name in enumerate(ROOM_OUTPUTS)} | {"water_heat_W": mean_W}
+    ends = driven.outputs @ modes.T  # (outputs, n), added to in place: new memory takes longer than the sums
+    ends += driven.offsets.T
+    ends += driven.heat_offset[:, None] * last_W
+    return dict(zip(ROOM_OUTPUTS, ends, strict=True)) | {"water_heat_W": mean_W}
 
 
 def _moving(room: LinearRoom, fraction: FloatArray, still_W_K: FloatArray, moves: float) -> FloatArray:

@@ -54,16 +54,19 @@ def _numbers(*names: str) -> Any:
 
 def parameter_record(plain: Any) -> np.ndarray:
     """Return the namedtuple of `plain_parameters` as a one-element record array."""
-    fields = [(name, _SCALARS[type(value)]) for name, value in zip(_names(plain), plain, strict=True)]
-    return np.array([tuple(plain)], dtype=np.dtype(fields, align=True)) if fields else _empty()
+    return np.array([tuple(plain) or (0,)], dtype=parameter_dtype(plain))
 
 
-def _names(plain: Any) -> tuple[str, ...]:
-    return getattr(plain, "_fields", ())
+def parameter_dtype(plain: Any) -> np.dtype[Any]:
+    """Return the layout of a parameter record."""
+    return _layout(getattr(plain, "_fields", ()), tuple(map(type, plain)))
 
 
-def _empty() -> np.ndarray:
-    return np.zeros(1, dtype=np.dtype([(EMPTY, "i8")]))
+@cache
+def _layout(names: tuple[str, ...], kinds: tuple[type, ...]) -> np.dtype[Any]:
+    """Return one layout for all parameters of these names and types: making it takes longer than the record."""
+    fields: list[tuple[str, Any]] = [(name, _SCALARS[kind]) for name, kind in zip(names, kinds, strict=True)]
+    return np.dtype(fields or [(EMPTY, "i8")], align=True)
 
 
 @cache
@@ -71,6 +74,7 @@ def _hints(state: type) -> dict[str, Any]:
     return typing.get_type_hints(state)
 
 
+@cache
 def state_dtype(state: type) -> np.dtype[Any]:
     """Return the record layout of a state dataclass of float, int, bool and Ring fields.
 
@@ -94,7 +98,7 @@ def state_dtype(state: type) -> np.dtype[Any]:
 
 def state_record(state: Any) -> np.ndarray:
     """Return a state object as bytes: its record, then the samples of its rings."""
-    dtype = state_dtype(type(state))
+    dtype = state_dtype(type(state))  # type: ignore[arg-type]  # a class is hashable
     size = -(-dtype.itemsize // 8) * 8
     rings = [name for name in dtype.names or () if dtype[name] == RING]
     total = size + 8 * sum(getattr(state, name).length for name in rings)

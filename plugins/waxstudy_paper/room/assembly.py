@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import partial
+from functools import lru_cache, partial
 from math import ceil, sqrt
 
 import numpy as np
@@ -90,8 +90,7 @@ def drive(room: RoomDescription, weather: WeatherRecord) -> tuple[FloatArray, Fl
             "it has no sky temperature, which films.sky_W_m2K of the room needs: use epw, or set that to 0"
         )
     count = len(weather.outdoor_C)
-    midpoint_s = (np.arange(count) + 0.5) * weather.interval_s
-    hour = (midpoint_s % 86_400 // 3600).astype(int)
+    hour = _hours(count, weather.interval_s)
     factors = np.array(room.gains.schedule) / np.mean(room.gains.schedule)
     values: dict[str, FloatArray | float | None] = {
         "outdoor_C": weather.outdoor_C,
@@ -104,6 +103,14 @@ def drive(room: RoomDescription, weather: WeatherRecord) -> tuple[FloatArray, Fl
     }
     columns = [np.broadcast_to(np.asarray(values[name], dtype=float), count) for name in inputs_of(room)]
     return np.column_stack(columns), supply_C(room.circuit, weather.outdoor_C)
+
+
+@lru_cache(maxsize=4)
+def _hours(count: int, interval_s: float) -> np.ndarray:
+    """Return the hour of the day of the middle of each interval (count,); read-only."""
+    hours = ((np.arange(count) + 0.5) * interval_s % 86_400 // 3600).astype(int)
+    hours.flags.writeable = False
+    return hours
 
 
 def assemble(room: RoomDescription) -> Assembly:

@@ -31,7 +31,7 @@ def diagnose(dataset: Dataset) -> Json:
     record, belief = taken(dataset)
     if belief.inputs is None or belief.room is None or "controller" not in belief.blocks:
         return answer(dataset, [], "the loop cannot run free")
-    inputs, _ = coarsened(belief, record.filled_or_zero("flow_L_h"), merging(record.interval_s)[0])
+    inputs, _ = coarsened(record, belief, record.filled_or_zero("flow_L_h"), merging(record.interval_s)[0])
     belief = replace(belief, inputs=inputs)
     free = _FreeLoop(record, belief)
     count = len(record) * record.interval_s / DAY_S * A_DAY

@@ -39,7 +39,7 @@ def _response(record: Record, belief: Belief, channel: str, signal: FloatArray) 
     assert belief.room
     parts, _ = merging(record.interval_s)
     flow = signal if channel == "flow_L_h" else _flow(record, belief, channel, signal)
-    inputs, coarse = coarsened(belief, flow, parts)
+    inputs, coarse = coarsened(record, belief, flow, parts)
     found = respond(driven_by(built(belief.room), inputs), inputs, coarse)
     return found["water_heat_W"], found["air_C"]
 

@@ -77,7 +77,7 @@ def room_response(
     parts, merged = merging(record.interval_s)
     if is_fine:
         parts, merged = 1, parts * merged
-    coarse, flow = coarsened(belief, flow_L_h, parts)
+    coarse, flow = coarsened(record, belief, flow_L_h, parts)
     coarse = replace(coarse, solar_W=convention.solar_factor * coarse.solar_W)
     driven = driven_by(built(belief.room), coarse, FINE_STEP_S if is_fine else None)
     return _shown(respond(driven, coarse, flow, VALVE_S if is_fine else None), flow, convention, parts, merged)
@@ -89,7 +89,7 @@ def response_to_heat(
     """Yield by how much courses of heat to the room's air, each (n,) as the record, change what the room makes."""
     assert belief.room
     parts, merged = merging(record.interval_s)
-    coarse, flow = coarsened(belief, flow_L_h, parts)
+    coarse, flow = coarsened(record, belief, flow_L_h, parts)
     for found in respond_to_heat(built(belief.room), coarse, flow, [means(each, parts) for each in heats_W]):
         yield _shown(found, flow, convention, parts, merged)
 
@@ -117,7 +117,7 @@ def merging(interval_s: float) -> tuple[int, int]:
     return parts, max(1, round(JUDGED_S / (parts * interval_s)))
 
 
-def coarsened(belief: Belief, flow_L_h: FloatArray, parts: int) -> tuple[Inputs, FloatArray]:
+def coarsened(record: Record, belief: Belief, flow_L_h: FloatArray, parts: int) -> tuple[Inputs, FloatArray]:
     """Return what drives a room, and its flow, as means over some intervals; the supply as what flowed had it."""
     inputs, room = belief.inputs, belief.room
     assert inputs
@@ -126,10 +126,15 @@ def coarsened(belief: Belief, flow_L_h: FloatArray, parts: int) -> tuple[Inputs,
         most = np.maximum(flow_L_h, built(room).full_flow_L_h)
         flow_L_h = np.where(inputs.added_flow_L_h, np.clip(flow_L_h + inputs.added_flow_L_h, 0.0, most), flow_L_h)
     arrays = {name: value for name, value in vars(inputs).items() if isinstance(value, np.ndarray)}
-    changes: dict[str, Any] = {name: means(value, parts) for name, value in arrays.items()}
+    changes: dict[str, Any] = {name: _kept_means(record, value, parts) for name, value in arrays.items()}
     flow, supply_C = means(flow_L_h, parts), weighted(inputs.supply_C, flow_L_h, parts)
     changes["supply_C"] = np.where(flow > 0.0, supply_C, changes["supply_C"])
     return replace(inputs, interval_s=inputs.interval_s * parts, **changes), flow
+
+
+def _kept_means(record: Record, values: FloatArray, parts: int) -> FloatArray:
+    """Return the means of an input, kept with it: most inputs are the same array in every hypothesis."""
+    return record.remembered("means", (id(values), parts), lambda: (values, means(values, parts)), arrays=2)[1]
 
 
 def means(values: FloatArray, parts: int) -> FloatArray:
