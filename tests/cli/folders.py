@@ -11,9 +11,9 @@ from waxstudy.results.checksums import SUMS, write_sums
 from waxstudy.results.folder import ORIGIN
 
 
-def contents(folder: Path) -> dict[str, str]:
+def contents(folder: Path, below: str = "") -> dict[str, str]:
     """Digest of every file below a folder; what a running or killed process was writing is left out."""
-    files = [Path(root) / name for root, _, names in os.walk(folder) if PARTIAL not in root for name in names]
+    files = [Path(root) / name for root, _, names in os.walk(folder / below) if PARTIAL not in root for name in names]
     names = {path: path.relative_to(folder).as_posix() for path in files}
     return {names[path]: sha256(path.read_bytes()).hexdigest() for path in files if PARTIAL not in names[path]}
 
@@ -24,8 +24,8 @@ def results(folder: Path) -> dict[str, str]:
 
 
 def finished_cases(folder: Path) -> dict[str, str]:
-    """The same for the finished cases alone."""
-    return {name: digest for name, digest in contents(folder).items() if name.startswith("cases/")}
+    """The same for the finished cases alone: other files may be written anew at any moment of a run."""
+    return contents(folder, "cases")
 
 
 def computed_at(folder: Path) -> dict[str, tuple[int, int]]:

@@ -61,11 +61,12 @@ def helpers(function: FunctionType) -> dict[str, FunctionType]:
     return {name: f for name, f in found.items() if isinstance(f, FunctionType) and f not in known}
 
 
-def global_names(code: CodeType) -> list[str]:
+@cache  # code never changes
+def global_names(code: CodeType) -> tuple[str, ...]:
     """The names that code takes from its module; attributes of the same name are others."""
     names = [str(i.argval) for i in dis.get_instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME")]
     inner = [name for constant in code.co_consts if isinstance(constant, CodeType) for name in global_names(constant)]
-    return list(dict.fromkeys([*names, *inner]))
+    return tuple(dict.fromkeys([*names, *inner]))
 
 
 def with_helpers(function: FunctionType, seen: dict[FunctionType, None] | None = None) -> list[FunctionType]:
