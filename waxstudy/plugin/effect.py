@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, ClassVar
 
 from waxstudy.plugin.contracts import CHAIN, Choice, Component, FloatArray
@@ -39,16 +40,17 @@ class Inputs:
 
     @property
     def hour(self) -> FloatArray:
-        """Hour of the day at the middle of each interval (n,)."""
-        middle_s = self.start_s + (_count(self.outdoor_C) + 0.5) * self.interval_s
-        hours: FloatArray = middle_s % 86_400 / 3600
-        return hours
+        """Hour of the day at the middle of each interval (n,); read-only."""
+        return _hours(len(self.outdoor_C), self.interval_s, self.start_s)
 
 
-def _count(values: FloatArray) -> FloatArray:
+@lru_cache(maxsize=8)
+def _hours(count: int, interval_s: float, start_s: float) -> FloatArray:
     import numpy as np
 
-    return np.arange(len(values), dtype=float)
+    hours: FloatArray = (start_s + (np.arange(count, dtype=float) + 0.5) * interval_s) % 86_400 / 3600
+    hours.flags.writeable = False
+    return hours
 
 
 @dataclass(frozen=True)
