@@ -56,6 +56,15 @@ def chain_alone(loop: Path, place: Path, **how: object) -> Path:
     return shifted(loop, place, without=without, **how)  # type: ignore[arg-type]
 
 
+def by_the_hour(place: Path) -> Path:
+    """Put hourly means of all channels in the place of a dataset's samples."""
+    data = pd.read_csv(place / "data.csv", parse_dates=["time"]).set_index("time")
+    hours = data.groupby(data.index.ceil("h")).mean().round(3)
+    hours.iloc[1:-1].to_csv(place / "data.csv")
+    replaced(place, "interval_s = 300", "interval_s = 3600")
+    return place
+
+
 def replaced(folder: Path, old: str, new: str) -> None:
     path = folder / "dataset.toml"
     assert old in path.read_text()
@@ -262,6 +271,19 @@ def test_a_loop_that_is_as_it_was_has_no_effect_and_every_figure_is_traced(
     assert "p = " not in done.stdout
     page = page_text(Path("found/report.html").read_text(encoding="utf-8"))
     assert untraced(done.stdout, told) + untraced(page, told) == []
+
+
+@pytest.mark.slow
+def test_a_baseline_of_which_only_hourly_means_were_kept_is_no_change(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    """As home automation keeps them: read as they are, they would be another motor and another flow."""
+    record = chain_alone(loop / "loop", tmp_path / "record")
+    hourly = by_the_hour(chain_alone(loop / "before", tmp_path / "hourly"))
+    done = entry("diagnose", record, "--baseline", hourly, "--quick", "--json")
+    assert (done.code, done.stderr) == (0, "")
+    told = json.loads(done.stdout)
+    assert (told["verdict"], told["effects"], told["unexplained"]) == ("none", [], [])
+    (said,) = [each for each in told["warnings"] if each.startswith("The baseline has a sample every 60 min")]
+    assert "so the record is read every 60 min as well" in said
 
 
 # --- a room for studies ------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.interval import coarser
 from waxstudy.dataset.read import Dataset
 from waxstudy.plugin import FloatArray
 
@@ -27,23 +27,9 @@ def _coarser(dataset: Dataset) -> Dataset:
     if factor < 2:
         return dataset
     interval_s = factor * dataset.interval_s
-    place = dataset.time.ceil(pd.Timedelta(interval_s, "s"))
-    groups = dataset.values.groupby(place, sort=True)
-    values = groups.last()
-    for name in values.columns:
-        if CHANNELS[name].is_mean:
-            values[name] = groups[name].mean()
-    whole = groups.size().to_numpy() == factor  # what begins or ends within an interval is not one
-    values = values[whole]
     every = f"{dataset.interval_s:g} s"
     said = f"Samples every {every} are finer than anything in a loop: they are taken every {interval_s:g} s."
-    return replace(
-        dataset,
-        interval_s=interval_s,
-        time=pd.DatetimeIndex(values.index, name=dataset.time.name),
-        values=values,
-        assumptions=(*dataset.assumptions, said),
-    )
+    return replace(coarser(dataset, interval_s), assumptions=(*dataset.assumptions, said))
 
 
 def _days(dataset: Dataset) -> Dataset:

@@ -9,6 +9,7 @@ import numpy as np
 
 from waxstudy.dataset.baseline import refuse_too_short
 from waxstudy.dataset.excerpt import excerpt
+from waxstudy.dataset.interval import alike
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment
@@ -82,7 +83,9 @@ def _work(
     thorough: float = 1.0,
     study: Study | None = None,
 ) -> Work:
-    dataset, baseline = excerpt(dataset), excerpt(baseline) if baseline else None
+    dataset = excerpt(dataset)
+    if baseline:
+        dataset, baseline = alike(dataset, excerpt(baseline))
     record = record_of(dataset)
     effects = [*installed_effects(), *(ladder_effects(study) if study else ())]
     # the steps of a study are made as it is read, and no cache can tell them

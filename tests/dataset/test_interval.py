@@ -1,0 +1,64 @@
+"""Claims about a record and its baseline that were sampled at different intervals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.dataset.test_excerpt import recorded
+from waxstudy.dataset.interval import alike, coarser
+from waxstudy.dataset.read import Dataset
+
+
+def pulsed(days: int, interval_s: float, first: str) -> Dataset:
+    """A signal that is on for 25 minutes of every hour."""
+    dataset = recorded(days, interval_s)
+    minute = np.arange(len(dataset.time)) * interval_s / 60.0 % 60.0
+    time = pd.date_range(first, periods=len(dataset.time) + 1, freq=pd.Timedelta(interval_s, "s"))[1:]
+    values = dataset.values.assign(heating_signal=np.where(minute < 25.0, 1.0, 0.0)).set_axis(time)
+    return replace(dataset, time=time, values=values)
+
+
+@pytest.mark.parametrize("are_means", [False, True])
+def test_a_record_is_read_as_its_baseline_was_sampled(are_means: bool) -> None:
+    record, before = pulsed(4, 300.0, "2024-02-01"), pulsed(5, 300.0, "2024-01-01")
+    baseline = coarser(before, 3600.0, are_means)
+    found, same = alike(record, baseline)
+    assert same is baseline
+    assert (found.interval_s, len(found.time)) == (3600.0, 4 * 24)
+    assert found.values["heating_signal"].unique() == pytest.approx([5.0 / 12.0 if are_means else 0.0])
+    (said,) = found.warnings
+    assert said.startswith("The baseline has a sample every 60 min, so the record is read every 60 min as well")
+
+
+def test_a_baseline_is_read_as_its_record_was_sampled() -> None:
+    record, before = coarser(pulsed(4, 300.0, "2024-02-01"), 3600.0, are_means=True), pulsed(5, 60.0, "2024-01-01")
+    same, found = alike(record, before)
+    assert same.values is record.values
+    assert found.values["heating_signal"].unique() == pytest.approx([25.0 / 60.0])
+    assert same.warnings == ()
+    assert same.assumptions == ("The baseline is read every 60 min, as the record has its samples.",)
+
+
+def test_of_the_same_interval_nothing_is_changed() -> None:
+    record, before = pulsed(4, 300.0, "2024-02-01"), pulsed(4, 300.0, "2024-01-01")
+    assert alike(record, before) == (record, before)
+
+
+@given(st.integers(2, 24), st.booleans(), st.integers(0, 30))
+def test_a_longer_interval_keeps_what_flowed_and_never_makes_up_an_interval(
+    factor: int, are_means: bool, lost: int
+) -> None:
+    whole = pulsed(3, 300.0, "2024-01-01")
+    cut = replace(whole, time=whole.time[lost:], values=whole.values.iloc[lost:])
+    found = coarser(cut, factor * 300.0, are_means)
+    assert found.time.isin(whole.time).all()
+    for end, flow_L_h in found.values["flow_L_h"].items():
+        within = (cut.time > end - pd.Timedelta(factor * 300.0, "s")) & (cut.time <= end)
+        assert within.sum() == factor
+        assert flow_L_h == pytest.approx(cut.values["flow_L_h"][within].mean())
