@@ -117,8 +117,9 @@ def test_one_of_less_than_three_days_is_too_short(loop: Path, entry: Entry, tmp_
 @pytest.mark.parametrize(
     ("days", "said"),
     [
-        ((1, 8), "lies outside the record (the record has "),
-        ((-1, 4), "lies outside the record (the record has "),
+        ((1, 8), "reaches beyond the record (the record has "),
+        ((-1, 4), "reaches beyond the record (the record has "),
+        ((8, 12), "lies outside the record (the record has "),
         ((4, 1), ": the days go backwards (the record has "),
         ((0, 1), "a baseline of 2.0 days is too short"),
         ((0, 6), "less than 3 days come after "),

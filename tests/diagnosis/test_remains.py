@@ -38,7 +38,7 @@ from waxstudy.diagnosis.select.evidence import distinct
 from waxstudy.diagnosis.select.search import Selection, select
 from waxstudy.diagnosis.select.testability import (
     clear,
-    doubtful_noise,
+    doubts_of_sampling,
     next_measurements,
     separating,
     too_short,
@@ -240,10 +240,18 @@ def test_a_noise_that_is_told_from_hourly_samples_is_doubted_unless_it_is_stated
     hourly = replace(seen, interval_s=3600.0)
     wild = {**seen.values, "flow_L_h": 60.0 + 50.0 * np.random.default_rng(2).normal(size=len(seen))}
     valve = [segment_at("valve", cut)]
-    (said,) = doubtful_noise(replace(hourly, values=wild), valve)
+    (said,) = doubts_of_sampling(replace(hourly, values=wild), valve)
     assert said.startswith("flow_L_h: its noise was estimated as ")
-    assert list(doubtful_noise(replace(hourly, values=wild, stated_noise={"flow_L_h": 50.0}), valve)) == []
-    assert list(doubtful_noise(replace(seen, values=wild), valve)) == []
+    assert list(doubts_of_sampling(replace(hourly, values=wild, stated_noise={"flow_L_h": 50.0}), valve)) == []
+    assert list(doubts_of_sampling(replace(seen, values=wild), valve)) == []
+
+
+def test_hourly_samples_do_not_tell_how_warm_the_water_was_that_flowed() -> None:
+    seen, believed, _ = ready()
+    (room,) = [segment for segment in segments(seen, believed) if segment.with_room]
+    said = next(doubts_of_sampling(replace(seen, interval_s=3600.0), [room]))
+    assert said.startswith("Samples 60 min apart do not tell how warm the water was while the valve was open")
+    assert list(doubts_of_sampling(seen, [room])) == []
 
 
 def test_an_effect_whose_stage_shows_nowhere_is_untestable_and_what_to_record_is_said() -> None:
@@ -301,8 +309,10 @@ def test_a_room_that_cannot_be_judged_is_told_with_the_channel_that_it_lacks(
     few = Record(seen.interval_s, 0.0, {name: seen.values[name] for name in recorded})
     some = Belief({}, believed.room, few.inputs if few.has_inputs else None)
     told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), segments(few, some), few, some)}
-    assert told["infiltration"] == f"no channel shows the room: record {wanted}"
-    assert told["supply-offset"] == f"no channel shows the emitter: record {wanted}"
+    shown = few.has("air_temperature_C") or few.has("floor_surface_temperature_C")
+    for name, stage in (("infiltration", "room"), ("supply-offset", "emitter")):
+        lacks = "nothing recorded tells what warms the room" if shown else f"no channel shows the {stage}"
+        assert told[name] == f"{lacks}: record {wanted}"
 
 
 def test_where_no_room_is_believed_that_is_what_is_missing() -> None:

@@ -6,6 +6,7 @@ import gzip
 import sqlite3
 from contextlib import closing
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,7 @@ import pytest
 
 from tests.cli.conftest import Ended, Entry
 from tests.importing.conftest import read
+from waxstudy.dataset.read import read_dataset
 
 USAGE, INVALID = 2, 3
 ENCRYPTED = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(1024) + "EncryptedPackage".encode("utf-16-le") + bytes(512)
@@ -289,6 +291,49 @@ def test_a_workbook_with_a_password_or_damage_is_refused(entry: Entry) -> None:
     house().to_excel("whole.xlsx")
     Path("cut.xlsx").write_bytes(Path("whole.xlsx").read_bytes()[:5000])
     refused(entry("import", "cut.xlsx", "--out", "living"), "cut.xlsx: is no whole workbook", "save it again")
+
+
+def test_an_archive_that_is_no_workbook_is_to_be_unpacked(entry: Entry) -> None:
+    with ZipFile("house.zip", "w") as packed:
+        packed.writestr("house.csv", house().to_csv())
+    wrong = "house.zip: is an archive, and no workbook: it holds house.csv"
+    refused(entry("import", "house.zip", "--out", "living"), wrong, "unpack it")
+
+
+def test_days_as_a_spreadsheet_counts_them_are_to_be_written_as_dates(entry: Entry) -> None:
+    frame = house().rename_axis("Time")
+    frame.index = pd.Index((frame.index - pd.Timestamp("1899-12-30")) / pd.Timedelta(1, "D"), name="Time")
+    frame.to_csv("serial.csv")
+    done = entry("import", "serial.csv", "--out", "living")
+    refused(done, "serial.csv: no column holds stamps: 'Time' has numbers, such as", "write them as 2024-01-31 12:00")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_titles_above_the_names_of_columns_are_passed_over(entry: Entry, encoding: str) -> None:
+    house().to_csv("plain.csv")
+    assert entry("import", "plain.csv", "--out", "plain").code == 0
+    titled = "House 4, ground floor\nexport;of 2026-02-01;;\n\n" + house().to_csv(sep=";", decimal=",")
+    Path("titled.csv").write_bytes(titled.encode(encoding))
+    done = entry("import", "titled.csv", "--out", "titled")
+    assert done.code == 0, done.stderr
+    assert Path("titled/data.csv").read_text() == Path("plain/data.csv").read_text()
+    cut = titled.splitlines()
+    cut[9] = cut[9].replace("2026", "never")
+    Path("cut.csv").write_bytes("\n".join(cut).encode(encoding))
+    assert "cut.csv:10" in entry("import", "cut.csv", "--out", "cut").stderr
+
+
+def test_a_thermometer_that_has_not_measured_yet_neither_hides_its_name_nor_warms_the_water(entry: Entry) -> None:
+    frame = house(days=2.0)
+    for name in frame.columns:
+        if "supply" in name or "outdoor" in name:
+            frame.loc[frame.index[100:140], name] = 85.0
+    done = imported(entry, frame)
+    assert done.code == 0, done.stderr
+    said = "40 samples are what a thermometer says that has not measured yet (the first is 85): set to missing"
+    assert f"supply_temperature_C: {said}" in " ".join(done.stderr.split())
+    found = read_dataset(Path("living")).values
+    assert found["supply_temperature_C"].isna().sum() == found["outdoor_temperature_C"].isna().sum() == 40
 
 
 def test_a_locked_or_damaged_database_is_refused(entry: Entry) -> None:

@@ -278,6 +278,7 @@ def test_a_gap_without_a_cause_claims_none() -> None:
 
 def test_the_form_of_the_room_s_model_is_no_finding() -> None:
     assert "no effect found" in flat(NONE)
+    assert "in what could be judged" not in flat(NONE)
     as_such = "no finding: a model of this form misses as much where nothing is wrong"
     assert f"0.0831 K, floor 0.0711, p = 0.0075; {as_such}" in flat(NONE)
     assert "(no finding: see unexplained)" in dict(lines(NONE))["where"]
@@ -310,6 +311,12 @@ def test_colours_change_nothing_but_the_looks() -> None:
     assert "\x1b[1m" in coloured
     plain = [line.rstrip() for line in COLOURS.sub("", coloured).splitlines()]
     assert plain == as_terminal(EFFECT, 120, colour=False).splitlines()
+
+
+def test_where_a_part_of_the_loop_was_not_judged_nothing_found_is_said_of_the_rest_only() -> None:
+    partly = replace(NONE, not_judged=["sensor", "room"], compared_with="before", posterior={"none": 0.92})
+    assert "no effect found in what could be judged" in flat(partly)
+    assert dict(lines(partly))["likely"] == "92 % nothing amiss; nothing is known of sensor and room"
 
 
 def test_a_gap_above_no_floor_is_many_times_it_and_none_is_none() -> None:

@@ -70,7 +70,8 @@ def parted(dataset: Dataset, first: pd.Timestamp, last: pd.Timestamp) -> tuple[D
     if first > last:
         raise _wrong(dataset, f"{first.date()}..{last.date()}: the days go backwards ({there})")
     if first < days[0] or last > days[-1]:
-        raise _wrong(dataset, f"{first.date()}..{last.date()} lies outside the record ({there})")
+        lies = "lies outside" if last < days[0] or first > days[-1] else "reaches beyond"
+        raise _wrong(dataset, f"{first.date()}..{last.date()} {lies} the record ({there})")
     if problem := next(_too_short(_rows(dataset, chosen)), ""):
         raise _wrong(dataset, problem)
     if np.count_nonzero(after) * dataset.interval_s < LEAST_DAYS * 86_400.0:

@@ -11,7 +11,8 @@ from waxstudy.dataset.levels import NEAR, as_levels
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
 
-LEVELS = ("control_output", "heating_signal", "displacement")
+# the first that both have tells means from instants; a signal between off and on may have been put right already
+LEVELS = ("displacement", "heating_signal", "control_output")
 
 
 def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
@@ -42,18 +43,19 @@ def _sampled_as(coarse: Dataset, fine: Dataset) -> Dataset:
     """Return a fine dataset at about the interval of a coarse one: instants or means, as that seems to hold."""
     interval_s = max(1, round(coarse.interval_s / fine.interval_s)) * fine.interval_s
     ways = [coarser(fine, interval_s, are_means) for are_means in (False, True)]
-    return min(ways, key=lambda way: _unlike(way, coarse))
+    found = min(ways, key=lambda way: _unlike(way, coarse))
+    return replace(found, values=as_levels(found.values, found.nominal, Notes("")))
 
 
 def _unlike(one: Dataset, other: Dataset) -> float:
-    """Return by how much the shares of samples between off and on differ: means have more of them than instants."""
-    both = [name for name in LEVELS if name in one.values and name in other.values]
-    return sum(abs(_between(one.values[name]) - _between(other.values[name])) for name in both)
+    """Return by how much the shares of samples between off and on differ, of those not off: means have more of them."""
+    name = next((each for each in LEVELS if each in one.values and each in other.values), None)
+    return abs(_between(one.values[name]) - _between(other.values[name])) if name else 0.0
 
 
 def _between(level: pd.Series) -> float:
-    known = level.dropna()
-    return float(((known > NEAR) & (known < 1.0 - NEAR)).mean()) if len(known) else 0.0
+    heats = level[level > NEAR]
+    return float((heats < 1.0 - NEAR).mean()) if len(heats) else 0.0
 
 
 def coarser(dataset: Dataset, interval_s: float, are_means: bool = False) -> Dataset:
@@ -68,6 +70,6 @@ def coarser(dataset: Dataset, interval_s: float, are_means: bool = False) -> Dat
         if CHANNELS[name].is_mean:
             values[name] = groups[name].mean()
     whole = groups.size().to_numpy() == round(interval_s / dataset.interval_s)
-    values = as_levels(values[whole], dataset.nominal, Notes(""))
+    values = values[whole]
     time = pd.DatetimeIndex(values.index, name=dataset.time.name)
     return replace(dataset, interval_s=interval_s, time=time, values=values)

@@ -25,6 +25,8 @@ PARQUET = b"PAR1"
 BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"\x89HDF", b"SQLite")
 PIECE = 1_000_000  # characters that are read at a time to find the encoding
 LOOKED_AT = 200  # lines in which the decimal mark is looked for
+TITLES = 10  # lines above the names of the columns at most
+NUMBER = re.compile(r"[-+]?[.,]?\d")
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
 
@@ -64,14 +66,17 @@ def _parquet(path: Path, notes: Notes) -> pd.DataFrame | None:
 
 def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
     encoding = _encoding(path)
-    head, above = _head(path, encoding)
+    head = list(islice(_kept(path, encoding), LOOKED_AT + 1))
     if not head:
         notes.refuse("", "is empty: a header with the names of the columns is expected in its first line")
         return None
-    notes.line_of = partial(_line_of, path, encoding)
-    separator: str = about.separator or max(SEPARATORS, key=lambda mark: head[0].count(mark))
-    has_commas = separator != "," and _has_decimal_commas(head, separator)
-    header = [name.strip() for name in next(csv.reader(head[:1], delimiter=separator))]
+    titles, separator = _titles([text for _, text in head], about.separator)
+    above, rows = head[titles][0] - 1, [text for _, text in head[titles:]]
+    notes.line_of = partial(_line_of, path, encoding, titles)
+    if titles:
+        notes.assume(f"The names of the columns are in line {above + 1}: what stands above them is passed over.")
+    has_commas = separator != "," and _has_decimal_commas(rows, separator)
+    header = [name.strip() for name in next(csv.reader(rows[:1], delimiter=separator))]
     if twice := sorted({name for name in header if name and header.count(name) > 1}):
         notes.refuse(", ".join(twice), "there are two columns of this name", line=1)
         return None
@@ -120,15 +125,32 @@ def _kept(path: Path, encoding: str) -> Iterator[tuple[int, str]]:
                 yield number, text
 
 
-def _head(path: Path, encoding: str) -> tuple[list[str], int]:
-    """Return the first lines that hold something, and how many lines are above them."""
-    first = list(islice(_kept(path, encoding), LOOKED_AT + 1))
-    return [text for _, text in first], first[0][0] - 1 if first else 0
+def _titles(head: list[str], stated: str | None) -> tuple[int, str]:
+    """Return how many lines above the names of the columns are titles, as instruments write them, and the separator."""
+    found = [(*_names(head, mark), mark) for mark in ((stated,) if stated else SEPARATORS)]
+    count, place, separator = max(found, key=lambda each: each[0])
+    if count > 1 and place > 0:
+        return place, separator
+    return 0, stated or max(SEPARATORS, key=lambda mark: head[0].count(mark))
 
 
-def _line_of(path: Path, encoding: str, row: int) -> int:
+def _names(head: list[str], separator: str) -> tuple[int, int]:
+    """Return how many names of columns there are with a separator, 0 for none, and in which line.
+
+    They stand in the first line with more than half of the cells that any has: a title has fewer. Numbers are no names.
+    """
+    rows = [[cell.strip(' "') for cell in line.split(separator)] for line in head[: 2 * TITLES]]
+    filled = [[cell for cell in row if cell] for row in rows]
+    most = max(map(len, filled))
+    place = next(place for place, cells in enumerate(filled) if 2 * len(cells) > most)
+    are_names = place <= TITLES and not any(NUMBER.match(cell) for cell in filled[place])
+    return len(filled[place]) if are_names else 0, place
+
+
+def _line_of(path: Path, encoding: str, titles: int, row: int) -> int:
     """Return the line of a row, the header being row 1."""
-    return next((number for number, _ in islice(_kept(path, encoding), row - 1, row)), row)
+    place = titles + row - 1
+    return next((number for number, _ in islice(_kept(path, encoding), place, place + 1)), row)
 
 
 def _has_decimal_commas(head: list[str], separator: str) -> bool:

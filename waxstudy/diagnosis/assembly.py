@@ -47,7 +47,7 @@ from waxstudy.diagnosis.select.intervals import shrink
 from waxstudy.diagnosis.select.posterior import UNKNOWN
 from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.select.stated import stated
-from waxstudy.diagnosis.select.testability import doubtful_noise, next_measurements, separating, uncovered, unshown
+from waxstudy.diagnosis.select.testability import doubts_of_sampling, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import slight, stage_of, unexplained
 from waxstudy.diagnosis.sentences import Stages, filled_in, logged, needless, summary, warned, why_not
 from waxstudy.plugin import STAGES, Belief
@@ -99,10 +99,11 @@ def assembled(
     verdict = _verdict(found, remains, selections, untestable)
     stages = {effect.name: effect.stage for effect in work.effects}
     since = "the baseline" if work.calibration else ""
+    judged = _judged(selections, untestable, stages)
     return Diagnosis(
         dataset=work.dataset.name,
         verdict=verdict,
-        summary=summary(verdict, found, remains, untestable, since, _judged(selections, untestable, stages)),
+        summary=summary(verdict, found, remains, untestable, since, judged),
         stages=[stage for link in linked for stage in _stages(work, *link, selections)],
         effects=found,
         unexplained=remains,
@@ -113,7 +114,7 @@ def assembled(
         next_measurements=list(next_measurements(cut, found, untestable, stages, work.record)),
         warnings=[
             *work.dataset.warnings,
-            *doubtful_noise(work.record, cut),
+            *doubts_of_sampling(work.record, cut),
             *warned(selections),
             *_of_baseline(work, cut),
         ],
@@ -132,6 +133,7 @@ def assembled(
         baseline=list(fits(work.calibration)) if work.calibration else [],
         missing_heat=_missing_heat(work, selections),
         posterior=joint(beliefs),
+        not_judged=judged.not_judged,
         traces=_traces(work, selections),
     )
 

@@ -335,6 +335,7 @@ class Diagnosis:
     is_quick: bool
     # probability of each hypothesis: names joined by "+", "none", "unknown"; empty where nothing can be judged
     posterior: Mapping[str, float] = field(default_factory=dict)
+    not_judged: Sequence[str] = ()  # stages of which no effect could be
     compared_with: str = ""  # the healthy record, with its days; empty without one
     as_built: Sequence[Calibrated] = ()
     baseline: Sequence[BaselineFit] = ()

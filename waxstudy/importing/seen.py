@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from waxstudy.dataset.channels import Quantity
+from waxstudy.dataset.checks.samples import power_on
 from waxstudy.dataset.checks.units import PER_CENT, TYPICAL, VOLTS
 from waxstudy.importing import units
 from waxstudy.importing.following import following
@@ -76,7 +77,7 @@ def _beside_the_valve(found: list[Seen]) -> list[Seen]:
 
 
 def _looked_at(logged: Logged, stated: str) -> Seen:
-    known = logged.values[np.isfinite(logged.values)]
+    known = logged.values[np.isfinite(logged.values) & ~power_on(logged.values)]
     low, median, high = (float(each) for each in np.quantile(known, (0.01, 0.5, 0.99)))
     few = np.unique(known[:100_000])
     why = STATED if stated else IN_FILE if logged.unit else ""

@@ -96,5 +96,5 @@ def _text(path: Path, shown: str) -> Table:
     frame = read_table(path, DatasetTable(), notes)
     if frame is None:
         raise StudyError(notes.problems)
-    frame.index = frame.index + FIRST_ROW
+    frame.index = frame.index + notes.line_of(1) - 1 + FIRST_ROW
     return Table(shown, frame)

@@ -97,7 +97,9 @@ def uncovered(
         # without a record of what drives a room no effect of its own can be thought of
         is_lacking = belief.room is not None and belief.inputs is None and effect.stage in ROOM_STAGES
         if effect.stage not in covered and (is_lacking or not effect.hindrance(belief)):
-            reason = f"no channel shows the {effect.stage}: record {needed(effect.stage, record)}"
+            is_shown = effect.stage in ROOM_STAGES and any(map(record.has, SHOW_ROOM))
+            shows = "nothing recorded tells what warms the room" if is_shown else f"no channel shows the {effect.stage}"
+            reason = f"{shows}: record {needed(effect.stage, record)}"
             if belief.room is None and effect.stage in ROOM_STAGES:
                 reason = "no room is believed: tell it in [building] or [room]"
             yield Untestable(effect.name, reason, Lack.NOT_RECORDED)
@@ -182,10 +184,15 @@ def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]
     yield from effect.starts(believed)
 
 
-def doubtful_noise(record: Record, segments: Sequence[Segment]) -> Iterator[str]:
-    """Yield what to say of judged channels whose noise is told from samples so far apart that it may be none."""
+def doubts_of_sampling(record: Record, segments: Sequence[Segment]) -> Iterator[str]:
+    """Yield what to say of samples so far apart that they hide what flowed, or that their noise may be real change."""
     if record.interval_s < SPARSE_S:
         return
+    if any(segment.with_room for segment in segments):
+        yield (
+            f"Samples {record.interval_s / 60.0:g} min apart do not tell how warm the water was while the valve was "
+            "open: what is said of the water on its way to the room is doubtful"
+        )
     for channel in dict.fromkeys(channel for segment in segments for channel in segment.judged):
         noise, usual = record.noise[channel], CHANNELS[channel].noise
         if channel not in record.stated_noise and usual and noise > DOUBTFUL * usual:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.diagnosis.sentences import group_sentence
 from waxstudy.report.diagnosis.figures import FIGURES
-from waxstudy.report.diagnosis.summary import VERDICTS, how_sure, lines, quick_look
+from waxstudy.report.diagnosis.summary import headline, how_sure, lines, quick_look
 from waxstudy.report.diagnosis.tables import TABLES, parameters
 from waxstudy.report.figures.plot import plots
 from waxstudy.report.html import filled
@@ -16,7 +16,7 @@ def as_html(diagnosis: Diagnosis) -> str:
     return filled(
         "diagnosis.html.j2",
         diagnosis=diagnosis,
-        verdict=VERDICTS[diagnosis.verdict],
+        verdict=headline(diagnosis),
         quick=quick_look(diagnosis),
         lines=lines(diagnosis),
         figures=plots(FIGURES, diagnosis),

@@ -67,6 +67,12 @@ def lines(diagnosis: Diagnosis) -> list[Line]:
     return found
 
 
+def headline(diagnosis: Diagnosis) -> str:
+    """The verdict in words; nothing found is not nothing there, where a part of the loop could not be judged."""
+    is_partial = diagnosis.verdict == "none" and diagnosis.not_judged
+    return VERDICTS[diagnosis.verdict] + (" in what could be judged" if is_partial else "")
+
+
 def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "quick look", [looked] if (looked := quick_look(diagnosis)) else []
     yield "compared with", [_compared(diagnosis)] if diagnosis.compared_with else []
@@ -121,7 +127,8 @@ def _likely(diagnosis: Diagnosis) -> str:
     """The likeliest hypotheses of the whole loop, the likeliest first."""
     told = sorted(diagnosis.posterior.items(), key=lambda each: -each[1])
     shown = [each for each in told[:MOST_LIKELY] if each[1] >= LEAST_LIKELY] or told[:1]
-    return ", ".join(f"{chance(probability)} {hypothesis(names)}" for names, probability in shown)
+    likely = ", ".join(f"{chance(probability)} {hypothesis(names)}" for names, probability in shown)
+    return f"{likely}; nothing is known of {' and '.join(diagnosis.not_judged)}" if diagnosis.not_judged else likely
 
 
 def _where(diagnosis: Diagnosis, stage: StageGap) -> str:
@@ -277,7 +284,7 @@ def as_terminal(diagnosis: Diagnosis, width: int, colour: bool) -> str:
     """The summary for a terminal of a given width."""
     out = io.StringIO()
     printer = console(out, width, colour)
-    printer.print(f"{diagnosis.dataset}: {VERDICTS[diagnosis.verdict]}", style="bold")
+    printer.print(f"{diagnosis.dataset}: {headline(diagnosis)}", style="bold")
     printer.print(diagnosis.summary)
     grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True, style="dim")
