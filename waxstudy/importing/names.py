@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from itertools import combinations
 from typing import NamedTuple
 
-PLAIN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue"})
+PLAIN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "õ": "o", "Õ": "O"})
 DOMAINS = ("sensor", "binary_sensor", "number", "input_number", "switch", "valve", "select")
 ROOMS = (
     "living", "bedroom", "kitchen", "bathroom", "bath", "office", "study", "dining", "kids", "child", "children",
     "hall", "hallway", "guest", "nursery", "lounge", "wohnzimmer", "schlafzimmer", "kueche", "bad", "buero",
     "kinderzimmer", "flur", "diele", "esszimmer", "gaestezimmer", "attic", "basement", "upstairs", "downstairs",
+    "olohuone", "makuuhuone", "keittioe", "kylpyhuone", "elutuba", "magamistuba", "koeoek", "vannituba",
 )  # fmt: skip
 NUMBERED = re.compile(r"\b(room|zone|raum|zimmer|loop|kreis) ?(\d+)\b")
 
@@ -27,14 +28,18 @@ class Names(NamedTuple):
 
 OTHER_AIR = (
     "outdoor|outside|aussen|\\w*weather\\w*|\\w*wetter\\w*|supply|vorlauf|return|ruecklauf|floor surface|boden|"
-    "neighbou?r|ventilation|zuluft"
+    "neighbou?r|ventilation|zuluft|ulko\\w*|vaelis\\w*|meno\\w*|pealevool\\w*|paluu\\w*|tagasivool\\w*|lattia\\w*|porand\\w*"
 )
 OTHERS = "humidity|co|power|energy|battery|illuminance|pressure|feuchte"
-SET = "set ?point|setting|target|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch"
+SET = (
+    "set ?point|setting|target|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch|"
+    "asetus\\w*|tavoite\\w*|seadetemp\\w*|seadevaeaertus|seatud\\w*"
+)
 CHANNEL_NAMES = {
     "sensor_temperature_C": Names(
-        "thermostat|current temperature|reading|(?:sensor|controller|room) temp\\w*|raumtemp\\w*|istwert|ist",
-        "temp|temperature|temperatur|room|raum|zimmer|indoor|inside|innen",
+        "thermostat|current temperature|reading|(?:sensor|controller|room) temp\\w*|raumtemp\\w*|istwert|ist|"
+        "huonelaempoetila|sisaelaempoetila|toatemp\\w*|ruumitemp\\w*",
+        "temp|temperature|temperatur|room|raum|zimmer|indoor|inside|innen|huone|laempoetila|tuba|ruum|temperatuur",
         f"{OTHER_AIR}|{SET}|{OTHERS}|operative|globe|water|wasser",
     ),
     "air_temperature_C": Names("air|luft|lufttemp\\w*|indoor air", never=f"{OTHER_AIR}|{SET}|operative|globe|water"),
@@ -45,28 +50,34 @@ CHANNEL_NAMES = {
         "control|controller|regler|percentage",
     ),
     "heating_signal": Names(
-        "valve|relay|actuator|heating|heat|hvac action|ventil|stellantrieb|heating signal|call|heizung|signal",
+        "valve|relay|actuator|heating|heat|hvac action|ventil|stellantrieb|heating signal|call|heizung|signal|"
+        "venttiili|toimilaite|laemmitys|ventiil|taeitur|ajam|kuete",
         "switch|state|on|status|pump",
         "displacement|stroke|hub|position|opening|meter|energy|power|demand",
     ),
     "displacement": Names("displacement|stroke|position|opening|hub|lift|travel|oeffnung", "valve|ventil"),
     "flow_L_h": Names(
-        "flow|flow rate|flowrate|durchfluss|volumenstrom|volume flow|litres|liters|liter|volume|water meter|volumen",
+        "flow|flow rate|flowrate|durchfluss|volumenstrom|volume flow|litres|liters|liter|volume|water meter|volumen|"
+        "virtaus|virtaama|vooluhulk",
         "meter|total|zaehler|v|water|wasser|pulses",
         "temp|temperature|temperatur|vorlauf",
     ),
     "supply_temperature_C": Names(
-        "supply|vorlauf|vl|hws|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*", "water|flow|wasser|heizkreis",
+        "supply|vorlauf|vl|hws|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*|meno\\w*|pealevool\\w*",
+        "water|flow|wasser|heizkreis",
         f"air|ventilation|zuluft|return|ruecklauf|{SET}",
     ),
-    "return_temperature_C": Names("return|ruecklauf|rl|hwr|outlet|ruecklauftemp\\w*", "water|wasser", "air|abluft"),
+    "return_temperature_C": Names(
+        "return|ruecklauf|rl|hwr|outlet|ruecklauftemp\\w*|paluu\\w*|tagasivool\\w*", "water|wasser", "air|abluft"
+    ),
     "outdoor_temperature_C": Names(
-        "outdoors?|outside|ambient|amb|aussen|aussentemp\\w*|oat|external", "\\w*weather\\w*|\\w*wetter\\w*|garden"
+        "outdoors?|outside|ambient|amb|aussen|aussentemp\\w*|oat|external|ulko\\w*|vaelis\\w*",
+        "\\w*weather\\w*|\\w*wetter\\w*|garden"
     ),
     "solar_gain_W": Names("solar gains?|sun gains?"),
     "internal_gain_W": Names("internal gains?|people|appliances|innere lasten"),
     "floor_surface_temperature_C": Names(
-        "floor surface|floor temp\\w*|boden\\w*|fussboden\\w*|screed|estrich", "floor", "air"
+        "floor surface|floor temp\\w*|boden\\w*|fussboden\\w*|screed|estrich|lattia\\w*|porand\\w*", "floor", "air"
     ),
     "ventilation_supply_temperature_C": Names("ventilation|supply air|zuluft|hrv|mvhr|vent"),
     "global_irradiance_W_m2": Names(
