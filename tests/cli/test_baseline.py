@@ -56,12 +56,11 @@ def chain_alone(loop: Path, place: Path, **how: object) -> Path:
     return shifted(loop, place, without=without, **how)  # type: ignore[arg-type]
 
 
-def by_the_hour(place: Path) -> Path:
-    """Put hourly means of all channels in the place of a dataset's samples."""
+def meaned(place: Path, every: str = "1h") -> Path:
+    """Put means over an interval of all channels in the place of a dataset's samples."""
     data = pd.read_csv(place / "data.csv", parse_dates=["time"]).set_index("time")
-    hours = data.groupby(data.index.ceil("h")).mean().round(3)
-    hours.iloc[1:-1].to_csv(place / "data.csv")
-    replaced(place, "interval_s = 300", "interval_s = 3600")
+    data.groupby(data.index.ceil(every)).mean().round(3).iloc[1:-1].to_csv(place / "data.csv")
+    replaced(place, "interval_s = 300", f"interval_s = {pd.Timedelta(every).total_seconds():g}")
     return place
 
 
@@ -112,6 +111,24 @@ def test_one_of_less_than_three_days_is_too_short(loop: Path, entry: Entry, tmp_
     done = entry(command, loop / "loop" if command == "diagnose" else short, *options)
     assert done.code == INVALID
     assert "a baseline of 2.0 days is too short: at least 3 days are needed" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("every", "rows", "said"),
+    [
+        ("6h", 2016, "a sample every 360 min is too seldom for a baseline: one every 60 min is needed at least"),
+        ("1h", 60, "it has a sample every 60 min, and the record is 5 h long: 24 h are needed to compare them"),
+    ],
+)
+def test_a_baseline_that_was_sampled_too_seldom_for_its_record_is_refused(
+    loop: Path, entry: Entry, tmp_path: Path, every: str, rows: int, said: str
+) -> None:
+    record = shutil.copytree(loop / "loop", tmp_path / "record")
+    pd.read_csv(record / "data.csv").iloc[:rows].to_csv(record / "data.csv", index=False)
+    seldom = meaned(shutil.copytree(loop / "before", tmp_path / "seldom"), every)
+    done = entry("diagnose", record, "--baseline", seldom)
+    assert (done.code, done.stdout) == (INVALID, "")
+    assert said in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -278,7 +295,7 @@ def test_a_loop_that_is_as_it_was_has_no_effect_and_every_figure_is_traced(
 def test_a_baseline_of_which_only_hourly_means_were_kept_is_no_change(loop: Path, entry: Entry, tmp_path: Path) -> None:
     """As home automation keeps them: read as they are, they would be another motor and another flow."""
     record = chain_alone(loop / "loop", tmp_path / "record")
-    hourly = by_the_hour(chain_alone(loop / "before", tmp_path / "hourly"))
+    hourly = meaned(chain_alone(loop / "before", tmp_path / "hourly"))
     done = entry("diagnose", record, "--baseline", hourly, "--quick", "--json")
     assert (done.code, done.stderr) == (0, "")
     told = json.loads(done.stdout)

@@ -45,8 +45,9 @@ def test_a_baseline_is_read_as_its_record_was_sampled() -> None:
     assert same.assumptions == ("The baseline is read every 60 min, as the record has its samples.",)
 
 
-def test_of_the_same_interval_nothing_is_changed() -> None:
-    record, before = pulsed(4, 300.0, "2024-02-01"), pulsed(4, 300.0, "2024-01-01")
+@pytest.mark.parametrize("interval_s", [240.0, 300.0, 400.0])
+def test_of_about_the_same_interval_nothing_is_changed(interval_s: float) -> None:
+    record, before = pulsed(4, 300.0, "2024-02-01"), pulsed(4, interval_s, "2024-01-01")
     assert alike(record, before) == (record, before)
 
 

@@ -19,6 +19,8 @@ from waxstudy.study.source import read_source
 from waxstudy.study.spots import Spot
 
 LEAST_DAYS = 3.0
+LONGEST_S = 3600.0  # chosen: home automation keeps hourly means of what is old; a longer interval hides a room's day
+LEAST_SAMPLES = 24  # of a record that is read at its baseline's interval
 BASELINE = Spot.table("baseline")
 ITSELF = "a record cannot be its own baseline"
 
@@ -26,7 +28,8 @@ ITSELF = "a record cannot be its own baseline"
 def read_baseline(dataset: Dataset, folder: Path, registry: Registry | None = None) -> Dataset:
     """Return the baseline in a folder; raise `StudyError` where it cannot be one of this dataset.
 
-    That is the dataset itself, and one of another loop, that overlaps with it in time or is shorter than three days.
+    That is the dataset itself, and one of another loop, that overlaps with it in time, is shorter than three days or
+    was sampled too seldom.
     """
     if folder.resolve() == dataset.folder.resolve():
         raise StudyError([_of(folder, ITSELF)])
@@ -35,7 +38,8 @@ def read_baseline(dataset: Dataset, folder: Path, registry: Registry | None = No
 
 def checked(dataset: Dataset, baseline: Dataset) -> Dataset:
     """Return a baseline that was read before; raise `StudyError` where it cannot be one of this dataset."""
-    problems = [*_differences(dataset, baseline), *_overlap(dataset, baseline), *_too_short(baseline)]
+    about = dataset, baseline
+    problems = [*_differences(*about), *_overlap(*about), *_too_short(baseline), *_too_seldom(*about)]
     if problems:
         raise StudyError([_of(baseline.folder, wrong) for wrong in problems])
     return baseline
@@ -117,6 +121,18 @@ def _overlap(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
     if baseline.time[0] <= dataset.time[-1] and dataset.time[0] <= baseline.time[-1]:
         first, last = max(baseline.time[0], dataset.time[0]), min(baseline.time[-1], dataset.time[-1])
         yield f"it overlaps with the record, from {first} to {last}: a baseline is from another time"
+
+
+def _too_seldom(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
+    """Yield why a record cannot be read at its baseline's longer interval."""
+    every = f"a sample every {baseline.interval_s / 60.0:g} min"
+    if baseline.interval_s > max(LONGEST_S, dataset.interval_s):
+        yield f"{every} is too seldom for a baseline: one every {LONGEST_S / 60.0:g} min is needed at least"
+    elif baseline.interval_s > dataset.interval_s:
+        hours = len(dataset.time) * dataset.interval_s / 3600.0
+        least = LEAST_SAMPLES * baseline.interval_s / 3600.0
+        if hours < least:
+            yield f"it has {every}, and the record is {hours:.3g} h long: {least:.3g} h are needed to compare them"
 
 
 def refuse_too_short(dataset: Dataset) -> None:

@@ -18,16 +18,17 @@ LEVELS = ("displacement", "heating_signal", "control_output")
 def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
     """Return a record and its baseline, both at the longer of their intervals.
 
-    What a longer interval hides, or makes of a switch, would be taken for a change. The user is told.
+    What a longer interval hides, or makes of a switch, would be taken for a change. The user is told. Intervals that
+    differ by less than a half stay.
     """
-    if dataset.interval_s < baseline.interval_s:
+    if round(baseline.interval_s / dataset.interval_s) > 1:
         found = _sampled_as(baseline, dataset)
         said = (
             f"The baseline has a sample every {_told(baseline)}, so the record is read every {_told(found)} as well: "
             "what so long an interval hides would else look like a change. Details of motor and valve are lost so."
         )
         return replace(found, warnings=(*found.warnings, said)), baseline
-    if dataset.interval_s > baseline.interval_s:
+    if round(dataset.interval_s / baseline.interval_s) > 1:
         found = _sampled_as(dataset, baseline)
         said = f"The baseline is read every {_told(found)}, as the record has its samples."
         return replace(dataset, assumptions=(*dataset.assumptions, said)), found
@@ -41,7 +42,7 @@ def _told(dataset: Dataset) -> str:
 
 def _sampled_as(coarse: Dataset, fine: Dataset) -> Dataset:
     """Return a fine dataset at about the interval of a coarse one: instants or means, as that seems to hold."""
-    interval_s = max(1, round(coarse.interval_s / fine.interval_s)) * fine.interval_s
+    interval_s = round(coarse.interval_s / fine.interval_s) * fine.interval_s
     ways = [coarser(fine, interval_s, are_means) for are_means in (False, True)]
     found = min(ways, key=lambda way: _unlike(way, coarse))
     return replace(found, values=as_levels(found.values, found.nominal, Notes("")))
