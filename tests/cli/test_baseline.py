@@ -117,7 +117,7 @@ def test_one_of_less_than_three_days_is_too_short(loop: Path, entry: Entry, tmp_
     ("every", "rows", "said"),
     [
         ("6h", 2016, "a sample every 360 min is too seldom for a baseline: one every 60 min is needed at least"),
-        ("1h", 60, "it has a sample every 60 min, and the record is 5 h long: 24 h are needed to compare them"),
+        ("1h", 60, "the baseline has a sample every 60 min, and the record is 5 h long: 24 h are needed to compare"),
     ],
 )
 def test_a_baseline_that_was_sampled_too_seldom_for_its_record_is_refused(
@@ -301,7 +301,7 @@ def test_a_baseline_of_which_only_hourly_means_were_kept_is_no_change(loop: Path
     told = json.loads(done.stdout)
     assert (told["verdict"], told["effects"], told["unexplained"]) == ("none", [], [])
     (said,) = [each for each in told["warnings"] if each.startswith("The baseline has a sample every 60 min")]
-    assert "so the record is read every 60 min as well" in said
+    assert "so the record is read as means of 60 min" in said
 
 
 # --- a room for studies ------------------------------------------------------------------------------

@@ -33,7 +33,8 @@ def test_a_record_is_read_as_its_baseline_was_sampled(are_means: bool) -> None:
     assert (found.interval_s, len(found.time)) == (3600.0, 4 * 24)
     assert found.values["heating_signal"].unique() == pytest.approx([5.0 / 12.0 if are_means else 0.0])
     (said,) = found.warnings
-    assert said.startswith("The baseline has a sample every 60 min, so the record is read every 60 min as well")
+    kind = "means" if are_means else "instants at the end"
+    assert said.startswith(f"The baseline has a sample every 60 min, so the record is read as {kind} of 60 min: ")
 
 
 def test_a_baseline_is_read_as_its_record_was_sampled() -> None:
@@ -42,7 +43,30 @@ def test_a_baseline_is_read_as_its_record_was_sampled() -> None:
     assert same.values is record.values
     assert found.values["heating_signal"].unique() == pytest.approx([25.0 / 60.0])
     assert same.warnings == ()
-    assert same.assumptions == ("The baseline is read every 60 min, as the record has its samples.",)
+    assert same.assumptions == ("The baseline is read as means of 60 min, as the record seems to hold.",)
+
+
+def test_where_signals_were_put_right_already_or_nothing_switches_means_are_taken() -> None:
+    """A loop that switches every few hours: of its hourly means few lie between off and on, and none after reading."""
+    record, before = recorded(4, 300.0), recorded(9, 300.0)
+    slow = coarser(before, 3600.0, are_means=True)
+    slow = replace(slow, values=slow.values.assign(heating_signal=slow.values["heating_signal"].round()))
+    for baseline in (slow, replace(slow, values=slow.values[["air_temperature_C"]])):
+        found, _ = alike(record, baseline)
+        assert found.values["air_temperature_C"].iloc[0] == pytest.approx(5.5)  # of samples 0 to 11
+
+
+@pytest.mark.parametrize("are_means", [False, True])
+def test_a_gap_stays_a_gap_and_a_channel_that_is_logged_seldom_is_kept(are_means: bool) -> None:
+    whole = recorded(3, 300.0)
+    place = np.arange(len(whole.time))
+    values = whole.values.assign(
+        air_temperature_C=whole.values["air_temperature_C"].where((place < 12) | (place > 21)),
+        outdoor_temperature_C=np.where(place % 6 == 5, 1.0, np.nan),
+    )
+    found = coarser(replace(whole, values=values), 3600.0, are_means).values
+    assert np.flatnonzero(found["air_temperature_C"].isna()).tolist() == [1]
+    assert found["outdoor_temperature_C"].notna().all()
 
 
 @pytest.mark.parametrize("interval_s", [240.0, 300.0, 400.0])

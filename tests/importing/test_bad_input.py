@@ -336,6 +336,11 @@ def test_a_thermometer_that_has_not_measured_yet_neither_hides_its_name_nor_warm
     assert found["supply_temperature_C"].isna().sum() == found["outdoor_temperature_C"].isna().sum() == 40
 
 
+def test_what_is_always_85_is_no_error(entry: Entry) -> None:
+    done = imported(entry, house().assign(battery=85.0))
+    assert (done.code, "Traceback" in done.stderr) == (0, False)
+
+
 def test_a_locked_or_damaged_database_is_refused(entry: Entry) -> None:
     with closing(sqlite3.connect("history.db")) as base:
         house().reset_index().astype({"time": str}).to_sql("log", base, index=False)

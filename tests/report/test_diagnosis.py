@@ -316,7 +316,7 @@ def test_colours_change_nothing_but_the_looks() -> None:
 def test_where_a_part_of_the_loop_was_not_judged_nothing_found_is_said_of_the_rest_only() -> None:
     partly = replace(NONE, not_judged=["sensor", "room"], compared_with="before", posterior={"none": 0.92})
     assert "no effect found in what could be judged" in flat(partly)
-    assert dict(lines(partly))["likely"] == "92 % nothing amiss; nothing is known of sensor and room"
+    assert dict(lines(partly))["likely"] == "92 % nothing amiss; sensor and room could not be judged"
 
 
 def test_a_gap_above_no_floor_is_many_times_it_and_none_is_none() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from waxstudy.dataset.interval import is_longer, told
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin.files import lacking
 from waxstudy.plugin.registry import Registry, installed
@@ -20,7 +21,7 @@ from waxstudy.study.spots import Spot
 
 LEAST_DAYS = 3.0
 LONGEST_S = 3600.0  # chosen: home automation keeps hourly means of what is old; a longer interval hides a room's day
-LEAST_SAMPLES = 24  # of a record that is read at its baseline's interval
+LEAST_SAMPLES = 24  # of what is read at the other's longer interval
 BASELINE = Spot.table("baseline")
 ITSELF = "a record cannot be its own baseline"
 
@@ -124,15 +125,17 @@ def _overlap(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
 
 
 def _too_seldom(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
-    """Yield why a record cannot be read at its baseline's longer interval."""
-    every = f"a sample every {baseline.interval_s / 60.0:g} min"
-    if baseline.interval_s > max(LONGEST_S, dataset.interval_s):
-        yield f"{every} is too seldom for a baseline: one every {LONGEST_S / 60.0:g} min is needed at least"
-    elif baseline.interval_s > dataset.interval_s:
-        hours = len(dataset.time) * dataset.interval_s / 3600.0
-        least = LEAST_SAMPLES * baseline.interval_s / 3600.0
-        if hours < least:
-            yield f"it has {every}, and the record is {hours:.3g} h long: {least:.3g} h are needed to compare them"
+    """Yield why the two cannot be read at the longer of their intervals."""
+    if is_longer(baseline, dataset) and baseline.interval_s > LONGEST_S:
+        every = told(baseline.interval_s)
+        yield f"a sample every {every} is too seldom for a baseline: one every {told(LONGEST_S)} is needed at least"
+        return
+    for coarse, fine, names in ((baseline, dataset, "baseline record"), (dataset, baseline, "record baseline")):
+        hours, least = (n * each.interval_s / 3600.0 for n, each in ((len(fine.time), fine), (LEAST_SAMPLES, coarse)))
+        if is_longer(coarse, fine) and hours < least:
+            one, other = names.split()
+            every = f"the {one} has a sample every {told(coarse.interval_s)}"
+            yield f"{every}, and the {other} is {hours:.3g} h long: {least:.3g} h are needed to compare them"
 
 
 def refuse_too_short(dataset: Dataset) -> None:

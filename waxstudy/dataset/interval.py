@@ -11,8 +11,8 @@ from waxstudy.dataset.levels import NEAR, as_levels
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
 
-# the first that both have tells means from instants; a signal between off and on may have been put right already
-LEVELS = ("displacement", "heating_signal", "control_output")
+LEVELS = ("displacement", "heating_signal", "control_output")  # the first that both have tells means from instants
+LEAST_KNOWN = 0.5  # of the usual samples of a channel in an interval, for a value there
 
 
 def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
@@ -21,37 +21,55 @@ def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
     What a longer interval hides, or makes of a switch, would be taken for a change. The user is told. Intervals that
     differ by less than a half stay.
     """
-    if round(baseline.interval_s / dataset.interval_s) > 1:
-        found = _sampled_as(baseline, dataset)
+    if is_longer(baseline, dataset):
+        found, kind = _sampled_as(baseline, dataset)
         said = (
-            f"The baseline has a sample every {_told(baseline)}, so the record is read every {_told(found)} as well: "
-            "what so long an interval hides would else look like a change. Details of motor and valve are lost so."
+            f"The baseline has a sample every {told(baseline.interval_s)}, so the record is read as {kind} of "
+            f"{told(found.interval_s)}: what so long an interval hides would look like a change. "
+            "What happens within it is not seen."
         )
         return replace(found, warnings=(*found.warnings, said)), baseline
-    if round(dataset.interval_s / baseline.interval_s) > 1:
-        found = _sampled_as(dataset, baseline)
-        said = f"The baseline is read every {_told(found)}, as the record has its samples."
+    if is_longer(dataset, baseline):
+        found, kind = _sampled_as(dataset, baseline)
+        said = f"The baseline is read as {kind} of {told(found.interval_s)}, as the record seems to hold."
         return replace(dataset, assumptions=(*dataset.assumptions, said)), found
     return dataset, baseline
 
 
-def _told(dataset: Dataset) -> str:
-    seconds = dataset.interval_s
-    return f"{seconds / 60.0:g} min" if seconds >= 60.0 else f"{seconds:g} s"
+def is_longer(one: Dataset, other: Dataset) -> bool:
+    """Whether the interval of one dataset is so much longer that the other must be read at it."""
+    return round(one.interval_s / other.interval_s) > 1
 
 
-def _sampled_as(coarse: Dataset, fine: Dataset) -> Dataset:
-    """Return a fine dataset at about the interval of a coarse one: instants or means, as that seems to hold."""
+def told(interval_s: float) -> str:
+    return f"{interval_s / 60.0:g} min" if interval_s >= 60.0 else f"{interval_s:g} s"
+
+
+def _sampled_as(coarse: Dataset, fine: Dataset) -> tuple[Dataset, str]:
+    """Return a fine dataset at about the interval of a coarse one, and of which kind that seems to be.
+
+    Where nothing tells, it is taken for means: that is what is kept of old records.
+    """
     interval_s = round(coarse.interval_s / fine.interval_s) * fine.interval_s
-    ways = [coarser(fine, interval_s, are_means) for are_means in (False, True)]
-    found = min(ways, key=lambda way: _unlike(way, coarse))
-    return replace(found, values=as_levels(found.values, found.nominal, Notes("")))
+    means, instants = (coarser(fine, interval_s, are_means) for are_means in (True, False))
+    are_means = _unlike(means, coarse) <= _unlike(instants, coarse)
+    found, notes = means if are_means else instants, Notes("")
+    values = as_levels(found.values, found.nominal, notes)
+    warnings, assumptions = (*found.warnings, *notes.warnings), (*found.assumptions, *notes.assumptions)
+    found = replace(found, values=values, warnings=warnings, assumptions=assumptions)
+    return found, "means" if are_means else "instants at the end"
 
 
 def _unlike(one: Dataset, other: Dataset) -> float:
-    """Return by how much the shares of samples between off and on differ, of those not off: means have more of them."""
+    """Return by how much the shares of samples between off and on differ, of those not off: means have more of them.
+
+    A signal of the other one that is on or off only may have been put right, and then so may this one's be.
+    """
     name = next((each for each in LEVELS if each in one.values and each in other.values), None)
-    return abs(_between(one.values[name]) - _between(other.values[name])) if name else 0.0
+    if name is None:
+        return 0.0
+    levels = [one.values[name], as_levels(one.values, one.nominal, Notes(""))[name]]
+    return min(abs(_between(level) - _between(other.values[name])) for level in levels)
 
 
 def _between(level: pd.Series) -> float:
@@ -62,7 +80,8 @@ def _between(level: pd.Series) -> float:
 def coarser(dataset: Dataset, interval_s: float, are_means: bool = False) -> Dataset:
     """Return a dataset at an interval that is a multiple of its own: instants at its ends, or means over it.
 
-    Flows and heats are means in either case. What begins or ends within an interval is left out.
+    Flows and heats are means in either case. What begins or ends within an interval is left out, and so is a value of
+    which less than half as many samples are there as usual: a gap stays one.
     """
     place = dataset.time.ceil(pd.Timedelta(interval_s, "s"))
     groups = dataset.values.groupby(place, sort=True)
@@ -70,6 +89,8 @@ def coarser(dataset: Dataset, interval_s: float, are_means: bool = False) -> Dat
     for name in values.columns:
         if CHANNELS[name].is_mean:
             values[name] = groups[name].mean()
+    count = groups.count()
+    values = values.where(count >= LEAST_KNOWN * count.median())
     whole = groups.size().to_numpy() == round(interval_s / dataset.interval_s)
     values = values[whole]
     time = pd.DatetimeIndex(values.index, name=dataset.time.name)

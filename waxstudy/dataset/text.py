@@ -26,7 +26,7 @@ BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"\x89HDF", b"SQLite"
 PIECE = 1_000_000  # characters that are read at a time to find the encoding
 LOOKED_AT = 200  # lines in which the decimal mark is looked for
 TITLES = 10  # lines above the names of the columns at most
-NUMBER = re.compile(r"[-+]?[.,]?\d")
+NUMBER = re.compile(r"[-+]?[.,]?\d[\d.,:/ TZ+-]*")  # or a stamp
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
 
@@ -143,7 +143,7 @@ def _names(head: list[str], separator: str) -> tuple[int, int]:
     filled = [[cell for cell in row if cell] for row in rows]
     most = max(map(len, filled))
     place = next(place for place, cells in enumerate(filled) if 2 * len(cells) > most)
-    are_names = place <= TITLES and not any(NUMBER.match(cell) for cell in filled[place])
+    are_names = place <= TITLES and not any(NUMBER.fullmatch(cell) for cell in filled[place])
     return len(filled[place]) if are_names else 0, place
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pandas as pd
 
 from waxstudy.dataset.columns import named
-from waxstudy.importing.limits import LOOKED_AT, MOST_ENTITIES, REPEATED
+from waxstudy.importing.limits import LOOKED_AT, MOST_ENTITIES, REPEATED, SPREADSHEET_DAYS
 from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps, stamps_of
 from waxstudy.importing.units import WRITTEN
@@ -99,9 +99,9 @@ def _time_column(table: Table) -> tuple[str, pd.DataFrame]:
         return name, frame.assign(**{name: joined}).drop(columns=clock)
     if by_name and not pd.api.types.is_numeric_dtype(frame[by_name[0]]):
         return by_name[0], frame  # whose first bad cell is told where stamps are read
-    if by_name:
-        wrong = f"no column holds stamps: '{by_name[0]}' has numbers, such as {frame[by_name[0]].iloc[0]}"
-        raise refusal(table.where, wrong, "if they count days, as in a spreadsheet, write them as 2024-01-31 12:00")
+    if by_name and (days := frame[by_name[0]].dropna()).between(*SPREADSHEET_DAYS).all() and len(days):
+        wrong = f"no column holds stamps: '{by_name[0]}' has numbers, such as {days.iloc[0]}"
+        raise refusal(table.where, wrong, "if they count days, as a spreadsheet does, write them as 2024-01-31 12:00")
     raise refusal(table.where, f"no column holds stamps (columns: {named(frame)})", EXPECTED)
 
 

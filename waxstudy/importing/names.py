@@ -30,7 +30,7 @@ OTHER_AIR = (
     "outdoor|outside|aussen|\\w*weather\\w*|\\w*wetter\\w*|supply|vorlauf|return|ruecklauf|floor surface|boden|"
     "neighbou?r|ventilation|zuluft|ulko\\w*|vaelis\\w*|meno\\w*|pealevool\\w*|paluu\\w*|tagasivool\\w*|lattia\\w*|porand\\w*"
 )
-OTHERS = "humidity|co|power|energy|battery|illuminance|pressure|feuchte"
+OTHERS = "humidity|co|power|energy|battery|illuminance|pressure|feuchte|kosteus|niiskus"
 SET = (
     "set ?point|setting|target|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch|"
     "asetus\\w*|tavoite\\w*|seadetemp\\w*|seadevaeaertus|seatud\\w*"
@@ -65,10 +65,11 @@ CHANNEL_NAMES = {
     "supply_temperature_C": Names(
         "supply|vorlauf|vl|hws|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*|meno\\w*|pealevool\\w*",
         "water|flow|wasser|heizkreis",
-        f"air|ventilation|zuluft|return|ruecklauf|{SET}",
+        f"air|ventilation|zuluft|return|ruecklauf|\\w*ilma|\\w*ohk|{SET}",
     ),
     "return_temperature_C": Names(
-        "return|ruecklauf|rl|hwr|outlet|ruecklauftemp\\w*|paluu\\w*|tagasivool\\w*", "water|wasser", "air|abluft"
+        "return|ruecklauf|rl|hwr|outlet|ruecklauftemp\\w*|paluu\\w*|tagasivool\\w*", "water|wasser",
+        "air|abluft|\\w*ilma|\\w*ohk",
     ),
     "outdoor_temperature_C": Names(
         "outdoors?|outside|ambient|amb|aussen|aussentemp\\w*|oat|external|ulko\\w*|vaelis\\w*",

@@ -12,7 +12,6 @@ import pandas as pd
 from waxstudy.importing.limits import LEAST_COLUMNS, LEAST_ROWS
 from waxstudy.importing.reading import Table, refusal
 from waxstudy.plugin.files import DATA_BYTES
-from waxstudy.study.problems import listed
 
 WORKBOOK = ("[Content_Types].xml", "mimetype")  # one of which an archive holds that is a workbook
 ENCRYPTED = "EncryptedPackage".encode("utf-16-le")  # the stream that a workbook with a password has
@@ -47,7 +46,8 @@ def _refuse(path: Path, where: str) -> None:
     with ZipFile(path) as packed:
         names = packed.namelist()
         if not any(name in WORKBOOK for name in names):
-            wrong = f"is an archive, and no workbook: it holds {listed(names[:3])}"
+            more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+            wrong = f"is an archive, and no workbook: it holds {names[0] if names else 'nothing'}{more}"
             raise refusal(where, wrong, "unpack it, and name the files in it or their folder")
         if sum(part.file_size for part in packed.infolist()) > DATA_BYTES:
             raise refusal(where, f"is larger than {DATA_BYTES / 1e6:g} MB when unpacked")

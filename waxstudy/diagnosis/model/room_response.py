@@ -133,8 +133,14 @@ def coarsened(record: Record, belief: Belief, flow_L_h: FloatArray, parts: int) 
 
 
 def _kept_means(record: Record, values: FloatArray, parts: int) -> FloatArray:
-    """Return the means of an input, kept with it: most inputs are the same array in every hypothesis."""
-    return record.remembered("means", (id(values), parts), lambda: (values, means(values, parts)), arrays=2)[1]
+    """Return the means of an input, kept with it, read-only: most inputs are the same array in every hypothesis."""
+
+    def made() -> tuple[FloatArray, FloatArray]:
+        found = means(values, parts)
+        found.flags.writeable = False
+        return values, found
+
+    return record.remembered("means", (id(values), parts), made, arrays=2)[1]
 
 
 def means(values: FloatArray, parts: int) -> FloatArray:

@@ -18,6 +18,7 @@ from waxstudy.diagnosis.result import (
     StageGap,
     Unexplained,
 )
+from waxstudy.diagnosis.select.testability import in_words
 from waxstudy.report.diagnosis.calibration import clear_words
 from waxstudy.report.diagnosis.focus import by_reason, left_at, main_stages, measurements, other_stages, unit_of
 from waxstudy.report.diagnosis.words import (
@@ -128,7 +129,7 @@ def _likely(diagnosis: Diagnosis) -> str:
     told = sorted(diagnosis.posterior.items(), key=lambda each: -each[1])
     shown = [each for each in told[:MOST_LIKELY] if each[1] >= LEAST_LIKELY] or told[:1]
     likely = ", ".join(f"{chance(probability)} {hypothesis(names)}" for names, probability in shown)
-    return f"{likely}; nothing is known of {' and '.join(diagnosis.not_judged)}" if diagnosis.not_judged else likely
+    return f"{likely}; {in_words(diagnosis.not_judged)} could not be judged" if diagnosis.not_judged else likely
 
 
 def _where(diagnosis: Diagnosis, stage: StageGap) -> str:
