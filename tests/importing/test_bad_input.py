@@ -330,7 +330,7 @@ def test_a_thermometer_that_has_not_measured_yet_neither_hides_its_name_nor_warm
             frame.loc[frame.index[100:140], name] = 85.0
     done = imported(entry, frame)
     assert done.code == 0, done.stderr
-    said = "40 samples are what a thermometer says that has not measured yet (the first is 85): set to missing"
+    said = "40 samples are what a 1-Wire thermometer shows until it has measured (the first is 85): set to missing"
     assert f"supply_temperature_C: {said}" in " ".join(done.stderr.split())
     found = read_dataset(Path("living")).values
     assert found["supply_temperature_C"].isna().sum() == found["outdoor_temperature_C"].isna().sum() == 40
@@ -371,6 +371,8 @@ def test_a_file_that_is_cut_off_or_empty_or_a_folder_without_records_is_refused(
     refused(entry("import", "cut.csv.gz", "--out", "living"), "cut.csv.gz: is no whole gzip file")
     Path("empty.csv").write_text("")
     refused(entry("import", "empty.csv", "--out", "living"), "empty.csv: is empty")
+    Path("blank.csv").write_text(";;\n;;\n;;\n")
+    refused(entry("import", "blank.csv", "--out", "living"), "blank.csv: ")
     Path("none").mkdir()
     refused(entry("import", "none", "--out", "living"), "none: this folder holds no record", ".parquet")
 

@@ -21,7 +21,7 @@ from waxstudy.study.spots import Spot
 
 LEAST_DAYS = 3.0
 LONGEST_S = 3600.0  # chosen: home automation keeps hourly means of what is old; a longer interval hides a room's day
-LEAST_SAMPLES = 24  # of what is read at the other's longer interval
+LEAST_SAMPLES = 24  # chosen: a day of hourly means, of what is read at the other's longer interval
 BASELINE = Spot.table("baseline")
 ITSELF = "a record cannot be its own baseline"
 
@@ -129,13 +129,18 @@ def _too_seldom(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
     if is_longer(baseline, dataset) and baseline.interval_s > LONGEST_S:
         every = told(baseline.interval_s)
         yield f"a sample every {every} is too seldom for a baseline: one every {told(LONGEST_S)} is needed at least"
-        return
-    for coarse, fine, names in ((baseline, dataset, "baseline record"), (dataset, baseline, "record baseline")):
-        hours, least = (n * each.interval_s / 3600.0 for n, each in ((len(fine.time), fine), (LEAST_SAMPLES, coarse)))
-        if is_longer(coarse, fine) and hours < least:
-            one, other = names.split()
-            every = f"the {one} has a sample every {told(coarse.interval_s)}"
-            yield f"{every}, and the {other} is {hours:.3g} h long: {least:.3g} h are needed to compare them"
+    elif is_longer(baseline, dataset):
+        yield from _too_few("baseline", baseline, "record", dataset)
+    elif is_longer(dataset, baseline):
+        yield from _too_few("record", dataset, "baseline", baseline)
+
+
+def _too_few(coarse_name: str, coarse: Dataset, fine_name: str, fine: Dataset) -> Iterator[str]:
+    """Yield that a dataset is too short to be read at the other one's interval, if it is."""
+    hours, least = len(fine.time) * fine.interval_s / 3600.0, LEAST_SAMPLES * coarse.interval_s / 3600.0
+    if hours < least:
+        every = f"the {coarse_name} has a sample every {told(coarse.interval_s)}"
+        yield f"{every}, and the {fine_name} is {hours:.3g} h long: {least:.3g} h are needed to compare them"
 
 
 def refuse_too_short(dataset: Dataset) -> None:

@@ -12,7 +12,7 @@ from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
 
 LEVELS = ("displacement", "heating_signal", "control_output")  # the first that both have tells means from instants
-LEAST_KNOWN = 0.5  # of the usual samples of a channel in an interval, for a value there
+LEAST_KNOWN = 0.5  # chosen: of the usual samples of a channel in an interval, for a value there
 
 
 def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
@@ -42,6 +42,7 @@ def is_longer(one: Dataset, other: Dataset) -> bool:
 
 
 def told(interval_s: float) -> str:
+    """Return an interval in words."""
     return f"{interval_s / 60.0:g} min" if interval_s >= 60.0 else f"{interval_s:g} s"
 
 

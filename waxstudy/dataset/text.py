@@ -142,7 +142,7 @@ def _names(head: list[str], separator: str) -> tuple[int, int]:
     rows = [[cell.strip(' "') for cell in line.split(separator)] for line in head[: 2 * TITLES]]
     filled = [[cell for cell in row if cell] for row in rows]
     most = max(map(len, filled))
-    place = next(place for place, cells in enumerate(filled) if 2 * len(cells) > most)
+    place = next((place for place, cells in enumerate(filled) if 2 * len(cells) > most), 0)
     are_names = place <= TITLES and not any(NUMBER.fullmatch(cell) for cell in filled[place])
     return len(filled[place]) if are_names else 0, place
 

@@ -13,7 +13,8 @@ from waxstudy.dataset.checks.units import LEVEL_NOISE
 from waxstudy.dataset.columns import CODE, CODES, CODES_ABOVE
 from waxstudy.plugin import FloatArray
 
-# what a thermometer of one wire (DS18B20, data sheet) says before it has measured, and how far above all else [C]
+# a 1-Wire thermometer (DS18B20) shows 85 C until it has measured (data sheet); chosen: water has it only beside
+# other readings from 20 K below it up to boiling
 POWER_ON_C, ABOVE_K, BOILING_C = 85.0, 20.0, 100.0
 FAR_ABOVE = 10.0  # times all other flows or gains, from which a code above them is one
 # what no such temperature is [C]
@@ -43,20 +44,20 @@ moving = partial(check, "course", "warns", fewest=0, mend="look at the instrumen
 
 @faulty(*each())
 def code(record: Record, channel: pd.Series) -> Findings:
-    """A code that loggers write for a missing sample, such as -999 or 9999, or of a temperature {POWER_ON_C:g} where
-    all else is {ABOVE_K:g} K below. Flows and gains may be as large: there a positive code is one if it is over
-    {FAR_ABOVE:g} times all else."""
+    """A code that loggers write for a missing sample, such as -999 or 9999; of a temperature also {POWER_ON_C:g} °C,
+    if nothing else is within {ABOVE_K:g} K below it. Flows and gains may be as large: there a positive code is one if
+    it is over {FAR_ABOVE:g} times all else."""
     x = channel.to_numpy()
     others = x[np.isfinite(x) & ~np.isin(x, CODES_ABOVE)]
     is_far_above = len(others) > 0 and min(CODES_ABOVE) > FAR_ABOVE * float(np.max(others))
     is_code = quantity_of(channel) not in PEAKS or is_far_above
     yield Discard(channel.name, np.isin(x, (*CODES, *CODES_ABOVE) if is_code else CODES), CODE)
     if quantity_of(channel) in BOUNDS:
-        yield Discard(channel.name, power_on(x), "what a thermometer says that has not measured yet")
+        yield Discard(channel.name, power_on(x), "what a 1-Wire thermometer shows until it has measured")
 
 
 def power_on(temperature_C: FloatArray) -> np.ndarray:
-    """Return where a thermometer had not measured yet (n,): at 85 °C, with nothing else near that."""
+    """Return where a 1-Wire thermometer had not measured yet (n,): at 85 °C, with nothing else near that."""
     said = temperature_C == POWER_ON_C
     is_hot = np.isfinite(temperature_C) & (temperature_C > POWER_ON_C - ABOVE_K) & (temperature_C < BOILING_C) & ~said
     return np.asarray(said & ~is_hot.any())
