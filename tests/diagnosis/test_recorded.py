@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from tests.diagnosis.realities import PERFECT, belief, reality, record, study
 from waxstudy.diagnosis.model.room_response import built, coarsened, room_response
 from waxstudy.diagnosis.model.segments import Segment, segments
+from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Role, Room
 from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond, respond_to_heat
 
@@ -53,6 +54,27 @@ def test_under_recorded_inputs_and_flow_the_room_has_the_closed_loop_s_temperatu
         assert np.ptp(quarters) > 0.5
         assert np.sqrt(np.mean(left_K**2)) < 0.02
     assert float(np.mean(plain["return_temperature_C"] > 15.0)) > 0.05
+
+
+@pytest.mark.parametrize("case", ["IDEAL", "REAL"])
+def test_means_of_hours_in_which_a_valve_moved_are_no_misses_of_the_room(case: str) -> None:
+    """The return counts where water flowed on, and what flows for a part of an hour warms less than half a flow."""
+    seen = record(case, **PERFECT)
+    hour = round(3600.0 / seen.interval_s)
+    means = {name: values.reshape(-1, hour).mean(axis=1) for name, values in seen.values.items()}
+    hourly = replace(seen, interval_s=3600.0, values=means)
+    believed = belief(case, hourly)
+    (link,) = [segment for segment in segments(hourly, believed) if segment.with_room]
+    of_means = next(convention for convention in link.conventions if convention.is_mean)
+    predicted = link.predict(hourly, believed, of_means)
+    found = {each.channel: each for each in Judge(link, hourly, believed).residuals(predicted)}
+    air, back = found["air_temperature_C"], found["return_temperature_C"]
+    flows, most = means["flow_L_h"], means["flow_L_h"].max()
+    assert back.judged.sum() >= 10
+    assert flows[back.judged].min() > 0.85 * most
+    assert ((flows > 0.2 * most) & (flows < 0.85 * most)).sum() >= 10
+    assert np.abs(back.error[back.judged]).max() < 0.15
+    assert air.gap() < 0.1
 
 
 def test_each_stage_driven_by_a_perfect_record_misses_next_to_nothing() -> None:

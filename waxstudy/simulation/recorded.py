@@ -167,7 +167,11 @@ def respond(
 
 
 def respond_to_heat(
-    room: LinearRoom, inputs: Inputs, flow_L_h: FloatArray, heats_W: Sequence[FloatArray]
+    room: LinearRoom,
+    inputs: Inputs,
+    flow_L_h: FloatArray,
+    heats_W: Sequence[FloatArray],
+    valve_s: float | None = None,
 ) -> Iterator[dict[str, FloatArray]]:
     """Yield by how much a room is changed by each course of heat (n,) to its air, as `respond` has it.
 
@@ -183,7 +187,7 @@ def respond_to_heat(
     )
     parts = max(1, int(np.ceil(inputs.interval_s / LONGEST_STEP_S)))
     unit = drive(heated, weather_of(inputs), inputs.interval_s / parts, 0.0)
-    conductance_W_K = _exchange_W_K(room, inputs, flow_L_h, None)
+    conductance_W_K = _exchange_W_K(room, inputs, flow_L_h, valve_s)
     stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
     still = np.zeros(len(unit.decay))
     for heat_W in heats_W:

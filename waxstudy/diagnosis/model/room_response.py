@@ -71,7 +71,7 @@ def room_response(
     """Return what the room makes of a flow: its channels, means over quarters of an hour.
 
     Where it is to be fine its flow is that of the record's intervals, within which valves move, and its steps are
-    short; else both are of minutes.
+    short; else both are of minutes, or of the record's intervals where these are longer.
     """
     assert belief.room
     parts, merged = merging(record.interval_s)
@@ -80,7 +80,7 @@ def room_response(
     coarse, flow = coarsened(record, belief, flow_L_h, parts)
     coarse = replace(coarse, solar_W=convention.solar_factor * coarse.solar_W)
     driven = driven_by(built(belief.room), coarse, FINE_STEP_S if is_fine else None)
-    return _shown(respond(driven, coarse, flow, VALVE_S if is_fine else None), flow, convention, parts, merged)
+    return _shown(respond(driven, coarse, flow, _valve_s(record, is_fine)), flow, convention, parts, merged)
 
 
 def response_to_heat(
@@ -90,8 +90,14 @@ def response_to_heat(
     assert belief.room
     parts, merged = merging(record.interval_s)
     coarse, flow = coarsened(record, belief, flow_L_h, parts)
-    for found in respond_to_heat(built(belief.room), coarse, flow, [means(each, parts) for each in heats_W]):
+    shapes_W = [means(each, parts) for each in heats_W]
+    for found in respond_to_heat(built(belief.room), coarse, flow, shapes_W, _valve_s(record)):
         yield _shown(found, flow, convention, parts, merged)
+
+
+def _valve_s(record: Record, is_fine: bool = False) -> float | None:
+    """Return how long a valve moves where flows are means over intervals in which it may have opened or closed."""
+    return VALVE_S if is_fine or record.interval_s > ROOM_STEP_S else None
 
 
 def _shown(

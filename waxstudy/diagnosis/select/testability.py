@@ -191,7 +191,8 @@ def doubts_of_sampling(record: Record, segments: Sequence[Segment]) -> Iterator[
     if any(segment.with_room for segment in segments):
         yield (
             f"Samples {record.interval_s / 60.0:g} min apart do not tell how warm the water was while the valve was "
-            "open: what is said of the water on its way to the room is doubtful"
+            "open: the return temperature counts only where water flowed throughout a sample, and what is said of the "
+            "water on its way to the room is doubtful"
         )
     for channel in dict.fromkeys(channel for segment in segments for channel in segment.judged):
         noise, usual = record.noise[channel], CHANNELS[channel].noise
