@@ -9,11 +9,11 @@ import pytest
 from tests.diagnosis.realities import belief, dataset, plain, record, rows
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.model.modulator_clock import late_s
-from waxstudy.diagnosis.model.segments import segments
+from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.diagnosis.residuals.switching import Switching
-from waxstudy.plugin import Choice
+from waxstudy.plugin import Belief, Choice
 from waxstudy_paper.modulators import Pwm
 
 
@@ -54,6 +54,15 @@ def test_such_a_clock_is_no_gap(minutes: int) -> None:
     pulses = judge.ways["heating_signal"]
     assert isinstance(pulses, Switching)
     assert residual.gap() <= 1.5 * pulses.typical_s
+
+
+def test_pulses_that_were_logged_as_means_are_compared_with_means() -> None:
+    output = np.repeat([0.3, 0.7, 0.5, 0.25], 12)
+    hourly = plain({"control_output": output, "heating_signal": output}, 3600.0)
+    pwm = Belief({"modulator": Choice.of(Pwm, {"period_s": 3600.0})})
+    shown = Segment(("modulator",), "control_output", ("heating_signal",)).predict(hourly, pwm)["heating_signal"]
+    steady = np.diff(output, prepend=output[0]) == 0.0
+    assert shown[steady] == pytest.approx(output[steady], abs=0.02)
 
 
 def test_pulses_without_that_rhythm_have_no_clock() -> None:

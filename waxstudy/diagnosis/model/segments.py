@@ -129,6 +129,8 @@ class Segment:
         key = (first, self.driven_by, convention.is_raw, convention.is_late, start_s, *blocks.items())
         ends, averages, shifted = made() if perturbation.random else record.remembered("chain", key, made, arrays=20)
         shown.update({SHOWN[kind]: ends[kind] for kind in chain if kind in ends and kind != "sensor"})
+        if "modulator" in blocks and SHOWN["modulator"] in self.judged and SHOWN["modulator"] not in record.binary:
+            shown[SHOWN["modulator"]] = averages["modulator"]  # what only switches and was logged between are means
         if "valve" in chain:
             full_L_h = full_flow_L_h(record, belief)
             shown["flow_L_h"] = averages["valve"] * full_L_h
