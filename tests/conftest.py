@@ -6,13 +6,16 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from random import SystemRandom
+from types import MappingProxyType
 
 import pytest
 from hypothesis import settings
+
+from tests.forked import LIMIT_S, forked
 
 # examples differ in length by far; the suite's own time limit is the one that counts
 settings.register_profile("waxstudy", deadline=None)
@@ -51,6 +54,8 @@ ATTACK_SEED = "ATTACK_SEED"
 # Python keeps bytecode whose writing was cut short, and fails at every later import of it
 NO_BYTECODE = {"PYTHONDONTWRITEBYTECODE": "1"}
 
+NO_MORE: Mapping[str, str] = MappingProxyType({})
+
 Waxstudy = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
@@ -77,11 +82,32 @@ def small_study(tmp_path: Path) -> Path:
     return path
 
 
-def call(folder: Path, *arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
-    """Run the installed command in a folder; `env` adds to the environment."""
-    command = [str(WAXSTUDY), *map(str, arguments)]
-    environment = {**os.environ, "COLUMNS": "120", **options.pop("env", {})}  # type: ignore[dict-item]
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300, **options)  # type: ignore[call-overload,no-any-return]
+def call(
+    folder: Path, *arguments: object, env: Mapping[str, str] = NO_MORE, **options: object
+) -> subprocess.CompletedProcess[str]:
+    """Run the installed command in a folder; `env` adds to the environment.
+
+    What asks for more than that is started anew, and so is what an interpreter reads of its environment.
+    """
+    if options or any(name.startswith("PYTHON") for name in env):
+        return call_anew(folder, *arguments, env=env, **options)
+    return forked(folder, _words(arguments), _environment(env))
+
+
+def call_anew(
+    folder: Path, *arguments: object, env: Mapping[str, str] = NO_MORE, **options: object
+) -> subprocess.CompletedProcess[str]:
+    """Run the installed command in a process of its own from the first instruction on."""
+    shown = {"capture_output": True, "text": True, "timeout": LIMIT_S, **options}
+    return subprocess.run(_words(arguments), cwd=folder, env=_environment(env), **shown)  # type: ignore[call-overload,no-any-return]
+
+
+def _words(arguments: Iterable[object]) -> list[str]:
+    return [str(WAXSTUDY), *map(str, arguments)]
+
+
+def _environment(more: Mapping[str, str]) -> dict[str, str]:
+    return {**os.environ, "COLUMNS": "120", **more}
 
 
 @pytest.fixture
