@@ -20,7 +20,7 @@ import pytest
 
 from tests.blind_test.conftest import CASES
 from tests.blind_test.test_solve import answers, started
-from tests.conftest import ROOT, WAXSTUDY, Waxstudy, call
+from tests.conftest import ROOT, WAXSTUDY, Waxstudy, call_anew
 from waxstudy.blind_test.make import Place
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes end otherwise there")
@@ -61,6 +61,12 @@ print(json.dumps({"verdict": "none", "said": said, "files": sorted(map(str, fold
 DOCS = ROOT / "docs" / "blind_test_seal.md"
 
 
+@pytest.fixture
+def waxstudy(tmp_path: Path) -> Waxstudy:
+    """Run the installed command in a process whose words, memory and files are its own."""
+    return partial(call_anew, tmp_path)
+
+
 def test_a_diagnoser_gets_no_path_of_the_set_no_variable_and_no_input_of_ours(
     place: Place, waxstudy: Waxstudy, tmp_path: Path
 ) -> None:
@@ -92,7 +98,7 @@ def test_neither_the_set_nor_the_key_can_be_looked_up_in_the_process_that_asks(
     apart = tmp_path / "apart"
     apart.mkdir()
     (apart / "look.py").write_text(LOOK_UP)
-    secret = {"PWD": str(tmp_path), "WAXSTUDY_SECRET": str(place.folder)}
+    secret = {"WAXSTUDY_CACHE": str(tmp_path / "cache"), "PWD": str(tmp_path), "WAXSTUDY_SECRET": str(place.folder)}
     command = ("blind-test", "solve", place.folder, "--share", "0.2", "--", sys.executable, apart / "look.py")
     with (tmp_path / "key").open() as key:
         done = waxstudy(*command, env=secret, stdin=key)
@@ -217,7 +223,7 @@ def test_a_diagnoser_ends_with_the_command_that_asked_it(
         assert list(temporary.iterdir()) == []
     else:
         assert list(temporary.iterdir())
-        solved = call(tmp_path, "blind-test", "solve", "test", "--name", "next", "--", "true")
+        solved = call_anew(tmp_path, "blind-test", "solve", "test", "--name", "next", "--", "true")
         assert solved.returncode == 0
         assert list(temporary.iterdir()) == []
 

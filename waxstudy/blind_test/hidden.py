@@ -22,10 +22,10 @@ def out_of_sight() -> Iterator[None]:
     """
     from setproctitle import setproctitle
 
+    setproctitle("waxstudy blind-test solve")  # first: it overwrites variables only up to one that was set anew
     # the user may have named both from the folder that we leave
     os.environ["WAXSTUDY_CACHE"] = str(cache_base())
     tempfile.tempdir = tempfile.gettempdir()
-    setproctitle("waxstudy blind-test solve")
     if sys.platform == "linux":
         LIBC.prctl(PR_SET_DUMPABLE, 0)
     with chdir(os.sep):
