@@ -4,8 +4,6 @@ BIN := .venv/bin
 export OPENBLAS_NUM_THREADS = 1
 # modules are compiled to bytecode when they are first imported and kept, not all of them at the installation
 unexport PYTHONDONTWRITEBYTECODE
-# one more than there are cores: many tests wait for a process, a lock or a browser
-WORKERS = $(shell $(BIN)/python -c "import os; print(1 + (os.cpu_count() or 1))")
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 
 .PHONY: run test golden characterise attack mutate bench docs dist lowest clean
@@ -16,7 +14,7 @@ run: .venv/installed  ## set up, run the paper's study, print its Table 5
 test: .venv/installed-dev  ## set up, check style, run every test; that of types and imports is one of them
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 golden: .venv/installed-dev  ## compute the golden results, the study file's schema, the tables of judged runs and of checks again
 	$(BIN)/python -m tests.golden.regenerate

@@ -15,7 +15,7 @@ from types import MappingProxyType
 import pytest
 from hypothesis import settings
 
-from tests.forked import LIMIT_S, forked
+from tests.preloaded import CAN_FORK, LIMIT_S, run_preloaded
 
 # examples differ in length by far; the suite's own time limit is the one that counts
 settings.register_profile("waxstudy", deadline=None)
@@ -64,6 +64,13 @@ def pytest_configure() -> None:
     os.environ.setdefault(ATTACK_SEED, str(SystemRandom().randrange(10**6)))
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """One worker more than processors: many tests wait for a process, a lock or a browser."""
+    may_be_used = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))(0)
+    return 1 + len(may_be_used)
+
+
 def pytest_report_header() -> str:
     return f"attack: {ATTACK_SEED}={os.environ[ATTACK_SEED]}"
 
@@ -89,9 +96,9 @@ def call(
 
     What asks for more than that is started anew, and so is what an interpreter reads of its environment.
     """
-    if options or any(name.startswith("PYTHON") for name in env):
+    if not CAN_FORK or options or any(name.startswith("PYTHON") for name in env):
         return call_anew(folder, *arguments, env=env, **options)
-    return forked(folder, _words(arguments), _environment(env))
+    return run_preloaded(folder, _words(arguments), _environment(env))
 
 
 def call_anew(

@@ -65,6 +65,18 @@ def test_pulses_that_were_logged_as_means_are_compared_with_means() -> None:
     assert shown[steady] == pytest.approx(output[steady], abs=0.02)
 
 
+def test_a_switch_may_drive_a_modulator_whose_pulses_were_logged_as_means() -> None:
+    output = np.repeat([0.0, 1.0, 0.0, 1.0], 12)
+    signal = 0.4 * output
+    hourly = plain({"control_output": output, "heating_signal": signal}, 3600.0)
+    pwm = Belief({"modulator": Choice.of(Pwm, {"period_s": 3600.0})})
+    segment = Segment(("modulator",), "control_output", ("heating_signal",))
+    assert hourly.binary == {"control_output"}
+    shown = segment.predict(hourly, pwm)["heating_signal"]
+    assert np.isfinite(shown).all()
+    assert shown[output == 1.0].mean() > 0.9
+
+
 def test_pulses_without_that_rhythm_have_no_clock() -> None:
     seen = late_by(25)
     assert late_s(seen, Choice.of(Pwm, {"period_s": 2600.0})) == 0.0

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -226,3 +229,32 @@ def test_what_is_remembered_is_what_would_be_made_and_the_last_are_not_made_agai
         before = len(made)
         assert memory.get(key, lambda key=key: make(key)) == str(key)  # type: ignore[misc]
         assert len(made) - before == (key not in lately)
+
+
+def hourly_flow(flow_L_h: Sequence[float], **more: Sequence[float]) -> Record:
+    channels = {"flow_L_h": flow_L_h, "return_temperature_C": np.full(len(flow_L_h), 25.0), **more}
+    return plain({name: np.tile(values, 100) for name, values in channels.items()}, 3600.0)
+
+
+def test_by_the_hour_a_return_counts_where_water_flowed_throughout() -> None:
+    seen = hourly_flow([0.0, 60.0, 100.0, 98.0])
+    assert seen.flowing[:4].tolist() == [False, False, True, True]
+    assert seen.has_return
+    every_minute = replace(seen, interval_s=60.0)
+    assert every_minute.flowing[:4].tolist() == [False, True, True, True]
+
+
+def test_a_sample_of_a_larger_flow_leaves_the_returns_of_the_usual_one() -> None:
+    seen = hourly_flow([0.0, 60.0, 100.0, 98.0])
+    flow = seen.values["flow_L_h"].copy()
+    flow[30] = 150.0
+    flushed = replace(seen, values={**seen.values, "flow_L_h": flow})
+    assert flushed.flowing.sum() == seen.flowing.sum() == 200
+
+
+def test_a_valve_that_was_half_open_for_every_hour_shows_no_return() -> None:
+    pulsed = hourly_flow([0.0, 50.0, 50.0, 49.0], heating_signal=[0.0, 0.5, 0.5, 0.5])
+    assert not pulsed.flowing.any()
+    assert not pulsed.has_return
+    throttled = hourly_flow([0.0, 50.0, 50.0, 49.0], heating_signal=[0.0, 1.0, 1.0, 1.0])
+    assert throttled.flowing.sum() == 300

@@ -14,7 +14,7 @@ from waxstudy.diagnosis.model.room_response import built, coarsened, room_respon
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Role, Room
-from waxstudy.simulation.recorded import SUN, driven_by, recorded_room, respond, respond_to_heat
+from waxstudy.simulation.recorded import SUN, Moving, driven_by, recorded_room, respond, respond_to_heat
 
 HOURS = 48
 
@@ -56,7 +56,7 @@ def test_under_recorded_inputs_and_flow_the_room_has_the_closed_loop_s_temperatu
     assert float(np.mean(plain["return_temperature_C"] > 15.0)) > 0.05
 
 
-@pytest.mark.parametrize("case", ["IDEAL", "REAL"])
+@pytest.mark.parametrize("case", ["IDEAL", "REAL", "PWM"])
 def test_means_of_hours_in_which_a_valve_moved_are_no_misses_of_the_room(case: str) -> None:
     """The return counts where water flowed on, and what flows for a part of an hour warms less than half a flow."""
     seen = record(case, **PERFECT)
@@ -69,11 +69,11 @@ def test_means_of_hours_in_which_a_valve_moved_are_no_misses_of_the_room(case: s
     predicted = link.predict(hourly, believed, of_means)
     found = {each.channel: each for each in Judge(link, hourly, believed).residuals(predicted)}
     air, back = found["air_temperature_C"], found["return_temperature_C"]
-    flows, most = means["flow_L_h"], means["flow_L_h"].max()
+    part = means["flow_L_h"] / means["flow_L_h"].max()
     assert back.judged.sum() >= 10
-    assert flows[back.judged].min() > 0.85 * most
-    assert ((flows > 0.2 * most) & (flows < 0.85 * most)).sum() >= 10
-    assert np.abs(back.error[back.judged]).max() < 0.15
+    assert ((part > 0.2) & (part < 0.85) & back.judged).sum() == 0 < ((part > 0.2) & (part < 0.85)).sum()
+    later = back.judged & (np.arange(len(part)) >= 24)  # nobody knows how warm the floor was before
+    assert np.abs(back.error[later]).max() < 0.12
     assert air.gap() < 0.1
 
 
@@ -123,14 +123,15 @@ def test_extra_heat_goes_to_the_air_and_is_not_needed() -> None:
     assert air_C(heated)[-1] > air_C(plain)[-1] + 0.5
 
 
-def test_what_a_room_makes_of_heat_alone_is_what_that_heat_adds() -> None:
+@pytest.mark.parametrize("moving", [None, Moving(120.0), Moving(120.0, is_switched=True)])
+def test_what_a_room_makes_of_heat_alone_is_what_that_heat_adds(moving: Moving | None) -> None:
     """After the first day, which `respond` repeats."""
     count = HOURS * 12
-    flow = np.where(np.arange(count) // 24 % 3 == 0, 60.0, 0.0)
+    flow = np.where(np.arange(count) // 24 % 3 == 0, 60.0, 0.0) * np.where(np.arange(count) % 24 < 5, 0.5, 1.0)
     heat_W = np.where(np.arange(count) // 36 == 9, 80.0, 0.0)
     still, warm = (inputs() if each is None else inputs(extra_W=each) for each in (None, heat_W))
-    before, after = (respond(driven_by(room(), each), each, flow) for each in (still, warm))
-    (change,) = respond_to_heat(room(), still, flow, [heat_W])
+    before, after = (respond(driven_by(room(), each), each, flow, moving) for each in (still, warm))
+    (change,) = respond_to_heat(room(), still, flow, [heat_W], moving)
     for name in ("air_C", "operative_C", "floor_surface_C", "return_C"):
         assert change[name] == pytest.approx(after[name] - before[name], abs=0.002, nan_ok=True)
     assert change["air_C"].max() > 0.3

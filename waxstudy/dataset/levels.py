@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -17,6 +18,7 @@ NEAR = 0.05  # of an end: what an instrument may add to it, or a channel of volt
 MOST_BETWEEN = 0.35  # share of a signal's samples that may fall upon its switches
 FEW, FEWEST = 0.1, 3  # share of those, and count, that may be faults; more are pulses shorter than a sample
 SWEEP_K, SWEEP_S = np.geomspace(1e-4, 3.0, 100), 60.0  # control errors of both signs, and how long each lasts
+ERRORS_K, LEVELS = (*(-SWEEP_K[::-1]).tolist(), *SWEEP_K.tolist()), tuple(np.linspace(0.0, 1.0, 100).tolist())
 BEYOND = 1e-3  # an end, from which it is worth a word
 
 
@@ -42,12 +44,19 @@ def _signals(nominal: Mapping[str, Choice]) -> tuple[str, ...]:
     return ("control_output", "heating_signal") if only_switches(nominal["controller"]) else ()
 
 
-def only_switches(controller: Choice) -> bool:
-    """Whether a controller gives nothing but on and off, from far too warm to far too cold."""
-    errors_K = (*-SWEEP_K[::-1], *SWEEP_K)
+def drives_by_switching(nominal: Mapping[str, Choice]) -> bool | None:
+    """Whether what drives the motor only switches; None where neither modulator nor controller is believed."""
+    if "modulator" in nominal:
+        return only_switches(nominal["modulator"], LEVELS)
+    return only_switches(nominal["controller"]) if "controller" in nominal else None
+
+
+@cache
+def only_switches(block: Choice, given: tuple[float, ...] = ERRORS_K) -> bool:
+    """Whether a block gives nothing but on and off: a controller from far too warm to far too cold."""
     try:
-        block = Stepped(controller, SWEEP_S)
-        return all(block.step(u, n * SWEEP_S) in (0.0, 1.0) for n, u in enumerate(errors_K))
+        stepped = Stepped(block, SWEEP_S)
+        return all(stepped.step(u, n * SWEEP_S) in (0.0, 1.0) for n, u in enumerate(given))
     except (SimulationError, PluginError):  # which a diagnosis tells of
         return False
 

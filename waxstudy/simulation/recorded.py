@@ -61,6 +61,14 @@ def recorded_room(room: LinearRoom, inputs: Inputs) -> LinearRoom:
 
 
 @dataclass(frozen=True)
+class Moving:
+    """A valve that opens and closes within intervals; one that is switched stands nowhere between for long."""
+
+    stroke_s: float
+    is_switched: bool = False
+
+
+@dataclass(frozen=True)
 class _Column:
     """An input of a recorded room."""
 
@@ -143,15 +151,15 @@ def driven_by(room: LinearRoom, inputs: Inputs, step_s: float | None = None) -> 
 
 
 def respond(
-    driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray, valve_s: float | None = None
+    driven: DrivenRoom, inputs: Inputs, flow_L_h: FloatArray, moving: Moving | None = None
 ) -> dict[str, FloatArray]:
     """Return what a room does with a recorded flow (n,): `ROOM_OUTPUTS` at the end of each interval, and the heat.
 
     `water_heat_W` is the mean over the interval, `return_C` its mean, NaN without flow. The first day is repeated for a
-    week before, then the room is `inputs.start_K` warmer, its floor by `inputs.start_floor_K` more. With `valve_s`
-    flows are means over intervals in which a valve opened or closed, in so many seconds; without, it stood still.
+    week before, then the room is `inputs.start_K` warmer, its floor by `inputs.start_floor_K` more. Where a valve is
+    `moving` flows are means over intervals in which it opened or closed; else it stood still in each.
     """
-    room, conductance_W_K = driven.room, _exchange_W_K(driven.room, inputs, flow_L_h, valve_s)
+    room, conductance_W_K = driven.room, _exchange_W_K(driven.room, inputs, flow_L_h, moving)
     shift_K = inputs.start_K + inputs.start_floor_K * (1.0 - room.air_nodes)
     found = _run(
         driven,
@@ -171,7 +179,7 @@ def respond_to_heat(
     inputs: Inputs,
     flow_L_h: FloatArray,
     heats_W: Sequence[FloatArray],
-    valve_s: float | None = None,
+    moving: Moving | None = None,
 ) -> Iterator[dict[str, FloatArray]]:
     """Yield by how much a room is changed by each course of heat (n,) to its air, as `respond` has it.
 
@@ -187,7 +195,7 @@ def respond_to_heat(
     )
     parts = max(1, int(np.ceil(inputs.interval_s / LONGEST_STEP_S)))
     unit = drive(heated, weather_of(inputs), inputs.interval_s / parts, 0.0)
-    conductance_W_K = _exchange_W_K(room, inputs, flow_L_h, valve_s)
+    conductance_W_K = _exchange_W_K(room, inputs, flow_L_h, moving)
     stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
     still = np.zeros(len(unit.decay))
     for heat_W in heats_W:
@@ -206,11 +214,11 @@ def respond_to_heat(
         yield found
 
 
-def _exchange_W_K(room: LinearRoom, inputs: Inputs, flow_L_h: FloatArray, valve_s: float | None) -> FloatArray:
-    """Return the exchange between water and floor (n,) at a flow; of `valve_s` see `respond`."""
+def _exchange_W_K(room: LinearRoom, inputs: Inputs, flow_L_h: FloatArray, moving: Moving | None) -> FloatArray:
+    """Return the exchange between water and floor (n,) at a flow; of `moving` see `respond`."""
     fraction = np.clip(np.asarray(flow_L_h, dtype=float) / room.full_flow_L_h, 0.0, None)
     conductance_W_K = np.array(room.floor_conductance_W_K(fraction), dtype=float)
-    return conductance_W_K if valve_s is None else _moving(room, fraction, conductance_W_K, inputs.interval_s / valve_s)
+    return _moved(room, fraction, conductance_W_K, moving, inputs.interval_s) if moving else conductance_W_K
 
 
 def _run(
@@ -242,18 +250,23 @@ def _run(
     return dict(zip(ROOM_OUTPUTS, ends, strict=True)) | {"water_heat_W": mean_W}
 
 
-def _moving(room: LinearRoom, fraction: FloatArray, still_W_K: FloatArray, moves: float) -> FloatArray:
-    """Return the mean exchange over intervals (n,), each as long as a number of moves of the valve.
+def _moved(
+    room: LinearRoom, fraction: FloatArray, still_W_K: FloatArray, moving: Moving, interval_s: float
+) -> FloatArray:
+    """Return the mean exchange over intervals (n,) in which a valve moves.
 
     Water that flows fast for a part of an interval gives off less than as much that flows slowly all the time. How far
-    a valve was on the move is told by how far an interval's mean is from those beside it.
+    a valve was on the move is told by how far an interval's mean is from those beside it, unless it only switches.
     """
+    moves = interval_s / moving.stroke_s
     end, at = np.linspace(0.0, moves + 1.0, EDGES)[:, None], (np.arange(EDGES) + 0.5) * moves / EDGES
     edges = np.clip(end - at, 0.0, 1.0)  # (edges, places in the interval): closed, sooner or later
     exchange_W_K = np.array([np.mean(room.floor_conductance_W_K(edge)) for edge in edges])
     moved_W_K = np.interp(fraction, edges.mean(axis=1), exchange_W_K)
     change = np.diff(fraction, prepend=fraction[:1], append=fraction[-1:])
     steps = np.minimum(1.0, (np.abs(change[:-1]) + np.abs(change[1:])) / min(1.0, 2.0 * moves))
+    if moving.is_switched:
+        steps = np.ones(len(fraction))
     return np.where(fraction < 1.0, still_W_K + steps * (moved_W_K - still_W_K), still_W_K)
 
 

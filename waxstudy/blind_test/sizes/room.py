@@ -11,7 +11,7 @@ import numpy as np
 
 from waxstudy.blind_test.sizes.record import Record
 from waxstudy.plugin import ROOM_OUTPUTS, Belief, Choice, FloatArray, LinearRoom, Room
-from waxstudy.simulation.recorded import driven_by, respond
+from waxstudy.simulation.recorded import Moving, driven_by, respond
 from waxstudy.synthetic.departures import departed
 
 OUTPUTS = {
@@ -60,7 +60,7 @@ def response(belief: Belief, flow_L_h: FloatArray, is_rough: bool) -> dict[str, 
     changes |= {"interval_s": parts * interval_s, "supply_C": np.where(flow > 0.0, carried_C, changes["supply_C"])}
     inputs = replace(belief.inputs, **changes)
     driven = driven_by(built(belief.room), inputs, None if is_rough else STEP_S)
-    found = respond(driven, inputs, flow, None if is_rough else VALVE_S)
+    found = respond(driven, inputs, flow, None if is_rough else Moving(VALVE_S))
     early = 0.5 * (1.0 - 1.0 / parts)  # samples lie within a piece, what is computed at its end
     shown = {}
     for channel, output in OUTPUTS.items():

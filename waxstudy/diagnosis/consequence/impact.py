@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from waxstudy.diagnosis.model.room_response import built, coarsened, full_flow_L_h, merging
+from waxstudy.diagnosis.model.room_response import built, coarsened, full_flow_L_h, merging, moving
 from waxstudy.diagnosis.model.segments import SHOWN, Segment, replayed
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, SimulationError
@@ -40,7 +40,7 @@ def _response(record: Record, belief: Belief, channel: str, signal: FloatArray) 
     parts, _ = merging(record.interval_s)
     flow = signal if channel == "flow_L_h" else _flow(record, belief, channel, signal)
     inputs, coarse = coarsened(record, belief, flow, parts)
-    found = respond(driven_by(built(belief.room), inputs), inputs, coarse)
+    found = respond(driven_by(built(belief.room), inputs), inputs, coarse, moving(belief, inputs))
     return found["water_heat_W"], found["air_C"]
 
 

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from waxstudy.dataset.levels import drives_by_switching
 from waxstudy.diagnosis.model.conventions import PLAIN, Convention
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, ModelError, Room
 from waxstudy.plugin.model_error import model_errors
-from waxstudy.simulation.recorded import driven_by, respond, respond_to_heat
+from waxstudy.simulation.recorded import Moving, driven_by, respond, respond_to_heat
 from waxstudy.study.model import Choice
 
 OF_ROOM = {
@@ -47,9 +48,7 @@ def full_flow_L_h(record: Record, belief: Belief) -> float:
     """Return the flow with the valve open: the room's, or the usual one of the largest that were recorded."""
     if belief.room is not None:
         return built(belief.room).full_flow_L_h
-    flow = record.values["flow_L_h"]
-    usual = flow[flow > 0.8 * np.nanquantile(flow, 0.99)]
-    return float(np.median(usual)) if len(usual) else 0.0
+    return record.usual_flow_L_h
 
 
 def error_of(belief: Belief, channel: str) -> ModelError:
@@ -70,8 +69,8 @@ def room_response(
 ) -> Predicted:
     """Return what the room makes of a flow: its channels, means over quarters of an hour.
 
-    Where it is to be fine its flow is that of the record's intervals, within which valves move, and its steps are
-    short; else both are of minutes, or of the record's intervals where these are longer.
+    Where it is to be fine its steps are short, and its flow is that of the record's intervals, within which valves
+    move. Else its flow is a mean over five minutes, or over a longer interval, within which valves that only switch do.
     """
     assert belief.room
     parts, merged = merging(record.interval_s)
@@ -80,7 +79,7 @@ def room_response(
     coarse, flow = coarsened(record, belief, flow_L_h, parts)
     coarse = replace(coarse, solar_W=convention.solar_factor * coarse.solar_W)
     driven = driven_by(built(belief.room), coarse, FINE_STEP_S if is_fine else None)
-    return _shown(respond(driven, coarse, flow, _valve_s(record, is_fine)), flow, convention, parts, merged)
+    return _shown(respond(driven, coarse, flow, moving(belief, coarse, is_fine)), flow, convention, parts, merged)
 
 
 def response_to_heat(
@@ -91,13 +90,19 @@ def response_to_heat(
     parts, merged = merging(record.interval_s)
     coarse, flow = coarsened(record, belief, flow_L_h, parts)
     shapes_W = [means(each, parts) for each in heats_W]
-    for found in respond_to_heat(built(belief.room), coarse, flow, shapes_W, _valve_s(record)):
+    for found in respond_to_heat(built(belief.room), coarse, flow, shapes_W, moving(belief, coarse)):
         yield _shown(found, flow, convention, parts, merged)
 
 
-def _valve_s(record: Record, is_fine: bool = False) -> float | None:
-    """Return how long a valve moves where flows are means over intervals in which it may have opened or closed."""
-    return VALVE_S if is_fine or record.interval_s > ROOM_STEP_S else None
+def moving(belief: Belief, inputs: Inputs, is_fine: bool = False) -> Moving | None:
+    """Return how a valve moves within the intervals of a flow; None where it is taken to stand still.
+
+    In longer ones than five minutes it moves where what drives it only switches, or where nothing is known of that.
+    """
+    if inputs.interval_s <= ROOM_STEP_S:
+        return Moving(VALVE_S) if is_fine else None
+    switches = drives_by_switching(belief.blocks)
+    return None if switches is False else Moving(VALVE_S, is_switched=bool(switches))
 
 
 def _shown(

@@ -129,8 +129,7 @@ class Segment:
         key = (first, self.driven_by, convention.is_raw, convention.is_late, start_s, *blocks.items())
         ends, averages, shifted = made() if perturbation.random else record.remembered("chain", key, made, arrays=20)
         shown.update({SHOWN[kind]: ends[kind] for kind in chain if kind in ends and kind != "sensor"})
-        if "modulator" in blocks and SHOWN["modulator"] in self.judged and SHOWN["modulator"] not in record.binary:
-            shown[SHOWN["modulator"]] = averages["modulator"]  # what only switches and was logged between are means
+        shown.update(self._logged_as_means(record, ends, averages))
         if "valve" in chain:
             full_L_h = full_flow_L_h(record, belief)
             shown["flow_L_h"] = averages["valve"] * full_L_h
@@ -139,6 +138,15 @@ class Segment:
             shown[SHOWN["controller"]] = record.smooth(shown[SHOWN["controller"]])
         shown.shifted = {SHOWN[kind]: each for kind, each in shifted.items()}
         return shown
+
+    def _logged_as_means(
+        self, record: Record, ends: Mapping[str, FloatArray], averages: Mapping[str, FloatArray]
+    ) -> Iterator[tuple[str, FloatArray]]:
+        """Yield the means of what only switches, by channel, where a record has it between off and on."""
+        for kind in averages.keys() & {"controller", "modulator"}:
+            channel = SHOWN[kind]
+            if channel in self.judged and channel not in record.binary and np.isin(ends[kind], (0.0, 1.0)).all():
+                yield channel, averages[kind]
 
     def _drive(self, record: Record, convention: Convention, perturbation: Perturbation) -> FloatArray:
         if convention.is_raw:
@@ -215,7 +223,7 @@ def segments(record: Record, belief: Belief) -> list[Segment]:
                 found.append(_segment(record, stages, driven_by, SHOWN[kind]))
             since, driven_by = _after(kind), SHOWN[kind]
     # a return says nothing without knowing when water flowed
-    shown = [c for c in OF_ROOM if c != "return_temperature_C" or record.has("flow_L_h")]
+    shown = [channel for channel in OF_ROOM if channel != "return_temperature_C" or record.has_return]
     room = tuple(channel for channel in shown if record.has(channel))
     if room and belief.room and belief.inputs and (since != "sensor" or is_driven):
         rest = CHAIN[CHAIN.index(since) :] if since is not None else ()

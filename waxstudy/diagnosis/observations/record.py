@@ -14,10 +14,13 @@ from waxstudy.diagnosis.observations.noise import ON, estimated, measured, of_ro
 from waxstudy.plugin import FloatArray, Inputs
 
 T = TypeVar("T")
+FEW = 10  # samples, up to which a channel is as good as not recorded
 SMOOTH_S = 1500.0  # window of the local parabola through a noisy temperature
 SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blocks
 AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
 LONG_GAP_S, FEW_LOST = 600.0, 3  # up to which a channel that runs on is known between its samples
+SPARSE_S = 900.0  # interval from which on a pulse may lie within a sample
+FLOWS, FLOWS_ON = 0.2, 0.9  # chosen: of the largest flow, for a return to count; of the usual one, for it to flow on
 DAY_S = 86_400.0
 REMEMBERED = 2_000_000  # samples that a slot holds of what was made before
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
@@ -56,7 +59,7 @@ class Record:
 
     def has(self, channel: str) -> bool:
         """Whether a channel is there and holds at least a few samples."""
-        return channel in self.values and bool(np.isfinite(self.values[channel]).sum() > 10)
+        return channel in self.values and bool(np.isfinite(self.values[channel]).sum() > FEW)
 
     @cached_property
     def binary(self) -> frozenset[str]:
@@ -170,6 +173,33 @@ class Record:
         """Return which samples lie after the start, where nobody knows the blocks' state."""
         skip = min(SETTLING_S, 0.1 * len(self) * self.interval_s)
         return np.arange(len(self)) >= round(skip / self.interval_s)
+
+    @cached_property
+    def usual_flow_L_h(self) -> float:
+        """The usual one of the largest flows, with the valve open; 0 where nothing flows."""
+        flow = self.values["flow_L_h"]
+        large = flow[flow > 0.8 * np.nanquantile(flow, 0.99)]
+        return float(np.median(large)) if len(large) else 0.0
+
+    @cached_property
+    def flowing(self) -> np.ndarray:
+        """Samples (n,) in which a return temperature is of water that flows.
+
+        Where samples are far apart it must flow throughout: otherwise they hold water that stood and cooled.
+        """
+        flow = self.filled("flow_L_h")
+        if self.interval_s < SPARSE_S:
+            return np.asarray(flow > FLOWS * np.nanmax(flow))
+        signal = self.values.get("heating_signal", np.ones(len(self)))  # half on is not throttled
+        return np.asarray((flow > FLOWS_ON * self.usual_flow_L_h) & ~(signal < FLOWS_ON))
+
+    @property
+    def has_return(self) -> bool:
+        """Whether a return temperature is there and of flowing water in at least a few samples."""
+        both = self.has("return_temperature_C") and self.has("flow_L_h")
+        return both and bool(
+            (self.flowing & np.isfinite(self.values["return_temperature_C"]) & self.settled).sum() > FEW
+        )
 
     @cached_property
     def day(self) -> np.ndarray:

@@ -6,22 +6,17 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
-from waxstudy.diagnosis.model.room_response import JUDGED_S, OF_AIR_AND_FLOOR, Predicted, merging, weighted
+from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR, Predicted, merging, weighted
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import FloatArray, ModelError
 
 STEPPED_K = 0.005  # chosen: what stays of a room that is exactly as believed, in samples of some minutes
 MOST_LEFT = 2.0  # times what a healthy record leaves
-FLOWS, FLOWS_ON = 0.2, 0.9  # chosen: of full flow, for a return to count: at all, and in a sample that holds pulses
 PIECE = 8  # quarters of an hour over which such errors hang together
 
 
 class RoomMeans:
-    """Errors of means over quarters of an hour, the return's only where water flows.
-
-    In a sample of a quarter of an hour or longer it must flow on: a mean, and often an instant, is else of water that
-    stood and cooled.
-    """
+    """Errors of means over quarters of an hour, the return's only where water flows."""
 
     def __init__(
         self,
@@ -61,7 +56,5 @@ class RoomMeans:
         values = self.record.values[self.channel]
         weight = np.isfinite(values).astype(float)
         if self.channel == "return_temperature_C" and self.record.has("flow_L_h"):
-            flow = self.record.filled("flow_L_h")
-            least = FLOWS_ON if self.record.interval_s >= JUDGED_S else FLOWS
-            weight *= np.where(flow > least * np.nanmax(flow), flow, 0.0)
+            weight *= np.where(self.record.flowing, self.record.filled("flow_L_h"), 0.0)
         return weighted(np.nan_to_num(values), weight, self.samples)

@@ -11,7 +11,7 @@ from waxstudy.diagnosis.criteria import ROOM_STAGES, Question, limit
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, stepped
 from waxstudy.diagnosis.model.segments import SHOWN, Segment
 from waxstudy.diagnosis.observations.noise import ON
-from waxstudy.diagnosis.observations.record import AIR, Record
+from waxstudy.diagnosis.observations.record import AIR, SPARSE_S, Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
 from waxstudy.diagnosis.select.search import OF_AIR, Selection
 from waxstudy.diagnosis.weights import WEIGHTS
@@ -20,7 +20,7 @@ from waxstudy.plugin import CHAIN, Belief, SimulationError
 FEW = 0.1  # of a first look's points
 CLEAR = 4  # noticeable steps from neutral that a record should show
 LEVELS = ("control_output", "displacement")
-SPARSE_S, DOUBTFUL = 900.0, 3.0  # interval, and times a usual instrument's noise
+DOUBTFUL = 3.0  # times a usual instrument's noise
 STEADY = 0.1  # range of a level that stays where it is
 DRIVES = ("supply_temperature_C", "outdoor_temperature_C")
 
@@ -189,10 +189,11 @@ def doubts_of_sampling(record: Record, segments: Sequence[Segment]) -> Iterator[
     if record.interval_s < SPARSE_S:
         return
     if any(segment.with_room for segment in segments):
+        hidden = "the return temperature counts only where water flowed throughout a sample, and "
         yield (
             f"Samples {record.interval_s / 60.0:g} min apart do not tell how warm the water was while the valve was "
-            "open: the return temperature counts only where water flowed throughout a sample, and what is said of the "
-            "water on its way to the room is doubtful"
+            f"open: {hidden if record.has('return_temperature_C') else ''}what is said of the water on its way to the "
+            "room is doubtful"
         )
     for channel in dict.fromkeys(channel for segment in segments for channel in segment.judged):
         noise, usual = record.noise[channel], CHANNELS[channel].noise
