@@ -170,7 +170,7 @@ class FloorCover(Effect):
 
     @classmethod
     def sentence(cls, p: Any) -> str:
-        return f"Something with a thermal resistance of {p.resistance_m2K_W:.3f} m2 K/W lies on the floor."
+        return f"Something with a thermal resistance of {p.resistance_m2K_W:.3f} m²K/W lies on the floor."
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:

@@ -309,7 +309,7 @@ CHANGED = replace(
             "floor-cover resistance_m2K_W",
             Interval(0.0241, 0.0181, 0.0319),
             0.0,
-            "Something with a thermal resistance of 0.024 m2 K/W lies on the floor.",
+            "Something with a thermal resistance of 0.024 m²K/W lies on the floor.",
             "room",
             is_clear=True,
         ),
