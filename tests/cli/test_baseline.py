@@ -308,6 +308,18 @@ def test_a_baseline_of_which_only_hourly_means_were_kept_is_no_change(loop: Path
 
 
 @pytest.mark.slow
+def test_a_record_that_lacks_a_channel_of_its_baseline_is_no_change(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    """The stretch that spans what it lacks would be compared with the documents."""
+    record = chain_alone(loop / "loop", tmp_path / "record", without=("displacement",))
+    done = entry("diagnose", record, "--baseline", chain_alone(loop / "before", tmp_path / "b"), "--quick", "--json")
+    assert (done.code, done.stderr) == (0, "")
+    told = json.loads(done.stdout)
+    assert (told["verdict"], told["effects"], told["unexplained"]) == ("none", [], [])
+    assert "The baseline is read without displacement, which the record lacks." in told["assumptions"]
+    assert not [each for each in told["warnings"] if "the baseline has no link" in each]
+
+
+@pytest.mark.slow
 def test_a_calibrated_room_runs_in_a_study(loop: Path, entry: Entry, tmp_path: Path) -> None:
     done = entry("calibrate", loop / "before", "--out", "room.toml")
     assert (done.code, done.stderr) == (0, "")

@@ -46,6 +46,15 @@ def test_a_baseline_is_read_as_its_record_was_sampled() -> None:
     assert same.assumptions == ("The baseline is read as means of 60 min, as the record seems to hold.",)
 
 
+def test_of_a_baseline_s_chain_only_what_the_record_has_is_read() -> None:
+    record, before = pulsed(4, 300.0, "2024-02-01"), pulsed(5, 300.0, "2024-01-01")
+    before = replace(before, values=before.values.assign(displacement=0.5, floor_surface_temperature_C=22.0))
+    same, found = alike(record, before)
+    assert "displacement" not in found.values
+    assert "floor_surface_temperature_C" in found.values
+    assert same.assumptions == ("The baseline is read without displacement, which the record lacks.",)
+
+
 def test_where_signals_were_put_right_already_or_nothing_switches_means_are_taken() -> None:
     """A loop that switches every few hours: of its hourly means few lie between off and on, and none after reading."""
     record, before = recorded(4, 300.0), recorded(9, 300.0)

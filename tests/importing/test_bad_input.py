@@ -171,6 +171,27 @@ def test_a_unit_that_does_not_fit_its_values_is_refused_and_can_be_stated(entry:
     assert read(Path("living"))["sensor_temperature_C"].mean() == pytest.approx(21.0, abs=0.2)
 
 
+def test_temperatures_outdoors_in_tenths_are_told_by_how_far_they_reach(entry: Entry) -> None:
+    """Their median is near 0 in any unit."""
+    frame = house(days=6.0)
+    frame = frame.assign(outdoor_temperature=(10.0 * (frame["outdoor_temperature"] - 2.0) * 2.0).round())
+    assert abs(frame["outdoor_temperature"].median()) < 40.0
+    refused(imported(entry, frame, "--yes"), "looks like tenths of a degree", "'outdoor_temperature=0.1degC'")
+    assert imported(entry, frame, "--yes", "--unit", "outdoor_temperature=0.1degC").code == 0
+    assert read(Path("living"))["outdoor_temperature_C"].max() == pytest.approx(8.0, abs=0.2)
+
+
+def test_a_stated_unit_that_is_none_is_refused(entry: Entry) -> None:
+    done = imported(entry, house(), "--yes", "--unit", "flow_L_h=banana")
+    refused(done, "--unit flow_L_h: 'banana' is no unit that is known", "such as degC")
+
+
+def test_a_column_of_unknown_words_is_told(entry: Entry) -> None:
+    done = imported(entry, house().assign(zone_mode="Htg"), "--yes")
+    assert done.code == 0, done.stderr
+    assert "not used, as its readings are neither numbers nor on and off: zone_mode ('Htg')" in done.stderr
+
+
 def test_pulses_and_units_that_are_none_are_refused(entry: Entry) -> None:
     litres = (house()["flow_L_h"] / 12.0).cumsum()
     frame = house().drop(columns="flow_L_h").assign(**{"water_meter [imp]": (litres / 10.0).round()})
@@ -283,6 +304,50 @@ def test_days_that_may_be_months_are_refused(entry: Entry) -> None:
 
 
 # --- files --------------------------------------------------------------------------------------------
+
+
+def day_and_clock(start: str) -> pd.DataFrame:
+    frame = house(start)
+    time = pd.DatetimeIndex(frame.index)
+    return frame.assign(Time=time.strftime("%H:%M")).set_index(time.strftime("%d/%m/%Y").rename("Date"))
+
+
+def test_a_day_and_a_clock_in_columns_of_their_own_are_one_stamp(entry: Entry) -> None:
+    done = imported(entry, day_and_clock("2026-01-15"), "--yes")
+    assert done.code == 0, done.stderr
+    assert str(read(Path("living")).index[-1]) == "2026-01-17 23:55:00"
+
+
+def test_where_such_days_may_be_months_the_format_of_both_tells(entry: Entry) -> None:
+    frame = day_and_clock("2026-01-02")
+    refused(imported(entry, frame, "--yes"), "day and month cannot be told apart", "--time-format")
+    refused(imported(entry, frame, "--yes", "--time-format", "%H:%M"), "'%H:%M' has no day of the month")
+    assert imported(entry, frame, "--yes", "--time-format", "%d/%m/%Y %H:%M").code == 0
+    assert str(read(Path("living")).index[-1]) == "2026-01-04 23:55:00"
+
+
+@pytest.mark.parametrize("tags", [{}, {"_measurement": "heating"}, {"_measurement": "heating", "room": "living"}])
+def test_fields_of_an_annotated_table_are_names(entry: Entry, tags: dict[str, str]) -> None:
+    rows = house().reset_index(names="_time").melt("_time", var_name="_field", value_name="_value")
+    rows.assign(result="_result", table=0, **tags).to_csv("influx.csv", index=False)
+    done = entry("import", "influx.csv", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["flow_L_h"].max() == 60.0
+
+
+def test_fields_of_several_sensors_stay_apart(entry: Entry) -> None:
+    indoors = house()[["room_temperature", "heating_valve"]].rename(columns={"room_temperature": "temperature"})
+    outdoors = house()[["outdoor_temperature"]].rename(columns={"outdoor_temperature": "temperature"})
+    both = [
+        frame.reset_index(names="_time").melt("_time", var_name="_field", value_name="_value").assign(device=device)
+        for device, frame in (("living", indoors), ("outdoor", outdoors))
+    ]
+    pd.concat(both).to_csv("influx.csv", index=False)
+    done = entry("import", "influx.csv", "--map", "sensor_temperature_C=living temperature", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert (
+        read(Path("living"))["sensor_temperature_C"].min() > 20.0 > read(Path("living"))["outdoor_temperature_C"].max()
+    )
 
 
 def test_a_workbook_with_a_password_or_damage_is_refused(entry: Entry) -> None:

@@ -1,4 +1,4 @@
-"""Records at a longer interval: a record and its baseline must show, and hide, the same."""
+"""A record and its baseline must show, and hide, the same: by their intervals, and of the chain by their channels."""
 
 from __future__ import annotations
 
@@ -10,17 +10,20 @@ from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.levels import NEAR, as_levels
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
+from waxstudy.study.problems import listed
 
+OF_CHAIN = ("control_output", "heating_signal", "displacement", "flow_L_h")  # between which its links lie
 LEVELS = ("displacement", "heating_signal", "control_output")  # the first that both have tells means from instants
 LEAST_KNOWN = 0.5  # chosen: of the usual samples of a channel in an interval, for a value there
 
 
 def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
-    """Return a record and its baseline, both at the longer of their intervals.
+    """Return a record and its baseline, both at the longer of their intervals, with the chain that the record has.
 
     What a longer interval hides, or makes of a switch, would be taken for a change. The user is told. Intervals that
     differ by less than a half stay.
     """
+    dataset, baseline = _of_one_chain(dataset, baseline)
     if is_longer(baseline, dataset):
         found, kind = _sampled_as(baseline, dataset)
         said = (
@@ -34,6 +37,16 @@ def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
         said = f"The baseline is read as {kind} of {told(found.interval_s)}, as the record seems to hold."
         return replace(dataset, assumptions=(*dataset.assumptions, said)), found
     return dataset, baseline
+
+
+def _of_one_chain(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
+    """Return a baseline without what a record lacks of its chain: both must be cut into the same links."""
+    more = [name for name in OF_CHAIN if name in baseline.values and name not in dataset.values]
+    if not more:
+        return dataset, baseline
+    said = f"The baseline is read without {listed(more)}, which the record lacks."
+    values = baseline.values.drop(columns=more)
+    return replace(dataset, assumptions=(*dataset.assumptions, said)), replace(baseline, values=values)
 
 
 def is_longer(one: Dataset, other: Dataset) -> bool:

@@ -10,6 +10,7 @@ from zoneinfo import available_timezones
 from waxstudy.dataset.channels import CHANNELS, SHOW_ROOM
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.zones import zone_hint
+from waxstudy.importing import units
 from waxstudy.importing.asking import NONE, Ask, Question
 from waxstudy.importing.channels import channels_of
 from waxstudy.importing.layouts import joined, readings_of
@@ -26,6 +27,7 @@ from waxstudy.plugin.registry import hint, nearest
 from waxstudy.study.problems import StudyError, listed
 
 OUTDOORS = "outdoor_temperature_C"
+LONGEST_WORD = 20  # letters of a reading that a message shows
 NAMED = 12  # entities that a message lists
 NO_OUTDOORS = (
     "no outdoor temperature was found: without it nothing can be said of a room. A history of a weather service does "
@@ -44,8 +46,11 @@ def bring(request: Request, ask: Ask) -> Imported:
     places = {each.entity: each.place for each in readings if each.place}
     notes.assumptions += said + [sentence for each in readings for sentence in each.notes]
     request = replace(request, timezone=zone)
-    logged = [found for each in readings if (found := _logged(each, notes)) is not None]
+    worded: list[str] = []
+    logged = [found for each in readings if (found := _logged(each, notes, worded)) is not None]
     del readings
+    if worded:
+        notes.warn(f"not used, as its readings are neither numbers nor on and off: {_some(worded)}")
     request, logged = _of_room(request, logged, ask)
     entities = seen(logged, dict(request.units))
     _refuse_unknown(request, entities)
@@ -88,10 +93,11 @@ def _zone(request: Request, readings: Sequence[Readings], ask: Ask) -> str:
     return ask(Question(text, (), None, "--timezone ", readings[0].where, "UTC", allowed))
 
 
-def _logged(readings: Readings, notes: Notes) -> Logged | None:
-    """Return readings as numbers; note what is none."""
+def _logged(readings: Readings, notes: Notes, worded: list[str]) -> Logged | None:
+    """Return readings as numbers; note what is none, and add what has words instead, with the first of them."""
     numbers = numbers_of(readings.written)
     if not numbers.is_readable:
+        worded += [f"{readings.entity} ('{numbers.bad[1][:LONGEST_WORD]}')"] if numbers.bad else []
         return None
     if numbers.bad:
         row, text = numbers.bad
@@ -146,6 +152,12 @@ def _refuse_unknown(request: Request, entities: Sequence[Seen]) -> None:
     names = [each.entity for each in entities]
     asked = [("--map", entity) for entity in request.entities.values() if entity]
     asked += [("--unit", entity) for entity in request.units]
+    for entity, unit in request.units.items():
+        try:
+            units.conversion(unit, "level")
+        except ValueError as error:
+            allowed = "a unit such as degC, 0.1degC, %, L/h"
+            raise refusal(str(request.sources[0]), str(error), allowed, key=f"--unit {entity}") from error
     if wrong := [
         replace(
             problem(

@@ -30,6 +30,7 @@ SLOW = ("outdoor_temperature_C", "setpoint_C", "solar_gain_W", "neighbour_temper
 COUNTED = 6.0**-0.5  # standard deviation of a difference of two values that are rounded to 1
 MINUTE_NS = 60 * NS  # to which signs of life are told apart
 RESTING = ("flow", "gain")  # of which 0 is a state
+LIKE = {"kelvins": "K", "tenths": "0.1degC", "hundredths": "0.01degC", "thousandths": "0.001degC"}  # what it looks like
 FLOWS = ("m3/h", "L/min", "L/s", "L/h")
 
 
@@ -142,9 +143,11 @@ def _refuse_misfits(values: pd.DataFrame, made: Mapping[str, _Made], grid: Grid)
         notes = Notes(each.logged.where)
         run(AS_LOGGED, Record(values[[channel]].copy(), grid.step_ns / NS), notes)
         entity, unit = each.match.seen.entity, each.match.seen.unit
-        usual = "degF" if CHANNELS[channel].name.endswith("_C") else UNITS[CHANNELS[channel].quantity]
-        mend = f"say its unit: --unit '{entity}={usual}' or what it is; or another: --map {channel}=NAME"
-        found += [replace(one, key=f"{entity} in '{unit}' as {channel}", allowed=mend) for one in notes.problems]
+        for one in notes.problems:
+            usual = "degF" if channel.endswith("_C") else UNITS[CHANNELS[channel].quantity]
+            like = next((written for words, written in LIKE.items() if words in one.wrong), usual)
+            mend = f"say its unit: --unit '{entity}={like}' or what it is; or another: --map {channel}=NAME"
+            found.append(replace(one, key=f"{entity} in '{unit}' as {channel}", allowed=mend))
     if found:
         raise StudyError(found)
 

@@ -24,6 +24,7 @@ ENTITY = ("entity_id", "entity", "sensor", "sensor_id", "name", "tag", "variable
           "metric", "device", "id", "friendly_name", "topic", "messstelle", "statistic_id", "item")  # fmt: skip
 VALUE = ("state", "value", "_value", "reading", "mean", "wert", "val", "messwert", "measurement")
 UNIT = ("unit", "unit_of_measurement", "units", "einheit", "_unit")
+FIELD = "_field"  # of InfluxDB
 DAY = ("date", "datum", "day", "tag")
 CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?\s*([AaPp][Mm])?\s*")
 BRACKETED = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*$")
@@ -41,7 +42,7 @@ def readings_of(table: Table, file: Path, time_format: str | None) -> Iterator[R
         raise refusal(table.where, "holds less than two rows of readings", EXPECTED)
     _refuse_turned(table)
     units, frame = _units_row(frame)
-    time, frame = _time_column(Table(table.where, frame))
+    time, frame = _time_column(Table(table.where, _fields_with_tags(frame)))
     entity = _entity_column(frame, time)
     split = _long if entity else _wide
     yield from split(Table(table.where, frame), file, time, units, time_format, entity or "")
@@ -95,14 +96,23 @@ def _time_column(table: Table) -> tuple[str, pd.DataFrame]:
         clock = next((each for each in frame.columns if each != name and _is_clock(frame[each])), None)
         if clock is None or not _is_day(frame[name]):
             return name, frame
-        joined = frame[name].astype(str).str.slice(0, 10).str.strip() + " " + frame[clock].astype(str).str.strip()
-        return name, frame.assign(**{name: joined}).drop(columns=clock)
+        return name, _day_and_clock(frame, name, clock)
+    clock = next((str(name) for name in frame.columns if _is_clock(frame[name])), None)
+    day = next((lower[name] for name in DAY if name in lower and lower[name] != clock), None)
+    if clock and day:  # nobody can tell days from months, or the format must be said
+        return day, _day_and_clock(frame, day, clock)
     if by_name and not pd.api.types.is_numeric_dtype(frame[by_name[0]]):
         return by_name[0], frame  # whose first bad cell is told where stamps are read
     if by_name and (days := frame[by_name[0]].dropna()).between(*SPREADSHEET_DAYS).all() and len(days):
         wrong = f"no column holds stamps: '{by_name[0]}' has numbers, such as {days.iloc[0]}"
         raise refusal(table.where, wrong, "if they count days, as a spreadsheet does, write them as 2024-01-31 12:00")
     raise refusal(table.where, f"no column holds stamps (columns: {named(frame)})", EXPECTED)
+
+
+def _day_and_clock(frame: pd.DataFrame, day: str, clock: Hashable) -> pd.DataFrame:
+    """Return a table whose column of days has the time of day behind them."""
+    both = frame[day].astype(str).str.slice(0, 10).str.strip() + " " + frame[clock].astype(str).str.strip()
+    return frame.assign(**{day: both}).drop(columns=str(clock))
 
 
 def _is_clock(written: pd.Series) -> bool:
@@ -118,9 +128,22 @@ def _is_day(written: pd.Series) -> bool:
 # --- layouts ------------------------------------------------------------------------------------------
 
 
+def _fields_with_tags(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a table of InfluxDB with each field's name behind that of the sensor, where it has several of both."""
+    fields = frame[FIELD].dropna().nunique() if FIELD in frame else 0
+    if fields < 2:
+        return frame
+    lower = {str(name).strip().lower(): str(name) for name in frame.columns}
+    tags = [lower[name] for name in ENTITY if name in lower and frame[lower[name]].dropna().nunique() > 1]
+    names = frame[tags[0]].astype(str) + " " + frame[FIELD].astype(str) if tags else frame[FIELD]
+    return frame.assign(**{FIELD: names}).drop(columns=tags)
+
+
 def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
     """Return the column of entities' names; None in a table with a column for each entity."""
     rest = [name for name in frame.columns if name != time]
+    if FIELD in rest and frame[FIELD].nunique() > 1:
+        return FIELD
     texts = [name for name in rest if _holds_names(frame[name])]
     lower = {str(name).strip().lower(): str(name) for name in texts}
     by_name = next((lower[name] for name in ENTITY if name in lower), None)

@@ -129,7 +129,8 @@ def _likely(diagnosis: Diagnosis) -> str:
     told = sorted(diagnosis.posterior.items(), key=lambda each: -each[1])
     shown = [each for each in told[:MOST_LIKELY] if each[1] >= LEAST_LIKELY] or told[:1]
     likely = ", ".join(f"{chance(probability)} {hypothesis(names)}" for names, probability in shown)
-    return f"{likely}; {in_words(diagnosis.not_judged)} could not be judged" if diagnosis.not_judged else likely
+    hidden = f"{in_words(diagnosis.not_judged)} could not be judged" if diagnosis.not_judged else ""
+    return "; ".join(filter(None, (likely, hidden)))
 
 
 def _where(diagnosis: Diagnosis, stage: StageGap) -> str:
