@@ -136,7 +136,7 @@ def _fields_with_tags(frame: pd.DataFrame) -> pd.DataFrame:
     lower = {str(name).strip().lower(): str(name) for name in frame.columns}
     tags = [lower[name] for name in ENTITY if name in lower and frame[lower[name]].dropna().nunique() > 1]
     names = frame[tags[0]].astype(str) + " " + frame[FIELD].astype(str) if tags else frame[FIELD]
-    return frame.assign(**{FIELD: names}).drop(columns=tags)
+    return frame.assign(**{FIELD: names.where(frame[FIELD].notna())}).drop(columns=tags)
 
 
 def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
