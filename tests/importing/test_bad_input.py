@@ -335,6 +335,17 @@ def test_fields_of_an_annotated_table_are_names(entry: Entry, tags: dict[str, st
     assert read(Path("living"))["flow_L_h"].max() == 60.0
 
 
+@pytest.mark.parametrize("stamp", ["start", "start_ts"])
+def test_statistics_that_are_stamped_at_their_starts_end_an_hour_later(entry: Entry, stamp: str) -> None:
+    hours = house(minutes=60.0)
+    rows = hours.reset_index(names=stamp).melt(stamp, var_name="statistic_id", value_name="mean")
+    rows.assign(min=rows["mean"], max=rows["mean"]).to_csv("statistics.csv", index=False)
+    done = entry("import", "statistics.csv", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    room = read(Path("living"))["sensor_temperature_C"]
+    assert room["2026-01-10 01:00"] == pytest.approx(hours["room_temperature"].iloc[0], abs=0.01)
+
+
 def test_fields_of_several_sensors_stay_apart(entry: Entry) -> None:
     indoors = house()[["room_temperature", "heating_valve"]].rename(columns={"room_temperature": "temperature"})
     outdoors = house()[["outdoor_temperature"]].rename(columns={"outdoor_temperature": "temperature"})

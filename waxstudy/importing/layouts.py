@@ -25,6 +25,7 @@ ENTITY = ("entity_id", "entity", "sensor", "sensor_id", "name", "tag", "variable
 VALUE = ("state", "value", "_value", "reading", "mean", "wert", "val", "messwert", "measurement")
 UNIT = ("unit", "unit_of_measurement", "units", "einheit", "_unit")
 FIELD = "_field"  # of InfluxDB
+START, MEAN = ("start", "start_ts"), "mean"  # of Home Assistant's statistics
 DAY = ("date", "datum", "day", "tag")
 CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?\s*([AaPp][Mm])?\s*")
 BRACKETED = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*$")
@@ -178,7 +179,7 @@ def _long(
         raise refusal(table.where, wrong, EXPECTED)
     value = _value_column(table, time, entity)
     unit = next((str(name) for name in frame.columns if str(name).strip().lower() in UNIT), None)
-    times = stamps_of(frame[time], time_format, table.where)
+    times = _at_ends(stamps_of(frame[time], time_format, table.where), frame, time)
     frame = frame.drop(columns=time)
     for name, places in frame.groupby(names, sort=True, observed=True).indices.items():
         rows = frame.iloc[places]
@@ -207,7 +208,7 @@ def _wide(
         raise refusal(table.where, f"has {len(rest)} columns beside the stamps", EXPECTED)
     if not rest:
         raise refusal(table.where, "has stamps and no readings", EXPECTED)
-    times = stamps_of(frame[time], time_format, table.where)
+    times = _at_ends(stamps_of(frame[time], time_format, table.where), frame, time)
     unit_of_all = next((str(frame[name].dropna().iloc[0]) for name in rest if name.strip().lower() in UNIT), "")
     for column in rest:
         if column.strip().lower() in UNIT:
@@ -219,6 +220,14 @@ def _wide(
         yield Readings(
             name, table.where, times[is_there], frame.loc[is_there, column], units.get(column, unit or unit_of_all)
         )
+
+
+def _at_ends(times: pd.DatetimeIndex, frame: pd.DataFrame, time: str) -> pd.DatetimeIndex:
+    """Return the ends of means that are stamped at their starts, as those of Home Assistant's statistics."""
+    if time.strip().lower() not in START or MEAN not in (str(name).strip().lower() for name in frame.columns):
+        return times
+    steps = times.unique().sort_values().diff().dropna()
+    return times + steps.value_counts().index[0] if len(steps) else times
 
 
 def parted(column: str) -> tuple[str, str]:
