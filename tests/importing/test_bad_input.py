@@ -189,7 +189,7 @@ def test_a_stated_unit_that_is_none_is_refused(entry: Entry) -> None:
 def test_a_column_of_unknown_words_is_told(entry: Entry) -> None:
     done = imported(entry, house().assign(zone_mode="Htg"), "--yes")
     assert done.code == 0, done.stderr
-    assert "not used, as its readings are neither numbers nor on and off: zone_mode ('Htg')" in done.stderr
+    assert "not used, because the readings are unknown words: zone_mode ('Htg')" in done.stderr
 
 
 def test_pulses_and_units_that_are_none_are_refused(entry: Entry) -> None:
@@ -321,7 +321,7 @@ def test_a_day_and_a_clock_in_columns_of_their_own_are_one_stamp(entry: Entry) -
 def test_where_such_days_may_be_months_the_format_of_both_tells(entry: Entry) -> None:
     frame = day_and_clock("2026-01-02")
     refused(imported(entry, frame, "--yes"), "day and month cannot be told apart", "--time-format")
-    refused(imported(entry, frame, "--yes", "--time-format", "%H:%M"), "'%H:%M' has no day of the month")
+    refused(imported(entry, frame, "--yes", "--time-format", "%H:%M"), "'%H:%M' has no date")
     assert imported(entry, frame, "--yes", "--time-format", "%d/%m/%Y %H:%M").code == 0
     assert str(read(Path("living")).index[-1]) == "2026-01-04 23:55:00"
 

@@ -22,7 +22,7 @@ def out_of_sight() -> Iterator[None]:
     """
     from setproctitle import setproctitle
 
-    setproctitle("waxstudy blind-test solve")  # first: it overwrites variables only up to one that was set anew
+    setproctitle("waxstudy blind-test solve")  # first: it overwrites variables up to the first new one
     # the user may have named both from the folder that we leave
     os.environ["WAXSTUDY_CACHE"] = str(cache_base())
     tempfile.tempdir = tempfile.gettempdir()

@@ -50,7 +50,7 @@ def bring(request: Request, ask: Ask) -> Imported:
     logged = [found for each in readings if (found := _logged(each, notes, worded)) is not None]
     del readings
     if worded:
-        notes.warn(f"not used, as its readings are neither numbers nor on and off: {_some(worded)}")
+        notes.warn(f"not used, because the readings are unknown words: {_some(worded)}")
     request, logged = _of_room(request, logged, ask)
     entities = seen(logged, dict(request.units))
     _refuse_unknown(request, entities)
@@ -94,7 +94,7 @@ def _zone(request: Request, readings: Sequence[Readings], ask: Ask) -> str:
 
 
 def _logged(readings: Readings, notes: Notes, worded: list[str]) -> Logged | None:
-    """Return readings as numbers; note what is none, and add what has words instead, with the first of them."""
+    """Return readings as numbers; note what is none, and add the name of what has words, with the first."""
     numbers = numbers_of(readings.written)
     if not numbers.is_readable:
         worded += [f"{readings.entity} ('{numbers.bad[1][:LONGEST_WORD]}')"] if numbers.bad else []

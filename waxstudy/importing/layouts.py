@@ -113,7 +113,7 @@ def _time_column(table: Table) -> tuple[str, pd.DataFrame]:
 def _day_and_clock(frame: pd.DataFrame, day: str, clock: Hashable) -> pd.DataFrame:
     """Return a table whose column of days has the time of day behind them."""
     both = frame[day].astype(str).str.slice(0, 10).str.strip() + " " + frame[clock].astype(str).str.strip()
-    return frame.assign(**{day: both}).drop(columns=str(clock))
+    return frame.assign(**{day: both}).drop(columns=[clock])
 
 
 def _is_clock(written: pd.Series) -> bool:

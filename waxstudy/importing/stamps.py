@@ -18,7 +18,7 @@ from waxstudy.study.problems import shown
 # least and unit of an epoch by its size: the years 1973 to 5138 in seconds, and so on
 EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
 CLOCKS = ("%H:%M:%S", "%H:%M", "%H:%M:%S.%f", "%I:%M:%S %p", "%I:%M %p", "")
-DAYS = ("%d", "%j", "%D", "%F", "%x", "%c", "%s")  # of a format, one of which tells the day
+DAYS = ("%d", "%j", "%D", "%F", "%x", "%c", "%s")  # of a format, one of which tells the date
 MEND_ROWS = "mend these rows, or leave them out"
 SAY_FORMAT = "say --time-format '%d/%m/%Y %H:%M' or as it is"
 OFFSET = r"([+-])(\d\d):?(\d\d)?\s*$"
@@ -99,7 +99,7 @@ def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
     known = written.dropna()
     if time_format:
         if not any(sign in time_format for sign in DAYS):
-            raise ValueError(f"the format '{time_format}' has no day of the month")
+            raise ValueError(f"the format '{time_format}' has no date")
         return _read(written, time_format, "%z" in time_format)
     zoned = known.str.contains(ZONED, na=False)
     if zoned.any():

@@ -62,7 +62,7 @@ def recorded_room(room: LinearRoom, inputs: Inputs) -> LinearRoom:
 
 @dataclass(frozen=True)
 class Moving:
-    """A valve that opens and closes within intervals; one that is switched stands nowhere between for long."""
+    """A valve that opens and closes within intervals; one that is switched is open or closed but for its strokes."""
 
     stroke_s: float
     is_switched: bool = False
@@ -263,10 +263,10 @@ def _moved(
     edges = np.clip(end - at, 0.0, 1.0)  # (edges, places in the interval): closed, sooner or later
     exchange_W_K = np.array([np.mean(room.floor_conductance_W_K(edge)) for edge in edges])
     moved_W_K = np.interp(fraction, edges.mean(axis=1), exchange_W_K)
+    if moving.is_switched:
+        return np.where(fraction < 1.0, moved_W_K, still_W_K)
     change = np.diff(fraction, prepend=fraction[:1], append=fraction[-1:])
     steps = np.minimum(1.0, (np.abs(change[:-1]) + np.abs(change[1:])) / min(1.0, 2.0 * moves))
-    if moving.is_switched:
-        steps = np.ones(len(fraction))
     return np.where(fraction < 1.0, still_W_K + steps * (moved_W_K - still_W_K), still_W_K)
 
 

@@ -34,7 +34,7 @@ HOT: tuple[tuple[str, Callable[[float], float], str], ...] = (
     ("hundredths of a degree", lambda t: t / 100.0, "scale = 0.01"),
     ("thousandths of a degree", lambda t: t / 1000.0, "scale = 0.001"),
 )
-WIDEST_K = 70.0  # chosen: of the outdoors between 10 and 90 % of the samples; a year in Siberia has 65
+WIDEST_K = 70.0  # chosen: between 10 % and 90 % quantiles outdoors; a year in Siberia has 65
 MOST = 0.99  # share of samples between 0 and 1, from which all are: no temperature of a room stays there
 DOUBTFUL, LEVEL_NOISE = 0.05, 0.15  # beyond 0 to 1: a level with noise, and none
 FAR_BELOW, FAR_ABOVE = -0.5, 1.5  # no offset of a stroke reaches as low; another unit begins
@@ -60,8 +60,8 @@ def temperature(record: Record, x: pd.Series) -> Findings:
     """A temperature that lies between 0 and 1 as a signal does, or whose median is impossible in °C: below
     {TYPICAL[indoor].impossible_below:g} or above {TYPICAL[indoor].impossible_above:g} indoors,
     {TYPICAL[water].impossible_below:g} or {TYPICAL[water].impossible_above:g} of water,
-    {TYPICAL[outdoor].impossible_below:g} or {TYPICAL[outdoor].impossible_above:g} outdoors. Outdoors a tenth and
-    nine tenths of the samples over {WIDEST_K:g} K apart are impossible, too: tenths of a degree may have any median.
+    {TYPICAL[outdoor].impossible_below:g} or {TYPICAL[outdoor].impossible_above:g} outdoors. Outdoors
+    10 % and 90 % quantiles over {WIDEST_K:g} K apart are impossible, too: tenths of a degree may have any median.
     A median not from {TYPICAL[indoor].low:g} to {TYPICAL[indoor].high:g} indoors, {TYPICAL[water].low:g} to
     {TYPICAL[water].high:g} of water, {TYPICAL[outdoor].low:g} to {TYPICAL[outdoor].high:g} outdoors is a warning."""
     median, quantity = float(x.median()), quantity_of(x)
@@ -77,7 +77,7 @@ def temperature(record: Record, x: pd.Series) -> Findings:
     elif median < typical.impossible_below:
         yield Refuse(x.name, f"has a median of {median:.4g} C, which is impossible: is it an outdoor temperature?")
     elif quantity == "outdoor" and (span_K := float(x.quantile(0.9) - x.quantile(0.1))) > WIDEST_K:
-        wrong = f"changes by {span_K:.0f} C between a tenth and nine tenths of its samples"
+        wrong = f"has 10 % and 90 % quantiles that are {span_K:.0f} K apart"
         yield Refuse(x.name, f"{wrong}: it looks like tenths of a degree", _mapping("scale = 0.1"))
     elif not typical.low <= median <= typical.high:
         yield Warn(f"{x.name} has a median of {median:.4g} C, which is unusual: is it the right column, in Celsius?")

@@ -69,8 +69,8 @@ def room_response(
 ) -> Predicted:
     """Return what the room makes of a flow: its channels, means over quarters of an hour.
 
-    Where it is to be fine its steps are short, and its flow is that of the record's intervals, within which valves
-    move. Else its flow is a mean over five minutes, or over a longer interval, within which valves that only switch do.
+    Where it is to be fine its steps are short, and its flow is that of the record's intervals. Else its flow is a mean
+    over five minutes, or over the record's interval where that is longer. How valves move within one says `moving`.
     """
     assert belief.room
     parts, merged = merging(record.interval_s)

@@ -190,7 +190,7 @@ class Record:
         flow = self.filled("flow_L_h")
         if self.interval_s < SPARSE_S:
             return np.asarray(flow > FLOWS * np.nanmax(flow))
-        signal = self.values.get("heating_signal", np.ones(len(self)))  # half on is not throttled
+        signal = self.values.get("heating_signal", np.ones(len(self)))  # lower, it was off for a part of the sample
         return np.asarray((flow > FLOWS_ON * self.usual_flow_L_h) & ~(signal < FLOWS_ON))
 
     @property
