@@ -60,7 +60,10 @@ def test_pulses_that_were_logged_as_means_are_compared_with_means() -> None:
     output = np.repeat([0.3, 0.7, 0.5, 0.25], 12)
     hourly = plain({"control_output": output, "heating_signal": output}, 3600.0)
     pwm = Belief({"modulator": Choice.of(Pwm, {"period_s": 3600.0})})
-    shown = Segment(("modulator",), "control_output", ("heating_signal",)).predict(hourly, pwm)["heating_signal"]
+    segment = Segment(("modulator",), "control_output", ("heating_signal",))
+    predicted = segment.predict(hourly, pwm)
+    shown = predicted["heating_signal"]
+    assert [each.unit for each in Judge(segment, hourly, pwm).residuals(predicted)] == ["1"]
     steady = np.diff(output, prepend=output[0]) == 0.0
     assert shown[steady] == pytest.approx(output[steady], abs=0.02)
 

@@ -25,7 +25,7 @@ STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it w
 STROKES = ("displacement", "flow_L_h")  # that move for minutes and rest for hours
 MOVES_SD = 3.0  # standard deviations of noise within which a sample rests where the last one was
 MOVES_S = 60.0  # within which it does: a stroke takes minutes
-UNITS = {"flow_L_h": "L/h", "displacement": "1", "control_output": "1"}
+UNITS = {"flow_L_h": "L/h", "displacement": "1", "control_output": "1", "heating_signal": "1"}
 
 
 class Continuous:
