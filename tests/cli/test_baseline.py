@@ -304,6 +304,29 @@ def test_a_baseline_of_which_only_hourly_means_were_kept_is_no_change(loop: Path
     assert "so the record is read as means of 60 min" in said
 
 
+@pytest.mark.slow
+def test_a_logger_that_rounds_with_a_dead_meter_and_a_thermometer_that_stands_still_is_no_change(
+    loop: Path, entry: Entry, tmp_path: Path
+) -> None:
+    record = Path(shutil.copytree(loop / "loop", tmp_path / "record"))
+    data = pd.read_csv(record / "data.csv")
+    rounded = [name for name in ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")]
+    data[rounded] = (2.0 * data[rounded]).round() / 2.0
+    data["flow_L_h"] = 0.0
+    half = len(data) // 2
+    data.loc[half:, "outdoor_temperature_C"] = data["outdoor_temperature_C"].iloc[half]
+    data.to_csv(record / "data.csv", index=False)
+    done = entry("diagnose", record, "--baseline", loop / "before", "--quick", "--json")
+    assert (done.code, done.stderr) == (0, "")
+    told = json.loads(done.stdout)
+    assert (told["verdict"], told["effects"], told["unexplained"]) == ("none", [], [])
+    said = "\n".join(told["warnings"])
+    assert "rounded to 0.5 K in the record and to 0.01 K in the baseline: sensor_temperature_C, air" in said
+    assert "samples are 0 though the valve opens, as of a dead meter, pump or valve" in said
+    assert "outdoor_temperature_C: " in said
+    assert "of one value for " in said
+
+
 # --- a room for studies ------------------------------------------------------------------------------
 
 

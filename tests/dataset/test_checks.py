@@ -54,6 +54,8 @@ FAULTS: dict[str, dict[str, Change]] = {
         "refuses": changed("flow_L_h", lambda x: x / 1000.0),
         "warns": changed("flow_L_h", lambda x: 10.0 * x / x.max()),
     },
+    "dead-meter": {"discards": changed("flow_L_h", lambda x: 0.0 * x)},
+    "still": {"discards": changed(AIR, lambda x: x.where(np.arange(len(x)) > 1500, 21.0))},
     "gaps": {"warns": sample(AIR, np.nan)},
     "constant": {"warns": changed(AIR, lambda x: 21.0)},
     "stuck": {"warns": changed(AIR, lambda x: x.where(np.arange(len(x)) > 400, 21.0))},
@@ -116,6 +118,20 @@ SPARSE: dict[str, tuple[str, dict[str, Change]]] = {
     "flow": ("flow_L_h", {"warns": changed("flow_L_h", lambda x: x.where(np.arange(len(x)) % 100 != 0, -20.0))}),
     "stray": ("displacement", {"": changed("displacement", lambda x: x.where(np.arange(len(x)) % 2000 != 0, 2.0))}),
 }
+
+
+# no faults: a room that is known to half a kelvin, a chamber, and a valve that never opens
+MEANT: dict[str, Change] = {
+    "still": changed(AIR, lambda x: (2.0 * x.where(np.arange(len(x)) > 1500, 21.0)).round() / 2.0),
+    "still of outdoors": changed("outdoor_temperature_C", lambda x: 0.0),
+    "dead-meter": lambda values: values.assign(flow_L_h=0.0, displacement=0.0),
+}
+
+
+@pytest.mark.parametrize("name", MEANT)
+def test_what_may_be_meant_so_is_kept(name: str, good: pd.DataFrame) -> None:
+    (check,) = (each for each in CHECKS if each.name == name.split()[0])
+    assert done(check, MEANT[name](good)) == set()
 
 
 @pytest.mark.parametrize("name", SPARSE)

@@ -258,3 +258,21 @@ def test_a_valve_that_was_half_open_for_every_hour_shows_no_return() -> None:
     assert not pulsed.has_return
     throttled = hourly_flow([0.0, 50.0, 50.0, 49.0], heating_signal=[0.0, 1.0, 1.0, 1.0])
     assert throttled.flowing.sum() == 300
+
+
+@pytest.mark.parametrize("channel", ["outdoor_temperature_C", "supply_temperature_C", "flow_L_h"])
+@pytest.mark.parametrize(("lost", "is_long"), [(30, False), (36, False), (40, True)])
+def test_a_room_is_not_judged_where_its_drive_is_lost_for_over_six_hours(
+    channel: str, lost: int, is_long: bool
+) -> None:
+    values = np.full(600, 20.0)
+    values[200 : 200 + lost] = np.nan
+    seen = plain({channel: values, "air_temperature_C": np.full(600, 21.0)}, 600.0)
+    missing = np.flatnonzero(~seen.driven)
+    assert missing.tolist() == (list(range(200, 200 + lost + 36)) if is_long else [])
+
+
+def test_a_lost_room_temperature_loses_nothing_else() -> None:
+    air = np.where(np.arange(600) < 300, np.nan, 21.0)
+    seen = plain({"air_temperature_C": air, "outdoor_temperature_C": np.full(600, 0.0)}, 600.0)
+    assert seen.driven.all()

@@ -476,3 +476,13 @@ def test_what_came_in_a_gap_of_its_drive_is_not_judged() -> None:
     known = judged_of("flow_L_h", replace(seen, values={**seen.values, "displacement": lost}), "displacement").known
     assert not known[800:840].any()
     assert known[700:720].all()
+
+
+def test_a_sensor_is_not_judged_where_the_air_was_lost() -> None:
+    seen, _ = metered()
+    steady = {name: np.full(DAY, 21.0) for name in ("sensor_temperature_C", "air_temperature_C")}
+    steady["air_temperature_C"][800:840] = np.nan
+    whole = replace(seen, values={**seen.values, **steady})
+    known = judged_of("sensor_temperature_C", whole, "sensor_temperature_C").known
+    assert not known[800:840].any()
+    assert known[700:720].all()

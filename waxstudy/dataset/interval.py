@@ -1,4 +1,4 @@
-"""A record and its baseline must show, and hide, the same: by their intervals, and of the chain by their channels."""
+"""A dataset at a longer interval than its own."""
 
 from __future__ import annotations
 
@@ -7,46 +7,9 @@ from dataclasses import replace
 import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
-from waxstudy.dataset.levels import NEAR, as_levels
-from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
-from waxstudy.study.problems import listed
 
-OF_CHAIN = ("control_output", "heating_signal", "displacement", "flow_L_h")  # between which its links lie
-LEVELS = ("displacement", "heating_signal", "control_output")  # the first that both have tells means from instants
 LEAST_KNOWN = 0.5  # chosen: of the usual samples of a channel in an interval, for a value there
-
-
-def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
-    """Return a record and its baseline, both at the longer of their intervals, with the chain that the record has.
-
-    What a longer interval hides, or makes of a switch, would be taken for a change. The user is told. Intervals that
-    differ by less than a half stay.
-    """
-    dataset, baseline = _of_one_chain(dataset, baseline)
-    if is_longer(baseline, dataset):
-        found, kind = _sampled_as(baseline, dataset)
-        said = (
-            f"The baseline has a sample every {told(baseline.interval_s)}, so the record is read as {kind} of "
-            f"{told(found.interval_s)}: what so long an interval hides would look like a change. "
-            "What happens within it is not seen."
-        )
-        return replace(found, warnings=(*found.warnings, said)), baseline
-    if is_longer(dataset, baseline):
-        found, kind = _sampled_as(dataset, baseline)
-        said = f"The baseline is read as {kind} of {told(found.interval_s)}, as the record seems to hold."
-        return replace(dataset, assumptions=(*dataset.assumptions, said)), found
-    return dataset, baseline
-
-
-def _of_one_chain(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
-    """Return a baseline without what a record lacks of its chain: both must be cut into the same links."""
-    more = [name for name in OF_CHAIN if name in baseline.values and name not in dataset.values]
-    if not more:
-        return dataset, baseline
-    said = f"The baseline is read without {listed(more)}, which the record lacks."
-    values = baseline.values.drop(columns=more)
-    return replace(dataset, assumptions=(*dataset.assumptions, said)), replace(baseline, values=values)
 
 
 def is_longer(one: Dataset, other: Dataset) -> bool:
@@ -57,38 +20,6 @@ def is_longer(one: Dataset, other: Dataset) -> bool:
 def told(interval_s: float) -> str:
     """Return an interval in words."""
     return f"{interval_s / 60.0:g} min" if interval_s >= 60.0 else f"{interval_s:g} s"
-
-
-def _sampled_as(coarse: Dataset, fine: Dataset) -> tuple[Dataset, str]:
-    """Return a fine dataset at about the interval of a coarse one, and of which kind that seems to be.
-
-    Where nothing tells, it is taken for means: that is what is kept of old records.
-    """
-    interval_s = round(coarse.interval_s / fine.interval_s) * fine.interval_s
-    means, instants = (coarser(fine, interval_s, are_means) for are_means in (True, False))
-    are_means = _unlike(means, coarse) <= _unlike(instants, coarse)
-    found, notes = means if are_means else instants, Notes("")
-    values = as_levels(found.values, found.nominal, notes)
-    warnings, assumptions = (*found.warnings, *notes.warnings), (*found.assumptions, *notes.assumptions)
-    found = replace(found, values=values, warnings=warnings, assumptions=assumptions)
-    return found, "means" if are_means else "instants at the end"
-
-
-def _unlike(one: Dataset, other: Dataset) -> float:
-    """Return by how much the shares of samples between off and on differ, of those not off: means have more of them.
-
-    A signal of the other one that is on or off only may have been put right, and then so may this one's be.
-    """
-    name = next((each for each in LEVELS if each in one.values and each in other.values), None)
-    if name is None:
-        return 0.0
-    levels = [one.values[name], as_levels(one.values, one.nominal, Notes(""))[name]]
-    return min(abs(_between(level) - _between(other.values[name])) for level in levels)
-
-
-def _between(level: pd.Series) -> float:
-    heats = level[level > NEAR]
-    return float((heats < 1.0 - NEAR).mean()) if len(heats) else 0.0
 
 
 def coarser(dataset: Dataset, interval_s: float, are_means: bool = False) -> Dataset:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.checks import AS_LOGGED, ON_GRID, SAMPLES, Record, run
+from waxstudy.dataset.checks import AS_LOGGED, DEAD, ON_GRID, SAMPLES, Record, run
 from waxstudy.dataset.columns import channels_of, without_empty
 from waxstudy.dataset.description import FILES, Description, read_description
 from waxstudy.dataset.grid import on_grid
@@ -165,7 +165,9 @@ def _record(
     if record is None:
         return None
     del channels
-    values, interval_s = without_empty(record[0], notes), record[1]  # on the grid a nearer row may have taken a place
+    interval_s = record[1]
+    run(DEAD, Record(record[0], interval_s), notes)
+    values = without_empty(record[0], notes)  # on the grid a nearer row may have taken a place
     del record
     run(ON_GRID, Record(values, interval_s, has_modulator="modulator" in described.nominal), notes)
     values = without_empty(as_levels(values, described.nominal, notes), notes)

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from waxstudy.dataset.alike import alike
 from waxstudy.dataset.baseline import refuse_too_short
 from waxstudy.dataset.excerpt import excerpt
-from waxstudy.dataset.interval import alike
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS, SUN, stand_ins
 from waxstudy.diagnosis.assembly import Work, assembled, of_segment

@@ -7,11 +7,12 @@ warns and what mends it; the limits that decide stand above, with their reasons.
 from waxstudy.dataset.checks import causes, samples, swapped, units
 from waxstudy.dataset.checks.check import Check, Record, run
 
-__all__ = ["AS_LOGGED", "CHECKS", "ON_GRID", "SAMPLES", "Check", "Record", "run"]
+__all__ = ["AS_LOGGED", "CHECKS", "DEAD", "ON_GRID", "SAMPLES", "Check", "Record", "run"]
 
 # of rows as they were logged: first their samples, and of what is left the units
 SAMPLES = (samples.code, samples.impossible_sample, samples.spike, samples.peak, samples.stray)
 AS_LOGGED = (units.temperature, units.level, units.gain, units.light, units.flow)
+DEAD = (causes.dead_meter, samples.still)  # of rows on the grid, and before what is missing is told
 ON_GRID = (
     samples.gaps,
     samples.constant,
@@ -32,4 +33,4 @@ ON_GRID = (
     causes.clock_offset,
     causes.early_sensor,
 )
-CHECKS: tuple[Check, ...] = (*SAMPLES, *AS_LOGGED, *ON_GRID)
+CHECKS: tuple[Check, ...] = (*SAMPLES, *AS_LOGGED, *DEAD, *ON_GRID)

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.checks.check import ENOUGH, Findings, Record, Refuse, Warn, check
+from waxstudy.dataset.checks.check import ENOUGH, Discard, Findings, Record, Refuse, Warn, check
 from waxstudy.plugin import FloatArray
 
 # cause and effect, and the level that they cross together; a flow is taken relative to its largest.
@@ -54,6 +54,19 @@ def _are_against(cause: str, effect: str, record: Record) -> bool:
     if min(len(after_on), len(after_off)) < ENOUGH or not full > 0.0:
         return False
     return bool(after_on.median() < LOW * full and after_off.median() > HIGH * full)
+
+
+@check(
+    "meter",
+    "discards",
+    ("displacement", "flow_L_h"),
+    mend="look at meter, pump and valve; leave the flow out",
+    fewest=0,
+)
+def dead_meter(record: Record, opening: pd.Series, flow: pd.Series) -> Findings:
+    """A flow that is 0 throughout, though the opening is above {HIGH:.0%}: the room tells whether water flows."""
+    if not (flow > 0.0).any() and (opening > HIGH).sum() >= ENOUGH:
+        yield Discard(flow.name, flow.notna().to_numpy(), "0 though the valve opens, as of a dead meter, pump or valve")
 
 
 @timed("clocks", "refuses or warns", *CROSSED)

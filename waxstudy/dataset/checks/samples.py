@@ -32,6 +32,7 @@ USUALLY = 20  # samples that reach half of what is usual
 RARE, RAREST = 1e-3, 3  # samples that may be faults: share, and at least
 NAMED = 3  # channels that a sentence lists
 STUCK_H, STUCK_COARSE_H = 6.0, 24.0
+STILL_H = 24.0  # chosen: no weather stands still for a day, whatever the resolution
 COARSE_K = 0.2  # a resolution with which a temperature may stand still for hours
 MOVING = 5  # values that a temperature takes more of if it moves
 CONTINUOUS = 20  # values from which a channel may be clipped
@@ -39,7 +40,8 @@ CLIPPED_SHARE, CLIPPED_COUNT, CLIPPED_FACTOR = 0.01, 20, 5.0  # at an extreme; o
 
 MEASURED = [(name,) for name, channel in CHANNELS.items() if not channel.is_assumed]
 faulty = partial(check, "samples", "discards", fewest=0, mend="leave it out of the file, or leave it as it is")
-moving = partial(check, "course", "warns", fewest=0, mend="look at the instrument; leave the channel out")
+INSTRUMENT = "look at the instrument; leave the channel out"
+moving = partial(check, "course", "warns", fewest=0, mend=INSTRUMENT)
 
 
 @faulty(*each())
@@ -122,6 +124,23 @@ def stray(record: Record, channel: pd.Series) -> Findings:
         yield Discard(channel.name, strays, "beyond 0 to 1, which is impossible")
 
 
+@check("dead", "discards", *(names for names in TEMPERATURES if names in MEASURED), fewest=0, mend=INSTRUMENT)
+def still(record: Record, channel: pd.Series) -> Findings:
+    """A temperature that stands still for over {STILL_H:g} h while another one moves; of room and water only with a
+    resolution below {COARSE_K:g} K. One that never changes may be meant so, as in a chamber."""
+    x = channel.to_numpy()
+    steps = np.diff(np.unique(x[np.isfinite(x)]))
+    is_coarse = quantity_of(channel) != "outdoor" and len(steps) > 0 and np.min(steps) >= COARSE_K
+    first, length = _longest(np.diff(x) == 0.0)
+    lasting_s = length * record.interval_s
+    if not len(steps) or is_coarse or lasting_s <= HOUR_S * STILL_H:
+        return
+    if _others_move(record.values, str(channel.name), first, length):
+        dead = np.zeros(len(x), dtype=bool)
+        dead[first + 1 : first + length + 1] = True
+        yield Discard(channel.name, dead, f"of one value for {_duration(lasting_s)} while other temperatures move")
+
+
 @check("gaps", "warns", (), fewest=0, mend="none is needed: what is missing is not guessed")
 def gaps(record: Record) -> Findings:
     """Samples that are missing, told once for all channels that miss the same."""
@@ -155,9 +174,8 @@ def stuck(record: Record, channel: pd.Series) -> Findings:
     lasting_s = length * record.interval_s
     if not len(steps) or lasting_s <= HOUR_S * (STUCK_COARSE_H if np.min(steps) >= COARSE_K else STUCK_H):
         return
-    during = values.iloc[first : first + length + 1]
-    if any(during[name].nunique() > MOVING for (name,) in TEMPERATURES if name in values and name != channel.name):
-        place = f"from {during.index[0]} for {_duration(lasting_s)}"
+    if _others_move(values, str(channel.name), first, length):
+        place = f"from {values.index[first]} for {_duration(lasting_s)}"
         yield Warn(f"{channel.name} is stuck at {x[first]:g} {place} while other temperatures move")
 
 
@@ -171,6 +189,12 @@ def clipped(record: Record, channel: pd.Series) -> Findings:
         if count >= max(CLIPPED_COUNT, CLIPPED_SHARE * known, CLIPPED_FACTOR * counts.iloc[near].mean()):
             are = f"{_percent(count, known)} of its samples are exactly {counts.index[place]:g}"
             yield Warn(f"{channel.name} is clipped: {are}, its extreme")
+
+
+def _others_move(values: pd.DataFrame, name: str, first: int, length: int) -> bool:
+    """Whether another temperature moves between the first sample and so many later."""
+    during = values.iloc[first : first + length + 1]
+    return any(during[other].nunique() > MOVING for (other,) in TEMPERATURES if other in values and other != name)
 
 
 def _percent(count: int, of: int) -> str:

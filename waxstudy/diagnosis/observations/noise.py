@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from waxstudy.dataset.rounding import step
 from waxstudy.plugin import FloatArray
 
 ON = 0.5  # of full scale
-FEWEST_VALUES = 4  # of a channel whose step tells of rounding
 
 
 def measured(values: FloatArray) -> FloatArray:
@@ -40,11 +40,8 @@ def _resting_noise(known: FloatArray) -> float:
 
 
 def of_rounding(known: FloatArray) -> float:
-    """Return the standard deviation of rounding, 0 where no step shows: what is open or closed is not rounded."""
-    values = np.unique(np.round(known, 9))
-    steps = np.abs(np.diff(values)) if len(values) >= FEWEST_VALUES else np.zeros(0)
-    steps = steps[steps > 1e-9]
-    return float(np.min(steps)) * 12.0**-0.5 if len(steps) else 0.0
+    """Return the standard deviation of rounding, 0 where no step shows."""
+    return step(known) / float(np.sqrt(12.0))
 
 
 def snapped(opening: FloatArray, noise: float) -> FloatArray:

@@ -18,6 +18,8 @@ FEW = 10  # samples, up to which a channel is as good as not recorded
 SMOOTH_S = 1500.0  # window of the local parabola through a noisy temperature
 SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blocks
 AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
+LOST_S = 6 * 3600.0  # chosen: of a drive of the room, from which a straight line through a gap hides a day's course
+ROOM_DRIVES = ("outdoor_temperature_C", "supply_temperature_C", "flow_L_h")
 LONG_GAP_S, FEW_LOST = 600.0, 3  # up to which a channel that runs on is known between its samples
 SPARSE_S = 900.0  # interval from which on a pulse may lie within a sample
 FLOWS, FLOWS_ON = 0.2, 0.9  # chosen: of the largest flow, for a return to count; of the usual one, for it to flow on
@@ -173,6 +175,18 @@ class Record:
         """Return which samples lie after the start, where nobody knows the blocks' state."""
         skip = min(SETTLING_S, 0.1 * len(self) * self.interval_s)
         return np.arange(len(self)) >= round(skip / self.interval_s)
+
+    @cached_property
+    def driven(self) -> np.ndarray:
+        """Samples (n,) in which what drives a room is known: not in a long gap of it, nor so soon after one."""
+        known = np.ones(len(self), dtype=bool)
+        after = round(SETTLING_S / self.interval_s)
+        for channel in filter(self.has, ROOM_DRIVES):
+            lost = np.diff(np.concatenate(([False], ~np.isfinite(self.values[channel]), [False])).astype(int))
+            for start, end in zip(np.flatnonzero(lost > 0).tolist(), np.flatnonzero(lost < 0).tolist(), strict=True):
+                if (end - start) * self.interval_s > LOST_S:
+                    known[start : end + after] = False
+        return known
 
     @cached_property
     def usual_flow_L_h(self) -> float:

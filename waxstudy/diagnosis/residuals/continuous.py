@@ -116,8 +116,10 @@ class Continuous:
         """Return where it is judged (n,)."""
         record, driven_by = self.record, self.segment.driven_by
         known: np.ndarray = np.isfinite(record.values[self.channel]) & record.settled
-        if driven_by in record.values:
-            known &= ~record.is_gap(driven_by)
+        # the air drives the sensor, which drives the controller of the same segment
+        for drive in {driven_by, record.air_channel if self.channel == "sensor_temperature_C" else driven_by}:
+            if drive in record.values:
+                known &= ~record.is_gap(drive)
         if driven_by == "displacement":
             known &= np.abs(np.diff(record.filled("displacement"), prepend=0.0)) < JUMP
         hides_pulses = driven_by == "displacement" and record.interval_s > WEIGHTS.pulse_s

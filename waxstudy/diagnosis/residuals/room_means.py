@@ -45,7 +45,7 @@ class RoomMeans:
         count = min(len(measured), len(shown))
         error = np.full(len(measured), np.nan)
         error[:count] = shown[:count] - measured[:count]
-        known = np.isfinite(error) & self.record.settled[sample]
+        known = np.isfinite(error) & (self.record.settled & self.record.driven)[sample]
         error = np.where(known, error, 0.0)
         where = self.record.day[sample], self.parts[sample], sample
         found = self.discrepancy

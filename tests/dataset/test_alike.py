@@ -1,4 +1,4 @@
-"""Claims about a record and its baseline that were sampled at different intervals."""
+"""Claims about a record and its baseline that were sampled or rounded differently, or have different clocks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.dataset.test_excerpt import recorded
-from waxstudy.dataset.interval import alike, coarser
+from waxstudy.dataset.alike import alike
+from waxstudy.dataset.interval import coarser
 from waxstudy.dataset.read import Dataset
 
 
@@ -96,3 +97,78 @@ def test_a_longer_interval_keeps_what_flowed_and_never_makes_up_an_interval(
         within = (cut.time > end - pd.Timedelta(factor * 300.0, "s")) & (cut.time <= end)
         assert within.sum() == factor
         assert flow_L_h == pytest.approx(cut.values["flow_L_h"][within].mean())
+
+
+# --- rounding ----------------------------------------------------------------------------------------
+
+
+def drawn(first: str, step_K: float, seed: int) -> Dataset:
+    """A room whose air wanders, rounded to a step."""
+    dataset = pulsed(6, 600.0, first)
+    wander = 21.0 + np.cumsum(np.random.default_rng(seed).normal(0.0, 0.05, len(dataset.time)))
+    return replace(dataset, values=dataset.values.assign(air_temperature_C=np.round(wander / step_K) * step_K))
+
+
+@pytest.mark.parametrize(("step_K", "shown"), [(0.5, 2), (5.0 / 9.0, 2)], ids=["half a kelvin", "whole fahrenheit"])
+@pytest.mark.parametrize("is_record_coarse", [True, False])
+def test_the_finer_of_two_is_rounded_as_the_coarser(is_record_coarse: bool, step_K: float, shown: int) -> None:
+    steps = (step_K, 0.01) if is_record_coarse else (0.01, step_K)
+    pair = drawn("2024-02-01", steps[0], 1), drawn("2024-01-01", steps[1], 2)
+    pair = tuple(replace(each, values=each.values.round(shown)) for each in pair)
+    both = alike(*pair)
+    for before, after, step in zip(pair, both, steps, strict=True):
+        moved = (after.values["air_temperature_C"] - before.values["air_temperature_C"]).abs()
+        assert moved.max() <= (0.55 * step_K if step < step_K else 0.0)
+        assert moved.max() >= (0.4 * step_K if step < step_K else 0.0)
+        places = after.values["air_temperature_C"].diff().dropna() / step_K
+        assert (places - places.round()).abs().max() < 0.05
+    (said,) = both[0].warnings
+    told = [f"{each:.2g} K" for each in (round(steps[0], 2), round(steps[1], 2))]
+    assert said.startswith("rounded to ")
+    assert "air_temperature_C; both are read with the coarser" in said
+    assert f"to {told[1]} in the baseline" in said or "0.55" in said
+
+
+@pytest.mark.parametrize(("here_K", "there_K"), [(0.1, 0.1), (0.05, 0.01), (0.5, 0.5)])
+def test_two_of_the_same_rounding_or_finer_than_a_tenth_stay(here_K: float, there_K: float) -> None:
+    pair = drawn("2024-02-01", here_K, 1), drawn("2024-01-01", there_K, 2)
+    record, baseline = alike(*pair)
+    assert (record, baseline) == pair
+    assert record.warnings == ()
+
+
+def test_a_temperature_that_lies_on_no_grid_is_left_as_it_is() -> None:
+    record, before = drawn("2024-02-01", 0.01, 1), drawn("2024-01-01", 0.5, 2)
+    odd = before.values["air_temperature_C"].where(np.arange(len(before.time)) % 7 != 0, 21.0 + 0.2)
+    strange = replace(before, values=before.values.assign(air_temperature_C=odd))
+    assert alike(record, strange)[0].values is record.values
+
+
+# --- clocks ------------------------------------------------------------------------------------------
+
+
+def sunny(first: str, late_h: float) -> Dataset:
+    """Days of the sun at 60 degrees north, by its height, as a clock shows it that is so late."""
+    from pvlib.solarposition import get_solarposition
+
+    dataset = pulsed(10, 600.0, first)
+    true = dataset.time - pd.Timedelta(late_h, "h")
+    height = get_solarposition(true.tz_localize("Etc/GMT-2"), 60.0, 30.0)["apparent_elevation"].to_numpy()
+    sun = 300.0 * np.maximum(0.0, np.sin(np.radians(height)))
+    return replace(dataset, values=dataset.values.assign(solar_gain_W=sun))
+
+
+@pytest.mark.parametrize("first", ["2024-02-10", "2024-04-10", "2023-11-20"])
+@pytest.mark.parametrize("late_h", [-1.0, 0.0, 1.0, 2.0])
+def test_a_sun_of_another_clock_than_the_baseline_s_is_told_whatever_the_season(first: str, late_h: float) -> None:
+    """From November to February noon itself moves by half an hour."""
+    record, _ = alike(sunny(first, late_h), sunny("2024-01-10", 0.0))
+    said = [each for each in record.warnings if each.startswith("solar_gain_W is ")]
+    how = f"solar_gain_W is {abs(late_h):.1f} h {'later' if late_h > 0.0 else 'earlier'} than in the baseline"
+    assert [each.split(",")[0] for each in said] == ([how] if late_h else [])
+
+
+def test_without_three_days_of_sun_no_clock_is_told() -> None:
+    record = sunny("2024-02-10", 2.0)
+    dark = replace(record, values=record.values.assign(solar_gain_W=0.0))
+    assert alike(dark, sunny("2024-01-10", 0.0))[0].warnings == ()

@@ -1,0 +1,49 @@
+"""When a record has the sun highest: one that has it at another hour than its baseline has another clock."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from waxstudy.dataset.read import Dataset
+
+SUN = ("solar_gain_W", "global_irradiance_W_m2", "diffuse_irradiance_W_m2", "photovoltaic_power_W")
+RISEN = 0.005  # chosen: of the strongest sun, above which it is up
+APART_H = 0.6  # chosen: a clock is an hour off or none; nine pairs of houses differ by 0.2 h at most
+LEAST_DAYS = 3
+
+
+def of_one_clock(dataset: Dataset, baseline: Dataset) -> Dataset:
+    """Return a record that warns where its sun is earlier or later than that of its baseline."""
+    for name in SUN:
+        if name in dataset.values and name in baseline.values:
+            here, there = noon_h(dataset, name), noon_h(baseline, name)
+            if abs(late_h := here - there) > APART_H:
+                how = f"{abs(late_h):.1f} h {'later' if late_h > 0.0 else 'earlier'}"
+                said = (
+                    f"{name} is {how} than in the baseline, beyond what the season makes: is its clock that of the "
+                    "other channels, in both, all year round?"
+                )
+                return replace(dataset, warnings=(said, *dataset.warnings))
+    return dataset
+
+
+def noon_h(dataset: Dataset, name: str) -> float:
+    """Return the hour of the day halfway between sunrise and sunset, less the equation of time; NaN if none tells.
+
+    Light of the sky reaches every window all day long, wherever it faces: days are as long before noon as after it.
+    """
+    from pvlib.solarposition import equation_of_time_spencer71
+
+    sun = dataset.values[name]
+    time = pd.DatetimeIndex(sun.index) - pd.Timedelta(dataset.interval_s / 2.0, "s")
+    up = pd.Series(time, time)[(sun > RISEN * sun.max()).to_numpy()]
+    days = up.groupby(up.index.normalize()).agg(["min", "max"])
+    days = days[days["max"] > days["min"]]
+    if len(days) < LEAST_DAYS:
+        return float("nan")
+    rise_h, set_h = ((days[end] - days.index).dt.total_seconds() / 3600.0 for end in ("min", "max"))
+    early_h = equation_of_time_spencer71(pd.DatetimeIndex(days.index).day_of_year) / 60.0
+    return float(np.median((rise_h + set_h) / 2.0 + early_h))
