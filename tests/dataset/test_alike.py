@@ -168,7 +168,20 @@ def test_a_sun_of_another_clock_than_the_baseline_s_is_told_whatever_the_season(
     assert [each.split(",")[0] for each in said] == ([how] if late_h else [])
 
 
-def test_without_three_days_of_sun_no_clock_is_told() -> None:
+def test_a_sun_that_was_lost_is_not_known_and_one_that_never_was_stays_dark() -> None:
+    """A windowless room is dark in both; of a record whose sun was lost a heater would be named."""
+    lit, lost = sunny("2024-01-10", 0.0), sunny("2024-02-10", 0.0)
+    dark = [replace(each, values=each.values.assign(solar_gain_W=0.0)) for each in (lost, lit)]
+    record, baseline = alike(dark[0], lit)
+    assert "solar_gain_W" not in record.values
+    assert "solar_gain_W" in baseline.values
+    assert record.warnings == ("solar_gain_W: 0 throughout, though the baseline has sun; taken as not recorded",)
+    assert "solar_gain_W" in alike(*dark)[0].values
+    assert alike(*dark)[0].warnings == ()
+
+
+def test_two_days_of_sun_tell_no_clock() -> None:
     record = sunny("2024-02-10", 2.0)
-    dark = replace(record, values=record.values.assign(solar_gain_W=0.0))
-    assert alike(dark, sunny("2024-01-10", 0.0))[0].warnings == ()
+    sun = record.values["solar_gain_W"].where(np.arange(len(record.time)) < 2 * 144, 0.0)
+    short = replace(record, values=record.values.assign(solar_gain_W=sun))
+    assert alike(short, sunny("2024-01-10", 0.0))[0].warnings == ()

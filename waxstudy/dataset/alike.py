@@ -8,7 +8,7 @@ import pandas as pd
 
 from waxstudy.dataset.interval import coarser, is_longer, told
 from waxstudy.dataset.levels import NEAR, as_levels
-from waxstudy.dataset.noon import of_one_clock
+from waxstudy.dataset.noon import of_one_clock, without_dead_sun
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.rounding import rounded_alike
@@ -23,8 +23,8 @@ def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
 
     What differs so would be taken for a change. The user is told, also where the two seem to have different clocks.
     """
-    about = _of_one_interval(*_of_one_chain(of_one_clock(dataset, baseline), baseline))
-    return rounded_alike(*about)
+    dataset = of_one_clock(without_dead_sun(dataset, baseline), baseline)
+    return rounded_alike(*_of_one_interval(*_of_one_chain(dataset, baseline)))
 
 
 def _of_one_interval(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:

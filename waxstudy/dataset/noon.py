@@ -1,4 +1,4 @@
-"""When a record has the sun highest: one that has it at another hour than its baseline has another clock."""
+"""The sun of a record and of its baseline: one that is dark throughout, or highest at another hour."""
 
 from __future__ import annotations
 
@@ -13,6 +13,20 @@ SUN = ("solar_gain_W", "global_irradiance_W_m2", "diffuse_irradiance_W_m2", "pho
 RISEN = 0.005  # chosen: of the strongest sun, above which it is up
 APART_H = 0.6  # chosen: a clock is an hour off or none; nine pairs of houses differ by 0.2 h at most
 LEAST_DAYS = 3
+
+
+def without_dead_sun(dataset: Dataset, baseline: Dataset) -> Dataset:
+    """Return a record without a sun that is 0 throughout where its baseline has one: it was lost, and is not known."""
+    both = [name for name in SUN if name in dataset.values and name in baseline.values]
+    dead = [name for name in both if not _is_up(dataset, name) and _is_up(baseline, name)]
+    if not dead:
+        return dataset
+    said = f"{', '.join(dead)}: 0 throughout, though the baseline has sun; taken as not recorded"
+    return replace(dataset, values=dataset.values.drop(columns=dead), warnings=(said, *dataset.warnings))
+
+
+def _is_up(dataset: Dataset, name: str) -> bool:
+    return bool((dataset.values[name] > 0.0).any())
 
 
 def of_one_clock(dataset: Dataset, baseline: Dataset) -> Dataset:

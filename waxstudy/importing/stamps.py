@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from datetime import timedelta, timezone
 from itertools import product
@@ -21,6 +22,8 @@ CLOCKS = ("%H:%M:%S", "%H:%M", "%H:%M:%S.%f", "%I:%M:%S %p", "%I:%M %p", "")
 DAYS = ("%d", "%j", "%D", "%F", "%x", "%c", "%s")  # of a format, one of which tells the date
 MEND_ROWS = "mend these rows, or leave them out"
 SAY_FORMAT = "say --time-format '%d/%m/%Y %H:%M' or as it is"
+# a name that tells the zone of its stamps, as "Time (UTC)", "timestamp_utc" or "Date Time, GMT+01:00"
+NAMED_ZONE = re.compile(r"(?<![a-z])(?:utc|gmt)(?:\s*([+-])(\d{1,2})(?::?(\d\d))?)?(?![a-z\d])", re.IGNORECASE)
 OFFSET = r"([+-])(\d\d):?(\d\d)?\s*$"
 
 
@@ -58,7 +61,17 @@ def stamps_of(written: pd.Series, time_format: str | None, where: str) -> pd.Dat
         others = f" ({bad.sum()} such rows)" if bad.sum() > 1 else ""
         mend = SAY_FORMAT if bad.mean() > MOSTLY else MEND_ROWS
         raise refusal(where, f"no date and time{others}", mend, row=written.index[place], key=name, value=value)
-    return _within_years(pd.DatetimeIndex(times), written, where)
+    return _within_years(_in_named_zone(pd.DatetimeIndex(times), name), written, where)
+
+
+def _in_named_zone(times: pd.DatetimeIndex, name: str) -> pd.DatetimeIndex:
+    """Return stamps that tell no zone in the one that their column's name tells, if any."""
+    found = NAMED_ZONE.search(name)
+    if times.tz is not None or not found:
+        return times
+    sign, hours, minutes = found.groups(default="0")
+    offset = timedelta(hours=int(hours), minutes=int(minutes)) * (-1 if sign == "-" else 1)
+    return times.tz_localize(timezone(offset) if offset else "UTC")
 
 
 def _within_years(times: pd.DatetimeIndex, written: pd.Series, where: str) -> pd.DatetimeIndex:

@@ -14,11 +14,21 @@ from waxstudy.dataset.columns import WORDS as STATES
 WORDS = {
     **STATES,
     **dict.fromkeys(("heat", "heating", "yes", "active", "running", "ein", "an", "auf", "offen", "heizen", "ja"), 1.0),
+    # French, Dutch, Swedish and Danish, Finnish, Estonian, Italian, Spanish, Polish, Russian; and Excel's in German
+    **dict.fromkeys(
+        ("ouvert", "ouverte", "marche", "vrai", "aan", "på", "tændt", "päällä", "auki", "sees", "lahti"), 1.0
+    ),
+    **dict.fromkeys(("lahti", "acceso", "aperto", "encendido", "abierto", "włączone", "otwarte", "вкл", "wahr"), 1.0),
+    **dict.fromkeys(("fermé", "fermée", "ferme", "arrêt", "faux", "uit", "av", "af", "slukket", "pois", "kiinni"), 0.0),
+    **dict.fromkeys(("väljas", "kinni", "spento", "chiuso", "apagado", "cerrado", "wyłączone", "zamknięte"), 0.0),
+    **dict.fromkeys(("выкл", "falsch"), 0.0),
     **dict.fromkeys(("idle", "no", "inactive", "standby", "aus", "zu", "geschlossen", "nein", "cool", "close"), 0.0),
 }
 # from here on nothing is known: what was read before is not held
 NOTHING = ("unavailable", "unknown", "none", "nan", "null", "n/a", "na", "error", "fault", "offline", "-", "--", "")
-NUMBER = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s].*)?")
+NUMBER = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s.,].*)?")
+# of thousands, if another mark or a second group tells that this is none of decimals
+GROUPED = re.compile(r"[-+]?\d{1,3}(?P<mark>[,.'\u2019 \u00a0\u202f])\d{3}(?:(?P=mark)\d{3}|(?!(?P=mark))[.,]\d)")
 
 
 class Numbers(NamedTuple):
@@ -68,6 +78,8 @@ def _read(text: str) -> tuple[float, str, str]:
     lower = text.lower()
     if lower in WORDS:
         return WORDS[lower], "", lower
+    if grouped := GROUPED.match(text):
+        text = text.replace(grouped["mark"], "")
     if lower not in NOTHING and (found := NUMBER.fullmatch(text)):
         return float(found["number"].replace(",", ".")), (found["unit"] or "").strip(), ""
     return float("nan"), "", ""
