@@ -120,6 +120,16 @@ SPARSE: dict[str, tuple[str, dict[str, Change]]] = {
 }
 
 
+@pytest.mark.parametrize("places", [[700], list(range(700, 760))], ids=["once", "for an hour"])
+def test_a_room_of_0_C_is_a_bus_that_failed_unless_the_room_is_that_cold(places: list[int], good: pd.DataFrame) -> None:
+    (check,) = (each for each in CHECKS if each.name == "code")
+    lost = good.assign(**{AIR: good[AIR].mask(np.isin(np.arange(len(good)), places), 0.0)})
+    assert done(check, lost) == {"discards"}
+    assert done(check, lost.assign(**{AIR: lost[AIR] - 18.0 * (lost[AIR] > 0.0)})) == set()
+    assert done(check, lost.assign(outdoor_temperature_C=0.0, **{AIR: good[AIR]})) == set()
+    assert done(check, good.assign(**{AIR: 0.0})) == set()
+
+
 # no faults: a room that is known to half a kelvin, a chamber, and a valve that never opens
 MEANT: dict[str, Change] = {
     "still": changed(AIR, lambda x: (2.0 * x.where(np.arange(len(x)) > 1500, 21.0)).round() / 2.0),

@@ -16,6 +16,7 @@ from waxstudy.plugin import FloatArray
 # a 1-Wire thermometer (DS18B20) shows 85 C until it has measured (data sheet); chosen: water has it only beside
 # other readings from 20 K below it up to boiling
 POWER_ON_C, ABOVE_K, BOILING_C = 85.0, 20.0, 100.0
+NEAR_ZERO_K = 5.0  # chosen: indoors 0 °C is what a bus shows that failed, if nothing else is within so much of it
 FAR_ABOVE = 10.0  # times all other flows or gains, from which a code above them is one
 # what no such temperature is [C]
 BOUNDS: dict[Quantity, tuple[float, float]] = {
@@ -47,8 +48,8 @@ moving = partial(check, "course", "warns", fewest=0, mend=INSTRUMENT)
 @faulty(*each())
 def code(record: Record, channel: pd.Series) -> Findings:
     """A code that loggers write for a missing sample, such as -999 or 9999; of a temperature also {POWER_ON_C:g} °C,
-    if nothing else is within {ABOVE_K:g} K below it. Flows and gains may be as large: there a positive code is one if
-    it is over {FAR_ABOVE:g} times all else."""
+    if nothing else is within {ABOVE_K:g} K below it, and indoors 0 °C, if nothing else is within {NEAR_ZERO_K:g} K.
+    Flows and gains may be as large: there a positive code is one if it is over {FAR_ABOVE:g} times all else."""
     x = channel.to_numpy()
     others = x[np.isfinite(x) & ~np.isin(x, CODES_ABOVE)]
     is_far_above = len(others) > 0 and min(CODES_ABOVE) > FAR_ABOVE * float(np.max(others))
@@ -56,6 +57,8 @@ def code(record: Record, channel: pd.Series) -> Findings:
     yield Discard(channel.name, np.isin(x, (*CODES, *CODES_ABOVE) if is_code else CODES), CODE)
     if quantity_of(channel) in BOUNDS:
         yield Discard(channel.name, power_on(x), "what a 1-Wire thermometer shows until it has measured")
+    if quantity_of(channel) == "indoor":
+        yield Discard(channel.name, dropped(x), "0 C far from all else, as of a bus that failed")
 
 
 def power_on(temperature_C: FloatArray) -> np.ndarray:
@@ -63,6 +66,14 @@ def power_on(temperature_C: FloatArray) -> np.ndarray:
     said = temperature_C == POWER_ON_C
     is_hot = np.isfinite(temperature_C) & (temperature_C > POWER_ON_C - ABOVE_K) & (temperature_C < BOILING_C) & ~said
     return np.asarray(said & ~is_hot.any())
+
+
+def dropped(temperature_C: FloatArray) -> np.ndarray:
+    """Return where a temperature was lost as 0 °C (n,), with nothing else near that."""
+    zero = temperature_C == 0.0
+    is_near = np.isfinite(temperature_C) & (np.abs(temperature_C) < NEAR_ZERO_K) & ~zero
+    others = np.isfinite(temperature_C) & ~zero
+    return zero if others.any() and not is_near.any() else np.zeros(len(zero), dtype=bool)
 
 
 @faulty(*TEMPERATURES)
