@@ -123,10 +123,17 @@ def test_the_finer_of_two_is_rounded_as_the_coarser(is_record_coarse: bool, step
         places = after.values["air_temperature_C"].diff().dropna() / step_K
         assert (places - places.round()).abs().max() < 0.05
     (said,) = both[0].warnings
-    told = [f"{each:.2g} K" for each in (round(steps[0], 2), round(steps[1], 2))]
-    assert said.startswith("rounded to ")
+    here, there = ("0.01 K" if each < step_K else f"{each:.2g}"[:3] for each in steps)
+    assert said.startswith(f"rounded to {here}")
+    assert f"in the record and to {there}" in said
     assert "air_temperature_C; both are read with the coarser" in said
-    assert f"to {told[1]} in the baseline" in said or "0.55" in said
+
+
+def test_a_room_that_is_held_within_two_values_is_rounded_too() -> None:
+    record, before = drawn("2024-02-01", 0.01, 1), drawn("2024-01-01", 0.5, 2)
+    held = before.values["air_temperature_C"].gt(21.0).map({True: 21.5, False: 21.0})
+    found, _ = alike(record, replace(before, values=before.values.assign(air_temperature_C=held)))
+    assert set(2.0 * found.values["air_temperature_C"] % 1.0) == {0.0}
 
 
 @pytest.mark.parametrize(("here_K", "there_K"), [(0.1, 0.1), (0.05, 0.01), (0.5, 0.5)])
@@ -178,6 +185,12 @@ def test_a_sun_that_was_lost_is_not_known_and_one_that_never_was_stays_dark() ->
     assert record.warnings == ("solar_gain_W: 0 throughout, though the baseline has sun; taken as not recorded",)
     assert "solar_gain_W" in alike(*dark)[0].values
     assert alike(*dark)[0].warnings == ()
+
+
+def test_light_that_never_goes_out_tells_no_clock() -> None:
+    record = sunny("2024-02-10", 2.0)
+    offset = replace(record, values=record.values.assign(solar_gain_W=record.values["solar_gain_W"] + 5.0))
+    assert alike(offset, sunny("2024-01-10", 0.0))[0].warnings == ()
 
 
 def test_two_days_of_sun_tell_no_clock() -> None:

@@ -120,6 +120,15 @@ SPARSE: dict[str, tuple[str, dict[str, Change]]] = {
 }
 
 
+def test_each_time_that_a_thermometer_stands_still_is_lost(good: pd.DataFrame) -> None:
+    (check,) = (each for each in CHECKS if each.name == "still")
+    place = np.arange(len(good))
+    twice = good.assign(**{AIR: good[AIR].mask(place < 1500, 21.0).mask((place >= 2000) & (place < 4000), 22.0)})
+    values = twice.copy()
+    run([check], Record(values, INTERVAL_S, False, full_flow_L_h=None), Notes("data.csv"))
+    assert values[AIR].isna().sum() == 1499 + 1999
+
+
 @pytest.mark.parametrize("places", [[700], list(range(700, 760))], ids=["once", "for an hour"])
 def test_a_room_of_0_C_is_a_bus_that_failed_unless_the_room_is_that_cold(places: list[int], good: pd.DataFrame) -> None:
     (check,) = (each for each in CHECKS if each.name == "code")
@@ -133,6 +142,17 @@ def test_a_room_of_0_C_is_a_bus_that_failed_unless_the_room_is_that_cold(places:
 # no faults: a room that is known to half a kelvin, a chamber, and a valve that never opens
 MEANT: dict[str, Change] = {
     "still": changed(AIR, lambda x: (2.0 * x.where(np.arange(len(x)) > 1500, 21.0)).round() / 2.0),
+    "still to a fifth of a kelvin": changed(
+        AIR, lambda x: (5.0 * x.where(np.arange(len(x)) > 1500, 21.0)).round() / 5.0
+    ),
+    "still that is held": changed(
+        "ventilation_supply_temperature_C", lambda x: x.where(np.arange(len(x)) > 1500, 18.0)
+    ),
+    "still in fog": changed("outdoor_temperature_C", lambda x: x.where(np.arange(len(x)) > 1500, 0.0).round()),
+    "code of a setpoint": changed("setpoint_C", lambda x: x.where(np.arange(len(x)) > 300, 0.0)),
+    "dead-meter that was off": lambda values: values.assign(
+        flow_L_h=values["flow_L_h"].where(values["displacement"] <= 0.0) * 0.0
+    ),
     "still of outdoors": changed("outdoor_temperature_C", lambda x: 0.0),
     "dead-meter": lambda values: values.assign(flow_L_h=0.0, displacement=0.0),
 }

@@ -29,13 +29,28 @@ def test_a_mark_of_thousands_is_none_of_decimals(number: int, marks: tuple[str, 
 
 @pytest.mark.parametrize(
     ("written", "value"),
-    [("1.051", 1.051), ("1,051", 1.051), ("21,3", 21.3), ("1,051,000", 1_051_000.0), ("-1.051,5", -1051.5)],
+    [
+        ("1.051", 1.051),
+        ("1,051", 1.051),
+        ("21,3", 21.3),
+        ("1,051,000", 1_051_000.0),
+        ("-1.051,5", -1051.5),
+        ("1'051", 1051.0),
+        ("1\u202f051", 1051.0),
+    ],
 )
 def test_one_mark_alone_is_one_of_decimals_and_two_of_a_kind_are_of_thousands(written: str, value: float) -> None:
     assert numbers_of(pd.Series([written], dtype=object)).values.tolist() == [value]
 
 
-@pytest.mark.parametrize("written", ["3.7.", "2024.01.02", "1.2.3", "12,34,56.7"])
+@pytest.mark.parametrize(("thousands", "decimal"), [(",", "."), (".", ",")])
+def test_what_one_cell_tells_of_a_mark_holds_for_its_column(thousands: str, decimal: str) -> None:
+    """As programmes write them that leave out zeros behind the comma."""
+    column = [f"987{decimal}5", f"1{thousands}051{decimal}5", f"1{thousands}052", "12"]
+    assert numbers_of(pd.Series(column, dtype=object)).values.tolist() == [987.5, 1051.5, 1052.0, 12.0]
+
+
+@pytest.mark.parametrize("written", ["3.7.", "2024.01.02", "1.2.3", "12,34,56.7", "192.168.100.1"])
 def test_what_is_no_number_is_none(written: str) -> None:
     read = numbers_of(pd.Series([written], dtype=object))
     assert np.isnan(read.values).all()
@@ -59,7 +74,8 @@ def test_a_valve_is_read_in_the_words_of_its_country(entry: Entry, opened: str, 
 @pytest.mark.parametrize(
     ("name", "hours"),
     [("Time (UTC)", 0.0), ("timestamp_utc", 0.0), ("UTC time", 0.0), ("Date Time, GMT+01:00", 1.0),
-     ("Time [GMT-5]", -5.0), ("zeit (utc +5:30)", 5.5)],
+     ("Time [GMT-5]", -5.0), ("zeit (utc +5:30)", 5.5), ("Time (GMT + 1)", 1.0), ("UTC (+2)", 2.0),
+     ("t UTC\u22123", -3.0)],
 )  # fmt: skip
 def test_the_zone_that_a_column_s_name_tells_is_that_of_its_stamps(name: str, hours: float) -> None:
     written = pd.Series(["2024-01-10 12:00", "2024-07-10 12:00"], name=name)
@@ -67,7 +83,9 @@ def test_the_zone_that_a_column_s_name_tells_is_that_of_its_stamps(name: str, ho
     assert list(found + pd.Timedelta(hours, "h")) == list(pd.to_datetime(written))
 
 
-@pytest.mark.parametrize("name", ["time", "Zeit", "outcutc", "time_gmtx"])
+@pytest.mark.parametrize(
+    "name", ["time", "Zeit", "outcutc", "time_gmtx", "time_utc-2024", "time_utc-2501", "time utc+5.5"]
+)
 def test_any_other_name_tells_no_zone_and_a_stamp_s_own_goes_before(name: str) -> None:
     assert stamps_of(pd.Series(["2024-01-10 12:00"], name=name), None, "x.csv").tz is None
     own = stamps_of(pd.Series(["2024-01-10 12:00+02:00"], name="Time (UTC)"), None, "x.csv")

@@ -13,6 +13,7 @@ SUN = ("solar_gain_W", "global_irradiance_W_m2", "diffuse_irradiance_W_m2", "pho
 RISEN = 0.005  # chosen: of the strongest sun, above which it is up
 APART_H = 0.6  # chosen: a clock is an hour off or none; nine pairs of houses differ by 0.2 h at most
 LEAST_DAYS = 3
+NIGHT_H = 0.5  # chosen: around midnight, of light of which a meter shows something all night no noon can be told
 
 
 def without_dead_sun(dataset: Dataset, baseline: Dataset) -> Dataset:
@@ -37,8 +38,8 @@ def of_one_clock(dataset: Dataset, baseline: Dataset) -> Dataset:
             if abs(late_h := here - there) > APART_H:
                 how = f"{abs(late_h):.1f} h {'later' if late_h > 0.0 else 'earlier'}"
                 said = (
-                    f"{name} is {how} than in the baseline, beyond what the season makes: is its clock that of the "
-                    "other channels, in both, all year round?"
+                    f"{name} is {how} than in the baseline, more than the season explains: check that it has the "
+                    "clock of the other channels, without summer time, in record and baseline"
                 )
                 return replace(dataset, warnings=(said, *dataset.warnings))
     return dataset
@@ -59,5 +60,7 @@ def noon_h(dataset: Dataset, name: str) -> float:
     if len(days) < LEAST_DAYS:
         return float("nan")
     rise_h, set_h = ((days[end] - days.index).dt.total_seconds() / 3600.0 for end in ("min", "max"))
+    is_night = (rise_h > NIGHT_H) & (set_h < 24.0 - NIGHT_H)
     early_h = equation_of_time_spencer71(pd.DatetimeIndex(days.index).day_of_year) / 60.0
-    return float(np.median((rise_h + set_h) / 2.0 + early_h))
+    noons_h = ((rise_h + set_h) / 2.0 + early_h)[is_night]
+    return float(np.median(noons_h)) if len(noons_h) >= LEAST_DAYS else float("nan")

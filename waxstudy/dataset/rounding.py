@@ -10,15 +10,16 @@ from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import Dataset
 from waxstudy.plugin import FloatArray
 
-FEWEST_VALUES = 4  # of a channel whose step tells of rounding
+FEWEST_VALUES = 4  # of a channel whose step tells of rounding: what is on or off has two, or three by means
+FEWEST_OF_TEMPERATURES = 2
 LEAST_K, MOST_K = 0.1, 2.0  # chosen: less is lost in what a thermometer scatters, and nobody rounds to more
 APART = 1.5  # chosen: times the finer step, from which the rounding differs
 NEAR = 0.1  # chosen: of a step, by which values may miss their grid: these were rounded again, as 20.56 °C of 69 °F
 
 
-def step(known: FloatArray) -> float:
-    """Return the smallest distance of two different values, 0 where no step shows: what is on or off is not rounded."""
-    steps = _steps(known)
+def step(known: FloatArray, fewest: int = FEWEST_VALUES) -> float:
+    """Return the smallest distance of two different values, 0 where fewer are there: what is on or off is no step."""
+    steps = _steps(known, fewest)
     return float(np.min(steps)) if len(steps) else 0.0
 
 
@@ -32,7 +33,10 @@ def rounded_alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset
     for name in filter(_is_measured_temperature, map(str, before)):
         if name not in values:
             continue
-        steps = [step(each[np.isfinite(each)]) for each in (values[name].to_numpy(), before[name].to_numpy())]
+        steps = [
+            step(each[np.isfinite(each)], FEWEST_OF_TEMPERATURES)
+            for each in (values[name].to_numpy(), before[name].to_numpy())
+        ]
         if not LEAST_K <= max(steps) <= MOST_K or max(steps) < APART * min(steps) or not min(steps):
             continue
         fine, coarse = (before, values) if steps[0] > steps[1] else (values, before)
@@ -55,15 +59,16 @@ def _is_measured_temperature(name: str) -> bool:
     return CHANNELS[name].unit == "C" and not CHANNELS[name].is_assumed
 
 
-def _steps(known: FloatArray) -> FloatArray:
+def _steps(known: FloatArray, fewest: int) -> FloatArray:
     values = np.unique(np.round(known, 9))
-    steps = np.diff(values) if len(values) >= FEWEST_VALUES else np.zeros(0)
+    steps = np.diff(values) if len(values) >= fewest else np.zeros(0)
     return np.asarray(steps[steps > 1e-9])
 
 
 def _rounded(fine: FloatArray, coarse: FloatArray) -> FloatArray | None:
     """Return values (n,) on the grid of coarse ones, None where these lie on none."""
-    known, steps = coarse[np.isfinite(coarse)], _steps(coarse[np.isfinite(coarse)])
+    known = coarse[np.isfinite(coarse)]
+    steps = _steps(known, FEWEST_OF_TEMPERATURES)
     size, origin = float(np.mean(steps[steps < APART * steps.min()])), float(known[0])
     places = (known - origin) / size
     if np.any(np.abs(places - np.round(places)) > NEAR):

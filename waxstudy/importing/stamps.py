@@ -23,7 +23,8 @@ DAYS = ("%d", "%j", "%D", "%F", "%x", "%c", "%s")  # of a format, one of which t
 MEND_ROWS = "mend these rows, or leave them out"
 SAY_FORMAT = "say --time-format '%d/%m/%Y %H:%M' or as it is"
 # a name that tells the zone of its stamps, as "Time (UTC)", "timestamp_utc" or "Date Time, GMT+01:00"
-NAMED_ZONE = re.compile(r"(?<![a-z])(?:utc|gmt)(?:\s*([+-])(\d{1,2})(?::?(\d\d))?)?(?![a-z\d])", re.IGNORECASE)
+NAMED_ZONE = re.compile(r"(?<![a-z])(?:utc|gmt)(?![a-z\d])[\s(]*(?P<offset>[+\-\u2212]\s*\d[\d:.]*)?", re.IGNORECASE)
+NAMED_OFFSET = re.compile(r"([+\-\u2212])\s*(0?\d|1[0-4])(?::?([0-5]\d))?")
 OFFSET = r"([+-])(\d\d):?(\d\d)?\s*$"
 
 
@@ -69,8 +70,13 @@ def _in_named_zone(times: pd.DatetimeIndex, name: str) -> pd.DatetimeIndex:
     found = NAMED_ZONE.search(name)
     if times.tz is not None or not found:
         return times
-    sign, hours, minutes = found.groups(default="0")
-    offset = timedelta(hours=int(hours), minutes=int(minutes)) * (-1 if sign == "-" else 1)
+    if not found["offset"]:
+        return times.tz_localize("UTC")
+    told = NAMED_OFFSET.fullmatch(found["offset"])
+    if not told:
+        return times  # as of a number behind it, which is none of hours
+    hours, minutes = int(told[2]), int(told[3] or 0)
+    offset = timedelta(hours=hours, minutes=minutes) * (1 if told[1] == "+" else -1)
     return times.tz_localize(timezone(offset) if offset else "UTC")
 
 

@@ -60,12 +60,12 @@ def _are_against(cause: str, effect: str, record: Record) -> bool:
     "meter",
     "discards",
     ("displacement", "flow_L_h"),
-    mend="look at meter, pump and valve; leave the flow out",
+    mend="water may not flow: look at pump, valve and meter",
     fewest=0,
 )
 def dead_meter(record: Record, opening: pd.Series, flow: pd.Series) -> Findings:
     """A flow that is 0 throughout, though the opening is above {HIGH:.0%}: the room tells whether water flows."""
-    if not (flow > 0.0).any() and (opening > HIGH).sum() >= ENOUGH:
+    if not (flow > 0.0).any() and ((opening > HIGH) & (flow <= 0.0)).sum() >= ENOUGH:
         yield Discard(flow.name, flow.notna().to_numpy(), "0 though the valve opens, as of a dead meter, pump or valve")
 
 

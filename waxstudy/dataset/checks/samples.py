@@ -33,13 +33,15 @@ USUALLY = 20  # samples that reach half of what is usual
 RARE, RAREST = 1e-3, 3  # samples that may be faults: share, and at least
 NAMED = 3  # channels that a sentence lists
 STUCK_H, STUCK_COARSE_H = 6.0, 24.0
-STILL_H = 24.0  # chosen: no weather stands still for a day, whatever the resolution
-COARSE_K = 0.2  # a resolution with which a temperature may stand still for hours
+STILL_H, STILL_COARSE_H = 24.0, 48.0  # chosen: nothing that moves stands still for a day, to 0.2 K or more for two
+STEADY = ("ventilation_supply_temperature_C",)  # what a controller may hold
+COARSE_K = 0.2 - 1e-6  # a resolution with which a temperature may stand still for hours
 MOVING = 5  # values that a temperature takes more of if it moves
 CONTINUOUS = 20  # values from which a channel may be clipped
 CLIPPED_SHARE, CLIPPED_COUNT, CLIPPED_FACTOR = 0.01, 20, 5.0  # at an extreme; over those beside it
 
 MEASURED = [(name,) for name, channel in CHANNELS.items() if not channel.is_assumed]
+MOVING_ONES = [names for names in TEMPERATURES if names in MEASURED and names[0] not in STEADY]
 faulty = partial(check, "samples", "discards", fewest=0, mend="leave it out of the file, or leave it as it is")
 INSTRUMENT = "look at the instrument; leave the channel out"
 moving = partial(check, "course", "warns", fewest=0, mend=INSTRUMENT)
@@ -57,7 +59,7 @@ def code(record: Record, channel: pd.Series) -> Findings:
     yield Discard(channel.name, np.isin(x, (*CODES, *CODES_ABOVE) if is_code else CODES), CODE)
     if quantity_of(channel) in BOUNDS:
         yield Discard(channel.name, power_on(x), "what a 1-Wire thermometer shows until it has measured")
-    if quantity_of(channel) == "indoor":
+    if quantity_of(channel) == "indoor" and (channel.name,) in MEASURED:  # a setpoint of 0 is off
         yield Discard(channel.name, dropped(x), "0 C far from all else, as of a bus that failed")
 
 
@@ -135,21 +137,24 @@ def stray(record: Record, channel: pd.Series) -> Findings:
         yield Discard(channel.name, strays, "beyond 0 to 1, which is impossible")
 
 
-@check("dead", "discards", *(names for names in TEMPERATURES if names in MEASURED), fewest=0, mend=INSTRUMENT)
+@check("dead", "discards", *MOVING_ONES, fewest=0, mend=INSTRUMENT)
 def still(record: Record, channel: pd.Series) -> Findings:
     """A temperature that stands still for over {STILL_H:g} h while another one moves; of room and water only with a
-    resolution below {COARSE_K:g} K. One that never changes may be meant so, as in a chamber."""
+    resolution below {COARSE_K:.1g} K, outdoors with such a one for {STILL_COARSE_H:g} h. One that never changes may be
+    meant so, as in a chamber."""
     x = channel.to_numpy()
     steps = np.diff(np.unique(x[np.isfinite(x)]))
-    is_coarse = quantity_of(channel) != "outdoor" and len(steps) > 0 and np.min(steps) >= COARSE_K
-    first, length = _longest(np.diff(x) == 0.0)
-    lasting_s = length * record.interval_s
-    if not len(steps) or is_coarse or lasting_s <= HOUR_S * STILL_H:
+    is_coarse = len(steps) > 0 and bool(np.min(steps) >= COARSE_K)
+    if not len(steps) or (is_coarse and channel.name != "outdoor_temperature_C"):
         return
-    if _others_move(record.values, str(channel.name), first, length):
-        dead = np.zeros(len(x), dtype=bool)
-        dead[first + 1 : first + length + 1] = True
-        yield Discard(channel.name, dead, f"of one value for {_duration(lasting_s)} while other temperatures move")
+    dead, longest_s = np.zeros(len(x), dtype=bool), 0.0
+    for first, length in _runs(np.diff(x) == 0.0):
+        lasting_s = length * record.interval_s
+        is_long = lasting_s > HOUR_S * (STILL_COARSE_H if is_coarse else STILL_H)
+        if is_long and _others_move(record.values, str(channel.name), first, length):
+            dead[first + 1 : first + length + 1] = True
+            longest_s = max(longest_s, lasting_s)
+    yield Discard(channel.name, dead, f"of one value for up to {_duration(longest_s)} while other temperatures move")
 
 
 @check("gaps", "warns", (), fewest=0, mend="none is needed: what is missing is not guessed")
@@ -214,14 +219,15 @@ def _percent(count: int, of: int) -> str:
     return f"{percent:.0f} %" if percent >= 10.0 else f"{percent:.2g} %"
 
 
+def _runs(mask: np.ndarray) -> list[tuple[int, int]]:
+    """Return start and length of each run of true."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(int)))
+    return list(zip(edges[::2].tolist(), (edges[1::2] - edges[::2]).tolist(), strict=True))
+
+
 def _longest(mask: np.ndarray) -> tuple[int, int]:
     """Return start and length of the longest run of true."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(int)))
-    starts, ends = edges[::2], edges[1::2]
-    if not len(starts):
-        return 0, 0
-    place = int(np.argmax(ends - starts))
-    return int(starts[place]), int(ends[place] - starts[place])
+    return max(_runs(mask), key=lambda run: run[1], default=(0, 0))
 
 
 def _duration(seconds: float) -> str:

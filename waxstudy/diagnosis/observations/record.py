@@ -182,7 +182,10 @@ class Record:
         known = np.ones(len(self), dtype=bool)
         after = round(SETTLING_S / self.interval_s)
         for channel in filter(self.has, ROOM_DRIVES):
-            lost = np.diff(np.concatenate(([False], ~np.isfinite(self.values[channel]), [False])).astype(int))
+            missing = ~np.isfinite(self.values[channel])
+            if channel == "supply_temperature_C" and self.has("flow_L_h"):
+                missing &= ~(self.values["flow_L_h"] <= 0.0)  # how warm water is that stands is of no account
+            lost = np.diff(np.concatenate(([False], missing, [False])).astype(int))
             for start, end in zip(np.flatnonzero(lost > 0).tolist(), np.flatnonzero(lost < 0).tolist(), strict=True):
                 if (end - start) * self.interval_s > LOST_S:
                     known[start : end + after] = False
