@@ -182,7 +182,7 @@ def constant(record: Record, channel: pd.Series) -> Findings:
 
 @moving(*(names for names in TEMPERATURES if names in MEASURED))
 def stuck(record: Record, channel: pd.Series) -> Findings:
-    """A temperature that stands still for over {STUCK_H:g} h ({STUCK_COARSE_H:g} h if its resolution is {COARSE_K:g} K
+    """A temperature that stands still for over {STUCK_H:g} h ({STUCK_COARSE_H:g} h if its resolution is {COARSE_K:.1g} K
     or more) while another one moves."""
     x, values = channel.to_numpy(), record.values
     steps = np.diff(np.unique(x[np.isfinite(x)]))
