@@ -7,18 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from waxstudy.dataset.channels import LIGHT
 from waxstudy.dataset.read import Dataset
+from waxstudy.dataset.stand_ins import SUN
 
-SUN = ("solar_gain_W", "global_irradiance_W_m2", "diffuse_irradiance_W_m2", "photovoltaic_power_W")
-RISEN = 0.005  # chosen: of the strongest sun, above which it is up
+OF_SUN = (SUN, *LIGHT)
+RISEN = 0.005  # chosen: of the strongest sun, above which it is up: a meter shows less by night
 APART_H = 0.6  # chosen: a clock is an hour off or none; nine pairs of houses differ by 0.2 h at most
-LEAST_DAYS = 3
+LEAST_DAYS = 3  # chosen: as few as a baseline may have
 NIGHT_H = 0.5  # chosen: around midnight, of light of which a meter shows something all night no noon can be told
 
 
 def without_dead_sun(dataset: Dataset, baseline: Dataset) -> Dataset:
     """Return a record without a sun that is 0 throughout where its baseline has one: it was lost, and is not known."""
-    both = [name for name in SUN if name in dataset.values and name in baseline.values]
+    both = [name for name in OF_SUN if name in dataset.values and name in baseline.values]
     dead = [name for name in both if not _is_up(dataset, name) and _is_up(baseline, name)]
     if not dead:
         return dataset
@@ -32,7 +34,7 @@ def _is_up(dataset: Dataset, name: str) -> bool:
 
 def of_one_clock(dataset: Dataset, baseline: Dataset) -> Dataset:
     """Return a record that warns where its sun is earlier or later than that of its baseline."""
-    for name in SUN:
+    for name in OF_SUN:
         if name in dataset.values and name in baseline.values:
             here, there = noon_h(dataset, name), noon_h(baseline, name)
             if abs(late_h := here - there) > APART_H:
@@ -56,11 +58,8 @@ def noon_h(dataset: Dataset, name: str) -> float:
     time = pd.DatetimeIndex(sun.index) - pd.Timedelta(dataset.interval_s / 2.0, "s")
     up = pd.Series(time, time)[(sun > RISEN * sun.max()).to_numpy()]
     days = up.groupby(up.index.normalize()).agg(["min", "max"])
-    days = days[days["max"] > days["min"]]
-    if len(days) < LEAST_DAYS:
-        return float("nan")
     rise_h, set_h = ((days[end] - days.index).dt.total_seconds() / 3600.0 for end in ("min", "max"))
-    is_night = (rise_h > NIGHT_H) & (set_h < 24.0 - NIGHT_H)
+    has_night = (set_h > rise_h) & (rise_h > NIGHT_H) & (set_h < 24.0 - NIGHT_H)
     early_h = equation_of_time_spencer71(pd.DatetimeIndex(days.index).day_of_year) / 60.0
-    noons_h = ((rise_h + set_h) / 2.0 + early_h)[is_night]
+    noons_h = ((rise_h + set_h) / 2.0 + early_h)[has_night]
     return float(np.median(noons_h)) if len(noons_h) >= LEAST_DAYS else float("nan")

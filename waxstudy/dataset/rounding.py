@@ -1,4 +1,4 @@
-"""To what a channel is rounded, and a record and its baseline with the coarser rounding of both."""
+"""A record and its baseline with each temperature rounded as in the coarser of them."""
 
 from __future__ import annotations
 
@@ -8,19 +8,13 @@ import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import Dataset
+from waxstudy.dataset.resolution import step, steps
 from waxstudy.plugin import FloatArray
 
-FEWEST_VALUES = 4  # of a channel whose step tells of rounding: what is on or off has two, or three by means
-FEWEST_OF_TEMPERATURES = 2
+FEWEST = 2  # values of a temperature that tell its rounding: a room that is held well shows no more
 LEAST_K, MOST_K = 0.1, 2.0  # chosen: less is lost in what a thermometer scatters, and nobody rounds to more
 APART = 1.5  # chosen: times the finer step, from which the rounding differs
 NEAR = 0.1  # chosen: of a step, by which values may miss their grid: these were rounded again, as 20.56 °C of 69 °F
-
-
-def step(known: FloatArray, fewest: int = FEWEST_VALUES) -> float:
-    """Return the smallest distance of two different values, 0 where fewer are there: what is on or off is no step."""
-    steps = _steps(known, fewest)
-    return float(np.min(steps)) if len(steps) else 0.0
 
 
 def rounded_alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
@@ -28,48 +22,41 @@ def rounded_alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset
 
     Rounding errors of a slow temperature last for hours, and would be taken for a change of the room.
     """
-    values, before = dataset.values.copy(), baseline.values.copy()
+    here, there = dict[str, FloatArray](), dict[str, FloatArray]()
     told: dict[tuple[str, str], list[str]] = {}
-    for name in filter(_is_measured_temperature, map(str, before)):
-        if name not in values:
+    for name in filter(_is_measured_temperature, map(str, baseline.values)):
+        if name not in dataset.values:
             continue
-        steps = [
-            step(each[np.isfinite(each)], FEWEST_OF_TEMPERATURES)
-            for each in (values[name].to_numpy(), before[name].to_numpy())
-        ]
-        if not LEAST_K <= max(steps) <= MOST_K or max(steps) < APART * min(steps) or not min(steps):
+        pair = dataset.values[name].to_numpy(), baseline.values[name].to_numpy()
+        sizes = [step(each[np.isfinite(each)], FEWEST) for each in pair]
+        if not LEAST_K <= max(sizes) <= MOST_K or max(sizes) < APART * min(sizes) or not min(sizes):
             continue
-        fine, coarse = (before, values) if steps[0] > steps[1] else (values, before)
-        rounded = _rounded(fine[name].to_numpy(), coarse[name].to_numpy())
+        is_record_coarse = sizes[0] > sizes[1]
+        coarse, fine = pair if is_record_coarse else pair[::-1]
+        rounded = _rounded(fine, coarse)
         if rounded is not None:
-            fine[name] = rounded
-            told.setdefault((f"{steps[0]:.2g} K", f"{steps[1]:.2g} K"), []).append(name)
+            (there if is_record_coarse else here)[name] = rounded
+            told.setdefault((f"{sizes[0]:.2g} K", f"{sizes[1]:.2g} K"), []).append(name)
     if not told:
         return dataset, baseline
     said = [
-        f"rounded to {here} in the record and to {there} in the baseline: {', '.join(names)}; both are read with the "
+        f"rounded to {ours} in the record and to {theirs} in the baseline: {', '.join(names)}; both are read with the "
         "coarser, as another rounding would look like a change. What it hides is not seen"
-        for (here, there), names in told.items()
+        for (ours, theirs), names in told.items()
     ]
-    warnings = (*said, *dataset.warnings)
-    return replace(dataset, values=values, warnings=warnings), replace(baseline, values=before)
+    record = replace(dataset, values=dataset.values.assign(**here), warnings=(*said, *dataset.warnings))
+    return record, replace(baseline, values=baseline.values.assign(**there))
 
 
 def _is_measured_temperature(name: str) -> bool:
     return CHANNELS[name].unit == "C" and not CHANNELS[name].is_assumed
 
 
-def _steps(known: FloatArray, fewest: int) -> FloatArray:
-    values = np.unique(np.round(known, 9))
-    steps = np.diff(values) if len(values) >= fewest else np.zeros(0)
-    return np.asarray(steps[steps > 1e-9])
-
-
 def _rounded(fine: FloatArray, coarse: FloatArray) -> FloatArray | None:
     """Return values (n,) on the grid of coarse ones, None where these lie on none."""
     known = coarse[np.isfinite(coarse)]
-    steps = _steps(known, FEWEST_OF_TEMPERATURES)
-    size, origin = float(np.mean(steps[steps < APART * steps.min()])), float(known[0])
+    sizes = steps(known, FEWEST)
+    size, origin = float(np.mean(sizes[sizes < APART * sizes.min()])), float(known[0])
     places = (known - origin) / size
     if np.any(np.abs(places - np.round(places)) > NEAR):
         return None

@@ -11,21 +11,19 @@ import pandas as pd
 from waxstudy.dataset.columns import CODES, LARGEST, UNREADABLE_SHARE
 from waxstudy.dataset.columns import WORDS as STATES
 
-WORDS = {
-    **STATES,
-    **dict.fromkeys(("heat", "heating", "yes", "active", "running", "ein", "an", "auf", "offen", "heizen", "ja"), 1.0),
-    # French, Dutch, Swedish and Danish, Finnish, Estonian, Italian, Spanish, Polish, Russian; and Excel's in German
-    **dict.fromkeys(
-        ("ouvert", "ouverte", "marche", "vrai", "aan", "på", "tændt", "päällä", "auki", "sees", "lahti"), 1.0
-    ),
-    **dict.fromkeys(("lahti", "acceso", "aperto", "encendido", "abierto", "włączone", "otwarte", "вкл", "wahr"), 1.0),
-    **dict.fromkeys(("fermé", "fermée", "ferme", "arrêt", "faux", "uit", "dicht", "av", "af", "pois"), 0.0),
-    **dict.fromkeys(("gesloten", "stängd", "lukket", "slukket", "kiinni", "arret", "fermee"), 0.0),
-    **dict.fromkeys(("öppen", "åben"), 1.0),
-    **dict.fromkeys(("väljas", "kinni", "spento", "chiuso", "apagado", "cerrado", "wyłączone", "zamknięte"), 0.0),
-    **dict.fromkeys(("выкл", "falsch"), 0.0),
-    **dict.fromkeys(("idle", "no", "inactive", "standby", "aus", "zu", "geschlossen", "nein", "cool", "close"), 0.0),
-}
+# besides English: German, French, Dutch, Swedish, Danish, Finnish, Estonian, Italian, Spanish, Polish, Russian
+ON = (
+    "heat", "heating", "yes", "active", "running", "ein", "an", "auf", "offen", "heizen", "ja", "wahr",
+    "ouvert", "ouverte", "marche", "vrai", "aan", "på", "öppen", "tændt", "åben", "päällä", "auki", "sees", "lahti",
+    "acceso", "aperto", "encendido", "abierto", "włączone", "otwarte", "вкл",
+)  # fmt: skip
+OFF = (
+    "idle", "no", "inactive", "standby", "aus", "zu", "geschlossen", "nein", "cool", "close", "falsch",
+    "fermé", "fermée", "ferme", "fermee", "arrêt", "arret", "faux", "uit", "dicht", "gesloten", "av", "stängd", "af",
+    "slukket", "lukket", "pois", "kiinni", "väljas", "kinni", "spento", "chiuso", "apagado", "cerrado", "wyłączone",
+    "zamknięte", "выкл",
+)  # fmt: skip
+WORDS = {**STATES, **dict.fromkeys(ON, 1.0), **dict.fromkeys(OFF, 0.0)}
 # from here on nothing is known: what was read before is not held
 NOTHING = ("unavailable", "unknown", "none", "nan", "null", "n/a", "na", "error", "fault", "offline", "-", "--", "")
 NUMBER = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s.,].*)?")
@@ -60,7 +58,6 @@ def numbers_of(written: pd.Series) -> Numbers:
     if pd.api.types.is_bool_dtype(written):
         written = written.map({True: "on", False: "off"})
     values = np.array(pd.to_numeric(written, errors="coerce").to_numpy(dtype=float, na_value=np.nan))
-    values[_may_be_grouped(written)] = np.nan
     left = np.flatnonzero(np.isnan(values) & written.notna().to_numpy())
     units: set[str] = set()
     words: set[str] = set()
@@ -68,6 +65,9 @@ def numbers_of(written: pd.Series) -> Numbers:
     if len(left):
         texts = written.iloc[left].astype(str).str.strip()
         marks = _marks(texts)
+        if "." in marks:  # what looks like a number may be grouped too
+            left = np.flatnonzero(written.notna().to_numpy())
+            texts = written.iloc[left].astype(str).str.strip()
         for text, group in texts.groupby(texts):
             value, unit, word = _read(str(text), marks)
             places = left[texts.index.get_indexer_for(group.index)] if texts.index.is_unique else left[texts == text]
@@ -102,12 +102,3 @@ def _ungrouped(text: str, marks: frozenset[str]) -> str:
     text = NEVER_DECIMAL.sub("", text)
     found = GROUPED.fullmatch(text)
     return text.replace(found["mark"], "") if found and found["mark"] in marks else text
-
-
-def _may_be_grouped(written: pd.Series) -> np.ndarray:
-    """Return cells (n,) that a point may part into thousands, where others of the column tell that it does."""
-    if pd.api.types.is_numeric_dtype(written):
-        return np.zeros(len(written), dtype=bool)
-    texts = written.astype(str).str.strip()
-    pointed = texts.str.fullmatch(r"[-+]?\d{1,3}(?:\.\d{3})+", na=False).to_numpy(dtype=bool)
-    return pointed if pointed.any() and "." in _marks(texts[texts.str.contains(",", na=False)]) else pointed & False

@@ -11,6 +11,7 @@ from waxstudy.dataset.channels import CHANNELS, Quantity
 from waxstudy.dataset.checks.check import TEMPERATURES, Discard, Findings, Record, Warn, check, each, quantity_of
 from waxstudy.dataset.checks.units import LEVEL_NOISE
 from waxstudy.dataset.columns import CODE, CODES, CODES_ABOVE
+from waxstudy.dataset.resolution import step
 from waxstudy.plugin import FloatArray
 
 # a 1-Wire thermometer (DS18B20) shows 85 C until it has measured (data sheet); chosen: water has it only beside
@@ -35,7 +36,7 @@ NAMED = 3  # channels that a sentence lists
 STUCK_H, STUCK_COARSE_H = 6.0, 24.0
 STILL_H, STILL_COARSE_H = 24.0, 48.0  # chosen: nothing that moves stands still for a day, to 0.2 K or more for two
 STEADY = ("ventilation_supply_temperature_C",)  # what a controller may hold
-COARSE_K = 0.2 - 1e-6  # a resolution with which a temperature may stand still for hours
+COARSE_K = 0.2  # a resolution with which a temperature may stand still for hours
 MOVING = 5  # values that a temperature takes more of if it moves
 CONTINUOUS = 20  # values from which a channel may be clipped
 CLIPPED_SHARE, CLIPPED_COUNT, CLIPPED_FACTOR = 0.01, 20, 5.0  # at an extreme; over those beside it
@@ -140,12 +141,11 @@ def stray(record: Record, channel: pd.Series) -> Findings:
 @check("dead", "discards", *MOVING_ONES, fewest=0, mend=INSTRUMENT)
 def still(record: Record, channel: pd.Series) -> Findings:
     """A temperature that stands still for over {STILL_H:g} h while another one moves; of room and water only with a
-    resolution below {COARSE_K:.1g} K, outdoors with such a one for {STILL_COARSE_H:g} h. One that never changes may be
+    resolution below {COARSE_K:g} K, outdoors with such a one for {STILL_COARSE_H:g} h. One that never changes may be
     meant so, as in a chamber."""
-    x = channel.to_numpy()
-    steps = np.diff(np.unique(x[np.isfinite(x)]))
-    is_coarse = len(steps) > 0 and bool(np.min(steps) >= COARSE_K)
-    if not len(steps) or (is_coarse and channel.name != "outdoor_temperature_C"):
+    x, resolution_K = channel.to_numpy(), _resolution(channel)
+    is_coarse = resolution_K >= COARSE_K
+    if not resolution_K or (is_coarse and channel.name != "outdoor_temperature_C"):
         return
     dead, longest_s = np.zeros(len(x), dtype=bool), 0.0
     for first, length in _runs(np.diff(x) == 0.0):
@@ -182,13 +182,12 @@ def constant(record: Record, channel: pd.Series) -> Findings:
 
 @moving(*(names for names in TEMPERATURES if names in MEASURED))
 def stuck(record: Record, channel: pd.Series) -> Findings:
-    """A temperature that stands still for over {STUCK_H:g} h ({STUCK_COARSE_H:g} h if its resolution is {COARSE_K:.1g} K
+    """A temperature that stands still for over {STUCK_H:g} h ({STUCK_COARSE_H:g} h if its resolution is {COARSE_K:g} K
     or more) while another one moves."""
-    x, values = channel.to_numpy(), record.values
-    steps = np.diff(np.unique(x[np.isfinite(x)]))
+    x, values, resolution_K = channel.to_numpy(), record.values, _resolution(channel)
     first, length = _longest(np.diff(x) == 0.0)
     lasting_s = length * record.interval_s
-    if not len(steps) or lasting_s <= HOUR_S * (STUCK_COARSE_H if np.min(steps) >= COARSE_K else STUCK_H):
+    if not resolution_K or lasting_s <= HOUR_S * (STUCK_COARSE_H if resolution_K >= COARSE_K else STUCK_H):
         return
     if _others_move(values, str(channel.name), first, length):
         place = f"from {values.index[first]} for {_duration(lasting_s)}"
@@ -205,6 +204,11 @@ def clipped(record: Record, channel: pd.Series) -> Findings:
         if count >= max(CLIPPED_COUNT, CLIPPED_SHARE * known, CLIPPED_FACTOR * counts.iloc[near].mean()):
             are = f"{_percent(count, known)} of its samples are exactly {counts.index[place]:g}"
             yield Warn(f"{channel.name} is clipped: {are}, its extreme")
+
+
+def _resolution(channel: pd.Series) -> float:
+    """Return the smallest distance of two values of a channel, 0 where it never changes."""
+    return round(step(channel.dropna().to_numpy(dtype=float), fewest=2), 6)  # 21.2 - 21 is no 0.2 in binary
 
 
 def _others_move(values: pd.DataFrame, name: str, first: int, length: int) -> bool:

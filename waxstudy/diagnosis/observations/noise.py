@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from waxstudy.dataset.rounding import step
+from waxstudy.dataset.resolution import step
 from waxstudy.plugin import FloatArray
 
 ON = 0.5  # of full scale

@@ -117,7 +117,7 @@ class Continuous:
         record, driven_by = self.record, self.segment.driven_by
         known: np.ndarray = np.isfinite(record.values[self.channel]) & record.settled
         # the air drives the sensor, which drives the controller of the same segment
-        for drive in {driven_by, record.air_channel if self.channel == "sensor_temperature_C" else driven_by}:
+        for drive in (driven_by, record.air_channel) if self.channel == "sensor_temperature_C" else (driven_by,):
             if drive in record.values:
                 known &= ~record.is_gap(drive)
         if driven_by == "displacement":
