@@ -145,26 +145,27 @@ INTERPRETED = FEWER.replace("step_s = 4", "step_s = 60").replace("members = 2", 
 @pytest.mark.parametrize(
     ("text", "options"), [(LONG, []), (INTERPRETED, ["--no-jit"])], ids=["compiled", "interpreted"]
 )
-def test_ctrl_c_ends_a_run_within_a_second_and_keeps_what_is_finished(
+def test_ctrl_c_ends_a_run_long_before_its_rest_would_end_and_keeps_what_is_finished(
     waxstudy: Waxstudy, tmp_path: Path, text: str, options: list[str]
 ) -> None:
-    taken_s: list[float] = []
-    while len(taken_s) < 3 and min(taken_s, default=2.0) > 1.0:  # another program may hold the processor once
-        folder = tmp_path / str(len(taken_s))
+    shares: list[float] = []
+    while len(shares) < 3 and min(shares, default=1.0) > 1 / 3:  # another program may hold the processor once
+        folder = tmp_path / str(len(shares))
         folder.mkdir()
         (folder / "long.toml").write_text(text)
         seconds, process, stdout, stderr = interrupt(folder, *options)
         assert (process.returncode, stdout) == (INTERRUPTED, "")
         assert stderr.strip() == "interrupted; what was finished is kept, the same command goes on from there"
-        taken_s.append(seconds)
-    assert min(taken_s) <= 1.0
-    kept = finished_cases(folder / "run")
-    assert kept
-    report = waxstudy("report", folder / "run")
-    assert report.returncode == 3
-    assert f"`waxstudy run STUDY.toml --out {folder / 'run'}` goes on from there" in report.stderr
-    assert waxstudy("run", folder / "long.toml", "--out", folder / "run", *options).returncode == 0
-    assert finished_cases(folder / "run").items() >= kept.items()
+        kept = finished_cases(folder / "run")
+        assert kept
+        report = waxstudy("report", folder / "run")
+        assert report.returncode == 3
+        assert f"`waxstudy run STUDY.toml --out {folder / 'run'}` goes on from there" in report.stderr
+        began = time.perf_counter()
+        assert waxstudy("run", folder / "long.toml", "--out", folder / "run", *options).returncode == 0
+        assert finished_cases(folder / "run").items() >= kept.items()
+        shares.append(seconds / (time.perf_counter() - began))
+    assert min(shares) <= 1 / 3
 
 
 @pytest.mark.parametrize(
