@@ -42,7 +42,7 @@ start = {{ id = "b2.0", controller = {{ use = "on-off" }} }}
 steps = [
 {"".join(STEPS)}]
 """
-FEWER = LONG.replace("".join(STEPS[:3]), "")  # four cases
+FEWER = LONG.replace("".join(STEPS[:4]), "")  # three cases
 
 
 def start(folder: Path, *arguments: str) -> subprocess.Popen[str]:
