@@ -6,6 +6,7 @@ import codecs
 import csv
 import re
 import warnings
+from collections import Counter
 from collections.abc import Iterator
 from functools import partial
 from itertools import islice
@@ -138,11 +139,16 @@ def _names(head: list[str], separator: str) -> tuple[int, int]:
     """Return how many names of columns there are with a separator, 0 for none, and in which line.
 
     They stand in the first line with more than half of the cells that any has: a title has fewer. Numbers are no names.
+    A line that is not as wide as the rows below is a title too, if the next one is not either.
     """
     rows = [[cell.strip(' "') for cell in line.split(separator)] for line in head[: 2 * TITLES]]
     filled = [[cell for cell in row if cell] for row in rows]
     most = max(map(len, filled))
-    place = next((place for place, cells in enumerate(filled) if 2 * len(cells) > most), 0)
+    longer = [place for place, cells in enumerate(filled) if 2 * len(cells) > most] or [0]
+    usual = Counter(len(row) for row in rows[longer[0] + 1 :]).most_common(1)
+    is_title = usual and all(len(row) != usual[0][0] for row in rows[longer[0] : longer[0] + 2])
+    wide = [place for place in longer if len(rows[place]) == usual[0][0]] if is_title else longer
+    place = (wide or longer)[0]
     are_names = place <= TITLES and not any(NUMBER.fullmatch(cell) for cell in filled[place])
     return len(filled[place]) if are_names else 0, place
 

@@ -30,6 +30,11 @@ DAY = ("date", "datum", "day", "tag")
 CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?\s*([AaPp][Mm])?\s*")
 BRACKETED = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*$")
 SLASHED = re.compile(r"^(?P<name>.+?)\s+/\s+(?P<unit>\S+)$")
+NO_CLOCK = r"[ T]00:00(:00(\.0+)?)?$"  # as a workbook's days have
+NO_TABLES = {
+    re.compile(r"^\s*[{\[]"): "JSON",
+    re.compile(r"^\S+[, ]\S.*=\S+ \d{10,19}$"): "InfluxDB's line protocol",
+}
 EXPECTED = (
     "expected is a column of stamps, and either a column for each sensor, or one of names, one of values; "
     "units may stand in the row below the names"
@@ -107,12 +112,17 @@ def _time_column(table: Table) -> tuple[str, pd.DataFrame]:
     if by_name and (days := frame[by_name[0]].dropna()).between(*SPREADSHEET_DAYS).all() and len(days):
         wrong = f"no column holds stamps: '{by_name[0]}' has numbers, such as {days.iloc[0]}"
         raise refusal(table.where, wrong, "if they count days, as a spreadsheet does, write them as 2024-01-31 12:00")
+    first = ",".join(map(str, frame.columns))
+    for form, what in NO_TABLES.items():
+        if form.search(first):
+            raise refusal(table.where, f"is no table: it holds {what}", "export a table, with a row for each time")
     raise refusal(table.where, f"no column holds stamps (columns: {named(frame)})", EXPECTED)
 
 
 def _day_and_clock(frame: pd.DataFrame, day: str, clock: Hashable) -> pd.DataFrame:
     """Return a table whose column of days has the time of day behind them."""
-    both = frame[day].astype(str).str.slice(0, 10).str.strip() + " " + frame[clock].astype(str).str.strip()
+    days = frame[day].astype(str).str.strip().str.replace(NO_CLOCK, "", regex=True)
+    both = days + " " + frame[clock].astype(str).str.strip()
     return frame.assign(**{day: both}).drop(columns=[clock])
 
 

@@ -19,6 +19,28 @@ from waxstudy.study.problems import shown
 # least and unit of an epoch by its size: the years 1973 to 5138 in seconds, and so on
 EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
 CLOCKS = ("%H:%M:%S", "%H:%M", "%H:%M:%S.%f", "%I:%M:%S %p", "%I:%M %p", "")
+# by the mark between them; years of two digits may stand first, and "-" is left to those of four
+ORDERS = (
+    ("%d.%m.%Y", "%m.%d.%Y"),
+    ("%d/%m/%Y", "%m/%d/%Y"),
+    ("%d-%m-%Y", "%m-%d-%Y"),
+    ("%d.%m.%y", "%y.%m.%d"),
+    ("%d/%m/%y", "%m/%d/%y", "%y/%m/%d"),
+    *((form,) for form in ("%d-%b-%Y", "%d-%b-%y", "%d %b %Y", "%d %B %Y", "%b %d, %Y", "%B %d, %Y", "%b %d %Y")),
+)
+YEAR_DAYS = 365
+TWO_DIGITS = r"\d{1,2}[./]\d{1,2}[./]\d{1,2}"  # a date or an address: a time of day or a name tells
+# digits alone, by how many there are; milliseconds since 1970 had twelve until 2001, of which few are dates
+CALENDAR = {12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}
+# hours ahead of UTC of names that mean one zone to a logger
+ZONES = {
+    "UTC": 0, "GMT": 0, "WET": 0, "WEST": 1, "BST": 1, "CET": 1, "MEZ": 1, "CEST": 2, "MESZ": 2, "EET": 2, "EEST": 3,
+    "EST": -5, "EDT": -4, "CDT": -5, "MST": -7, "MDT": -6, "PST": -8, "PDT": -7,
+}  # fmt: skip
+ZONE_BEHIND = rf"(?<=[\dM])\s+({'|'.join(ZONES)})$"
+# before a date, however the word ends: in English, German and French
+WEEKDAY = r"^(?i:mon|tue|wed|thu|fri|sat|sun|mo|di|mi|do|fr|sa|so|lun|mar|mer|jeu|ven|dim)[^\W\d_]*[.,]?\s+(?=\d)"
+MIDNIGHT = r"(?<![\d:])24(?=:00(?::00)?(?:\.0+)?$)"  # of the day that ends
 DAYS = ("%d", "%j", "%D", "%F", "%x", "%c", "%s")  # of a format, one of which tells the date
 MEND_ROWS = "mend these rows, or leave them out"
 SAY_FORMAT = "say --time-format '%d/%m/%Y %H:%M' or as it is"
@@ -26,6 +48,10 @@ SAY_FORMAT = "say --time-format '%d/%m/%Y %H:%M' or as it is"
 NAMED_ZONE = re.compile(r"(?<![a-z])(?:utc|gmt)(?![a-z\d])[\s(]*(?P<offset>[+\-\u2212]\s*\d[\d:.]*)?", re.IGNORECASE)
 NAMED_OFFSET = re.compile(r"([+\-\u2212])\s*(0?\d|1[0-4])(?::?([0-5]\d))?")
 OFFSET = r"([+-])(\d\d):?(\d\d)?\s*$"
+
+
+class Ambiguous(ValueError):
+    """Stamps that can be read in two ways, which are different days."""
 
 
 def is_stamps(written: pd.Series, name: str = "") -> bool:
@@ -37,8 +63,13 @@ def is_stamps(written: pd.Series, name: str = "") -> bool:
         return True
     if pd.api.types.is_numeric_dtype(first):
         return bool((first >= EPOCHS[-1][0]).all()) and bool(first.is_unique or name)
+    texts = _plain(first)
+    if not name and texts.str.fullmatch(TWO_DIGITS).any():
+        return False
     try:
-        return bool(_texts(_plain(first), None).notna().all())
+        return bool(_texts(texts, None).notna().all())
+    except Ambiguous:
+        return True
     except ValueError:
         return False
 
@@ -49,7 +80,8 @@ def stamps_of(written: pd.Series, time_format: str | None, where: str) -> pd.Dat
     if pd.api.types.is_datetime64_any_dtype(written):
         times = written
     elif pd.api.types.is_numeric_dtype(written):
-        times = _epochs(written, where)
+        calendar = _calendar(written.map("{:.0f}".format, na_action="ignore").astype("str"))
+        times = _epochs(written, where) if calendar is None else calendar
     else:
         try:
             times = _texts(_plain(written), time_format)
@@ -88,6 +120,22 @@ def _within_years(times: pd.DatetimeIndex, written: pd.Series, where: str) -> pd
     return times.as_unit("ns")
 
 
+def _calendar(digits: pd.Series) -> pd.Series | None:
+    """Return digits as dates and times, None where most of them are none."""
+    known = digits.dropna()
+    form = CALENDAR.get(len(str(known.iloc[0]))) if len(known) else None
+    if form is None or not known.str.isdigit().all():
+        return None
+    ends_day = digits.str.contains(r"^\d{8}24(?:00)+$", na=False)
+    times = _read(digits.str.replace(r"(?<=^\d{8})24(?=(?:00)+$)", "00", regex=True), form, False)
+    return times + _days(ends_day) if times[known.index].notna().mean() > MOSTLY else None
+
+
+def _days(ends_day: pd.Series) -> pd.Series:
+    """Return the day by which 24 h is later than 0 h."""
+    return pd.Series(pd.to_timedelta(ends_day.astype(int), unit="D"))
+
+
 def _epochs(written: pd.Series, where: str) -> pd.Series:
     size = float(written.abs().median())
     unit: Any = next((unit for least, unit in EPOCHS if size >= least), None)
@@ -115,6 +163,32 @@ def _plain(written: pd.Series) -> pd.Series:
 
 def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
     """Return texts as stamps; raise `ValueError` where they do not tell which instants they are."""
+    times = _as_written(written, time_format)
+    unread = times.isna() & written.notna()
+    if time_format or not unread.any():
+        return times
+    if (calendar := _calendar(written)) is not None:
+        return calendar
+    zone = written.str.extract(ZONE_BEHIND, expand=False)
+    spelt = written.copy()
+    for rest in (ZONE_BEHIND, WEEKDAY):
+        spelt[unread] = spelt[unread].str.replace(rest, "", regex=True)
+    ends_day = spelt.str.contains(MIDNIGHT, na=False)
+    spelt[ends_day] = spelt[ends_day].str.replace(MIDNIGHT, "00", regex=True)
+    if spelt.equals(written):
+        return times
+    local = _as_written(spelt, None) + _days(ends_day)
+    return _in_zones(local, zone) if zone.notna().any() else local
+
+
+def _in_zones(local: pd.Series, zone: pd.Series) -> pd.Series:
+    """Return wall-clock times in the standard time of the zones named behind them; missing without one."""
+    hours = zone.map(ZONES)
+    utc = (local - pd.to_timedelta(hours.astype(float), unit="h")).dt.tz_localize("UTC")
+    return pd.Series(utc.dt.tz_convert(timezone(timedelta(hours=float(hours.min()))))) if hours.min() else utc
+
+
+def _as_written(written: pd.Series, time_format: str | None) -> pd.Series:
     known = written.dropna()
     if time_format:
         if not any(sign in time_format for sign in DAYS):
@@ -152,19 +226,27 @@ def _read(written: pd.Series, form: str, is_utc: bool) -> pd.Series:
 
 
 def _formats(first: pd.Series, known: pd.Series) -> Iterator[str]:
-    """Yield the format that all of the first stamps have; raise `ValueError` where two say different days."""
-    for mark, between, clock in product("./-", (" ", "T", ", "), CLOCKS):
-        forms = [f"{day}{between}{clock}" if clock else day for day in (f"%d{mark}%m{mark}%Y", f"%m{mark}%d{mark}%Y")]
+    """Yield the format that all of the first stamps have; raise `Ambiguous` where two say different days."""
+    for order, between, clock in product(ORDERS, (" ", "T", ", "), CLOCKS):
+        forms = [f"{day}{between}{clock}" if clock else day for day in order]
         if not any(_read(first.iloc[:1], form, False).notna().all() for form in forms):
             continue
         fits = [form for form in forms if _read(first, form, False).notna().all()]
-        if len(fits) > 1 and mark != ".":  # with points the day comes first
-            fits = [form for form in forms if _read(known, form, False).notna().all()]
+        if len(fits) > 1 and not fits[0].startswith("%d.%m.%Y"):  # with points the day comes first
+            fits = _year_told(known, [form for form in forms if _read(known, form, False).notna().all()])
             if len(fits) > 1 and not _is_same(known, fits):
-                raise ValueError("day and month cannot be told apart")
+                which = "day, month and year" if len({form[1] for form in fits} & {"y"}) else "day and month"
+                raise Ambiguous(f"{which} cannot be told apart")
         yield from fits[:1]
 
 
+def _year_told(known: pd.Series, fits: list[str]) -> list[str]:
+    """Return the forms without those that take days for years: days of a record follow each other, and years do not."""
+    read = {form: _read(known, form, False) for form in fits}
+    days = {form: (times.max() - times.min()).days for form, times in read.items()}
+    return [form for form in fits if days[form] < YEAR_DAYS or days[form] == min(days.values())]
+
+
 def _is_same(known: pd.Series, forms: Sequence[str]) -> bool:
-    one, other = (_read(known, form, False) for form in forms)
-    return bool((one == other).all())
+    one, *others = (_read(known, form, False) for form in forms)
+    return all(bool((one == other).all()) for other in others)
