@@ -40,7 +40,7 @@ DAYS = 4
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("without", [(SUN,), (GAINS,), (SUN, GAINS)])
+@pytest.mark.parametrize("without", [(SUN,), (SUN, GAINS)])
 def test_a_healthy_room_whose_sun_or_gains_nobody_recorded_is_no_gap_without_a_cause(without: tuple[str, ...]) -> None:
     said = diagnose(dataset(rows("REAL", DAYS, without=without), "REAL"), quick=True)
     assert (said.verdict, list(said.effects)) == ("none", [])

@@ -8,7 +8,7 @@ import pytest
 
 from tests.conformance.broken.plugin import install, valve
 from tests.conformance.broken.test_runs import STUDY
-from tests.conftest import Waxstudy
+from tests.conftest import call
 from waxstudy.conformance.drive import CompiledBlock
 from waxstudy.plugin import Block, Valve
 
@@ -46,21 +46,30 @@ IMPORTED = {
 }
 
 
+def figures(folder: Path, imports: str, step: str, law: str, *options: str) -> list[str]:
+    """What is printed of a study whose valve takes its law from another module."""
+    strangers = folder / "strangers"
+    install(strangers, "law-of-another", valve(step, before=imports))
+    (folder / "small.toml").write_text(STUDY.replace("VALVE", "law-of-another"))
+    (strangers / "law.py").write_text(law)
+    done = call(folder, "run", "small.toml", *options, env={"PYTHONPATH": str(strangers)})
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout.splitlines()[:-1]
+
+
+@pytest.fixture(scope="module")
+def interpreted(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """The figures of a law of 0.875 that nothing was compiled for."""
+    imports, step, law = IMPORTED["helper"]
+    return figures(tmp_path_factory.mktemp("python"), imports, step, law.format(gain="0.875"), "--no-jit")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("imports", "step", "law"), IMPORTED.values(), ids=IMPORTED)
 def test_what_a_step_takes_from_another_module_is_looked_at_again(
-    waxstudy: Waxstudy, tmp_path: Path, imports: str, step: str, law: str
+    tmp_path: Path, interpreted: list[str], imports: str, step: str, law: str
 ) -> None:
-    folder = tmp_path / "strangers"
-    install(folder, "law-of-another", valve(step, before=imports))
-    (tmp_path / "small.toml").write_text(STUDY.replace("VALVE", "law-of-another"))
-    env = {"PYTHONPATH": str(folder)}
-    figures = {}
-    for gain, options in (("0.5", ()), ("0.875", ()), ("0.875", ("--no-jit", "--out", "python"))):
-        (folder / "law.py").write_text(law.format(gain=gain))
-        done = waxstudy("run", "small.toml", *options, env=env)
-        assert (done.returncode, done.stderr) == (0, "")
-        figures[gain, options] = done.stdout.splitlines()[:-1]
-    first, again, python = figures.values()
-    assert again == python
+    first = figures(tmp_path, imports, step, law.format(gain="0.5"))
+    again = figures(tmp_path, imports, step, law.format(gain="0.875"))
+    assert again == interpreted
     assert again != first
