@@ -46,13 +46,16 @@ IMPORTED = {
 }
 
 
-def figures(folder: Path, imports: str, step: str, law: str, *options: str) -> list[str]:
-    """What is printed of a study whose valve takes its law from another module."""
-    strangers = folder / "strangers"
-    install(strangers, "law-of-another", valve(step, before=imports))
+def of_another(folder: Path, imports: str, step: str) -> None:
+    """Write a study of a valve that takes its law from another module, and install the valve."""
+    install(folder / "strangers", "law-of-another", valve(step, before=imports))
     (folder / "small.toml").write_text(STUDY.replace("VALVE", "law-of-another"))
-    (strangers / "law.py").write_text(law)
-    done = call(folder, "run", "small.toml", *options, env={"PYTHONPATH": str(strangers)})
+
+
+def figures(folder: Path, law: str, *options: str) -> list[str]:
+    """What is printed of that study under a law."""
+    (folder / "strangers" / "law.py").write_text(law)
+    done = call(folder, "run", "small.toml", *options, env={"PYTHONPATH": str(folder / "strangers")})
     assert (done.returncode, done.stderr) == (0, "")
     return done.stdout.splitlines()[:-1]
 
@@ -60,8 +63,10 @@ def figures(folder: Path, imports: str, step: str, law: str, *options: str) -> l
 @pytest.fixture(scope="module")
 def interpreted(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """The figures of a law of 0.875 that nothing was compiled for."""
+    folder = tmp_path_factory.mktemp("python")
     imports, step, law = IMPORTED["helper"]
-    return figures(tmp_path_factory.mktemp("python"), imports, step, law.format(gain="0.875"), "--no-jit")
+    of_another(folder, imports, step)
+    return figures(folder, law.format(gain="0.875"), "--no-jit")
 
 
 @pytest.mark.slow
@@ -69,7 +74,7 @@ def interpreted(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 def test_what_a_step_takes_from_another_module_is_looked_at_again(
     tmp_path: Path, interpreted: list[str], imports: str, step: str, law: str
 ) -> None:
-    first = figures(tmp_path, imports, step, law.format(gain="0.5"))
-    again = figures(tmp_path, imports, step, law.format(gain="0.875"))
+    of_another(tmp_path, imports, step)
+    first, again = (figures(tmp_path, law.format(gain=gain)) for gain in ("0.5", "0.875"))
     assert again == interpreted
     assert again != first
