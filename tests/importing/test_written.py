@@ -94,6 +94,23 @@ def test_any_other_name_tells_no_zone_and_a_stamp_s_own_goes_before(name: str) -
     assert own[0] == pd.Timestamp("2024-01-10 10:00", tz="UTC")
 
 
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("Time (UTC)", "Stamps are in UTC, as the name 'Time (UTC)' says."),
+        ("Time GMT+02:00", "Stamps are in UTC+02:00, as the name 'Time GMT+02:00' says."),
+        ("Time", ""),
+        ("time_utc-2501", ""),
+    ],
+)
+def test_a_zone_that_is_taken_from_a_name_is_told_once(entry: Entry, name: str, told: str) -> None:
+    house().rename_axis(name).to_csv("house.csv")
+    done = entry("import", "house.csv", "--timezone", "Europe/Tallinn", "--out", "record")
+    assert done.code == 0
+    assert (done.stdout + done.stderr).count("Stamps are in ") == (1 if told else 0)
+    assert told in done.stdout + done.stderr
+
+
 AT = pd.Timestamp("2026-01-13 16:05")
 MIDNIGHT = pd.Timestamp("2026-01-14 00:00")
 

@@ -44,7 +44,8 @@ def bring(request: Request, ask: Ask) -> Imported:
     readings = joined(readings)
     _refuse_other_days(readings)
     places = {each.entity: each.place for each in readings if each.place}
-    notes.assumptions += said + [sentence for each in readings for sentence in each.notes]
+    # a column of stamps says the same of all that stands beside it
+    notes.assumptions += said + list(dict.fromkeys(sentence for each in readings for sentence in each.notes))
     request = replace(request, timezone=zone)
     worded: list[str] = []
     logged = [found for each in readings if (found := _logged(each, notes, worded)) is not None]

@@ -13,7 +13,7 @@ import pandas as pd
 from waxstudy.dataset.columns import named
 from waxstudy.importing.limits import LOOKED_AT, MOST_ENTITIES, REPEATED, SPREADSHEET_DAYS
 from waxstudy.importing.reading import Readings, Table, refusal
-from waxstudy.importing.stamps import is_stamps, stamps_of
+from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.units import WRITTEN
 from waxstudy.importing.words import is_told_in_words
 
@@ -51,7 +51,9 @@ def readings_of(table: Table, file: Path, time_format: str | None) -> Iterator[R
     time, frame = _time_column(Table(table.where, _fields_with_tags(frame)))
     entity = _entity_column(frame, time)
     split = _long if entity else _wide
-    yield from split(Table(table.where, frame), file, time, units, time_format, entity or "")
+    told = zone_told(frame[time], time_format, table.where)
+    for each in split(Table(table.where, frame), file, time, units, time_format, entity or ""):
+        yield replace(each, notes=(*each.notes, told)) if told else each
 
 
 def _refuse_turned(table: Table) -> None:

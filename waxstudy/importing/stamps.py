@@ -97,6 +97,15 @@ def stamps_of(written: pd.Series, time_format: str | None, where: str) -> pd.Dat
     return _within_years(_in_named_zone(pd.DatetimeIndex(times), name), written, where)
 
 
+def zone_told(written: pd.Series, time_format: str | None, where: str) -> str:
+    """Return a sentence on the zone that a column's name tells; "" where it tells none, or its stamps their own."""
+    name = str(written.name)
+    if not NAMED_ZONE.search(name) or stamps_of(written.rename(""), time_format, where).tz is not None:
+        return ""
+    zone = stamps_of(written, time_format, where).tz
+    return f"Stamps are in {zone}, as the name '{name}' says." if zone else ""
+
+
 def _in_named_zone(times: pd.DatetimeIndex, name: str) -> pd.DatetimeIndex:
     """Return stamps that tell no zone in the one that their column's name tells, if any."""
     found = NAMED_ZONE.search(name)
