@@ -27,9 +27,7 @@ class Event:
         return any(begin <= hour < end for begin, end in self.spans_h)
 
 
-def made(
-    seed: int, days: int = 12, rooms: int = 5, events: Sequence[Event] = (), with_gains: bool = True
-) -> pd.DataFrame:
+def made(seed: int, days: int = 12, rooms: int = 5, events: Sequence[Event] = ()) -> pd.DataFrame:
     """Return a record by time: outdoors, sun, and of each room its air [C] and own heat [W], as measured."""
     rng = np.random.default_rng(seed)
     count = days * 86_400 // STEP_S
@@ -42,8 +40,7 @@ def made(
     for room in range(rooms):
         steps = sum(each.sensor_K * np.array([each.acts(h) for h in hour]) for each in events if each.room == room)
         columns[f"room{room}"] = np.round(airs[room] + steps + rng.normal(0.0, 0.05, count), 1)
-        if with_gains:
-            columns[f"gain{room}"] = np.round(gains[room])
+        columns[f"gain{room}"] = np.round(gains[room])
     time = BEGIN + pd.to_timedelta((np.arange(count) + 1) * STEP_S, "s")
     return pd.DataFrame(columns, index=pd.DatetimeIndex(time, name="time"))
 
@@ -103,13 +100,13 @@ def _wandering(rng: np.random.Generator, count: int, sd: float, length_h: float)
     return found
 
 
-def toml(rooms: int, extra: str = "", with_gains: bool = True) -> str:
+def toml(rooms: int) -> str:
     """Return the dataset.toml of such a record."""
     lines = ['[dataset]\nname = "made"\n[neighbours]\nsun = ["sun"]\n']
     for room in range(rooms):
-        gain = f'internal_gain_W = "gain{room}"\n' if with_gains else ""
-        lines.append(f'[neighbours.room{room}]\nair_temperature_C = "room{room}"\n{gain}')
-    return "".join(lines) + extra
+        own = f'air_temperature_C = "room{room}"\ninternal_gain_W = "gain{room}"\n'
+        lines.append(f"[neighbours.room{room}]\n{own}")
+    return "".join(lines)
 
 
 Truth = Mapping[int, Sequence[tuple[float, float]]]

@@ -28,15 +28,15 @@ NIGHTS = [(24.0 * day + 22.0, 24.0 * day + 30.0) for day in (3, 4, 7)]
 OVERLAP = 0.5  # hours of both over hours of either, that is asked for
 
 
-def written(folder: Path, record: pd.DataFrame, rooms: int, extra: str = "", with_gains: bool = True) -> Path:
+def written(folder: Path, record: pd.DataFrame, rooms: int) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     record.to_csv(folder / "data.csv", date_format="%Y-%m-%dT%H:%M:%S")
-    (folder / "dataset.toml").write_text(toml(rooms, extra, with_gains))
+    (folder / "dataset.toml").write_text(toml(rooms))
     return folder
 
 
-def beside(folder: Path, record: pd.DataFrame, rooms: int, extra: str = "", with_gains: bool = True) -> RoomsBeside:
-    dataset = read_dataset(written(folder, record, rooms, extra, with_gains))
+def beside(folder: Path, record: pd.DataFrame, rooms: int) -> RoomsBeside:
+    dataset = read_dataset(written(folder, record, rooms))
     assert dataset.neighbours
     return judged(dataset.neighbours, lambda what, share: None)
 

@@ -18,6 +18,8 @@ from waxstudy.importing.words import numbers_of
 from waxstudy.study.problems import StudyError
 
 MARKS = [(",", "."), (".", ","), ("'", "."), ("\u2019", "."), (" ", ","), ("\u00a0", ","), ("\u202f", ",")]
+AT = pd.Timestamp("2026-01-13 16:05")
+MIDNIGHT = pd.Timestamp("2026-01-14 00:00")
 
 
 @given(number=st.integers(10_000, 99_999_999), marks=st.sampled_from(MARKS))
@@ -109,10 +111,6 @@ def test_a_zone_that_is_taken_from_a_name_is_told_once(entry: Entry, name: str, 
     assert done.code == 0
     assert (done.stdout + done.stderr).count("Stamps are in ") == (1 if told else 0)
     assert told in done.stdout + done.stderr
-
-
-AT = pd.Timestamp("2026-01-13 16:05")
-MIDNIGHT = pd.Timestamp("2026-01-14 00:00")
 
 
 @pytest.mark.parametrize(

@@ -63,4 +63,5 @@ DIALS = 20  # values that a setpoint takes at most
 LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
 TRIED = 2000  # stamps that tell the format of a column
 SPREADSHEET_DAYS = (20_000, 80_000)  # what a spreadsheet counts from 1954 to 2119
+YEAR_DAYS = 365  # chosen: of several readings of 13/01/26, one that spans more has taken days for years
 MOSTLY = 0.5  # of stamps: fewer bad ones are damage, more are another format

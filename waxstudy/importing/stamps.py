@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.stamps import YEARS, ZONED
-from waxstudy.importing.limits import LOOKED_AT, MOSTLY, TRIED
+from waxstudy.importing.limits import LOOKED_AT, MOSTLY, TRIED, YEAR_DAYS
 from waxstudy.importing.reading import refusal
 from waxstudy.study.problems import shown
 
@@ -28,7 +28,6 @@ ORDERS = (
     ("%d/%m/%y", "%m/%d/%y", "%y/%m/%d"),
     *((form,) for form in ("%d-%b-%Y", "%d-%b-%y", "%d %b %Y", "%d %B %Y", "%b %d, %Y", "%B %d, %Y", "%b %d %Y")),
 )
-YEAR_DAYS = 365
 TWO_DIGITS = r"\d{1,2}[./]\d{1,2}[./]\d{1,2}"  # a date or an address: a time of day or a name tells
 # digits alone, by how many there are; milliseconds since 1970 had twelve until 2001, of which few are dates
 CALENDAR = {12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}
@@ -80,7 +79,7 @@ def stamps_of(written: pd.Series, time_format: str | None, where: str) -> pd.Dat
     if pd.api.types.is_datetime64_any_dtype(written):
         times = written
     elif pd.api.types.is_numeric_dtype(written):
-        calendar = _calendar(written.map("{:.0f}".format, na_action="ignore").astype("str"))
+        calendar = _calendar(written)
         times = _epochs(written, where) if calendar is None else calendar
     else:
         try:
@@ -129,11 +128,15 @@ def _within_years(times: pd.DatetimeIndex, written: pd.Series, where: str) -> pd
     return times.as_unit("ns")
 
 
-def _calendar(digits: pd.Series) -> pd.Series | None:
-    """Return digits as dates and times, None where most of them are none."""
-    known = digits.dropna()
-    form = CALENDAR.get(len(str(known.iloc[0]))) if len(known) else None
-    if form is None or not known.str.isdigit().all():
+def _calendar(written: pd.Series) -> pd.Series | None:
+    """Return numbers, or texts of digits, as dates and times; None where most of them are none."""
+    known, is_number = written.dropna(), pd.api.types.is_numeric_dtype(written)
+    first = "" if known.empty else f"{known.iloc[0]:.0f}" if is_number else str(known.iloc[0])
+    form = CALENDAR.get(len(first))
+    if form is None:
+        return None
+    digits = written.map("{:.0f}".format, na_action="ignore").astype("str") if is_number else written
+    if not digits[known.index].str.isdigit().all():
         return None
     ends_day = digits.str.contains(r"^\d{8}24(?:00)+$", na=False)
     times = _read(digits.str.replace(r"(?<=^\d{8})24(?=(?:00)+$)", "00", regex=True), form, False)
@@ -173,11 +176,15 @@ def _plain(written: pd.Series) -> pd.Series:
 def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
     """Return texts as stamps; raise `ValueError` where they do not tell which instants they are."""
     times = _as_written(written, time_format)
-    unread = times.isna() & written.notna()
-    if time_format or not unread.any():
+    if time_format or not (times.isna() & written.notna()).any():
         return times
-    if (calendar := _calendar(written)) is not None:
-        return calendar
+    calendar = _calendar(written)
+    return _spelt(written, times) if calendar is None else calendar
+
+
+def _spelt(written: pd.Series, times: pd.Series) -> pd.Series:
+    """Return stamps read again without a zone behind or a weekday before them; 24 h is 0 h of the next day."""
+    unread = times.isna() & written.notna()
     zone = written.str.extract(ZONE_BEHIND, expand=False)
     spelt = written.copy()
     for rest in (ZONE_BEHIND, WEEKDAY):
@@ -198,6 +205,7 @@ def _in_zones(local: pd.Series, zone: pd.Series) -> pd.Series:
 
 
 def _as_written(written: pd.Series, time_format: str | None) -> pd.Series:
+    """Return texts by the one format that they have, missing where they have another; raises as `_texts` does."""
     known = written.dropna()
     if time_format:
         if not any(sign in time_format for sign in DAYS):
@@ -244,7 +252,7 @@ def _formats(first: pd.Series, known: pd.Series) -> Iterator[str]:
         if len(fits) > 1 and not fits[0].startswith("%d.%m.%Y"):  # with points the day comes first
             fits = _year_told(known, [form for form in forms if _read(known, form, False).notna().all()])
             if len(fits) > 1 and not _is_same(known, fits):
-                which = "day, month and year" if len({form[1] for form in fits} & {"y"}) else "day and month"
+                which = "day, month and year" if any(form.startswith("%y") for form in fits) else "day and month"
                 raise Ambiguous(f"{which} cannot be told apart")
         yield from fits[:1]
 
