@@ -13,7 +13,7 @@ INTRO = """\
 # The checks of a record
 
 This page lists what is looked for in the values of a [dataset](datasets.md#what-is-checked), in this order. It is
-written by `make golden` from `waxstudy/dataset/checks`.
+written by `make golden` from `waxstudy/dataset/checks`. Each number has its reason in `waxstudy/dataset/limits.py`.
 
 """
 

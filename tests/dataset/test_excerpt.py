@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from waxstudy.dataset.excerpt import MOST_DAYS, SWITCHING, excerpt
+from waxstudy.dataset.excerpt import SWITCHING, excerpt
+from waxstudy.dataset.limits import MOST_DAYS
 from waxstudy.dataset.read import Dataset
 
 DAY_S = 86_400

@@ -13,7 +13,7 @@ import pytest
 
 import waxstudy as wx
 from tests.diagnosis.houses import Event, made, toml
-from waxstudy.dataset.excerpt import MOST_DAYS
+from waxstudy.dataset.limits import MOST_DAYS
 from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis.neighbours.control import controlled
 from waxstudy.diagnosis.neighbours.judge import house_of, judged

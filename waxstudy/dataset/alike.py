@@ -7,7 +7,8 @@ from dataclasses import replace
 import pandas as pd
 
 from waxstudy.dataset.interval import coarser, is_longer, told
-from waxstudy.dataset.levels import NEAR, as_levels
+from waxstudy.dataset.levels import as_levels
+from waxstudy.dataset.limits import NEAR_END
 from waxstudy.dataset.noon import of_one_clock, without_dead_sun
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
@@ -85,5 +86,5 @@ def _unlike(one: Dataset, other: Dataset) -> float:
 
 
 def _between(level: pd.Series) -> float:
-    heats = level[level > NEAR]
-    return float((heats < 1.0 - NEAR).mean()) if len(heats) else 0.0
+    heats = level[level > NEAR_END]
+    return float((heats < 1.0 - NEAR_END).mean()) if len(heats) else 0.0

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.interval import is_longer, told
+from waxstudy.dataset.limits import LEAST_DAYS, LEAST_SAMPLES, LONGEST_INTERVAL_S
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.plugin.files import lacking
 from waxstudy.plugin.registry import Registry, installed
@@ -19,9 +20,6 @@ from waxstudy.study.sentences import value_at
 from waxstudy.study.source import read_source
 from waxstudy.study.spots import Spot
 
-LEAST_DAYS = 3.0
-LONGEST_S = 3600.0  # chosen: home automation keeps hourly means of what is old; a longer interval hides a room's day
-LEAST_SAMPLES = 24  # chosen: a day of hourly means, of what is read at the other's longer interval
 BASELINE = Spot.table("baseline")
 ITSELF = "a record cannot be its own baseline"
 
@@ -126,9 +124,10 @@ def _overlap(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
 
 def _too_seldom(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
     """Yield why the two cannot be read at the longer of their intervals."""
-    if is_longer(baseline, dataset) and baseline.interval_s > LONGEST_S:
+    if is_longer(baseline, dataset) and baseline.interval_s > LONGEST_INTERVAL_S:
         every = told(baseline.interval_s)
-        yield f"a sample every {every} is too seldom for a baseline: one every {told(LONGEST_S)} is needed at least"
+        least = told(LONGEST_INTERVAL_S)
+        yield f"a sample every {every} is too seldom for a baseline: one every {least} is needed at least"
     elif is_longer(baseline, dataset):
         yield from _too_few("baseline", baseline, "record", dataset)
     elif is_longer(dataset, baseline):

@@ -9,22 +9,18 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.limits import CODES, LARGEST, UNREADABLE_SHARE
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import Column
 from waxstudy.plugin.registry import hint, nearest
 from waxstudy.study.problems import listed, shown
 
 TIME = "time"
-UNREADABLE_SHARE = 0.5  # of the cells of a column that are no numbers: beyond, it is another column
 WORDS = {"on": 1.0, "true": 1.0, "open": 1.0, "off": 0.0, "false": 0.0, "closed": 0.0}
-# what loggers write where they have no value
-CODES = (-99999.0, -9999.0, -999.0, -99.0, -127.0, -32768.0)
-CODES_ABOVE = (9999.0, 99999.0, 32767.0, 65535.0)  # a flow or gain may be as large
 CODE = "a code for a missing sample"
 NEVER_NEGATIVE = ("level", "flow", "gain", "light")  # a temperature in tenths may be -127
 THOUSANDS = re.compile(r"\d,\d{3}\b.*\.|\d\.\d{3}\b.*,")
 NAMED = 20  # columns that a message lists
-LARGEST = 1e12  # no channel has a number beyond; squares of those within are finite
 TOLD = 5  # columns that get a warning each
 
 

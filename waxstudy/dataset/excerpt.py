@@ -8,12 +8,10 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.interval import coarser
+from waxstudy.dataset.limits import AS_GOOD, FINEST_S, MOST_DAYS
 from waxstudy.dataset.read import Dataset
 from waxstudy.plugin import FloatArray
 
-MOST_DAYS = 28  # twice the two weeks in which nearly all that shows in a loop shows
-FINEST_S = 5.0  # the paper's step: a controller looks every ten seconds or so, and a motor takes minutes
-AS_GOOD = 0.9  # of what the best days tell: then the latest such days are taken, as they are of more use
 SWITCHING = ("heating_signal", "control_output", "displacement", "flow_L_h")  # the first that was recorded
 
 

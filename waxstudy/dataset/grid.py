@@ -7,15 +7,11 @@ import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.columns import TIME
+from waxstudy.dataset.limits import COARSER, FEWEST_ROWS, FINER, MOST_INTERVALS, UNEVEN
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin import FloatArray
 
-FINER = 0.67  # of the interval: stamps nearer to each other are several to an interval
-COARSER = 1.5  # of the interval: without any stamps nearer than that, the interval is not the file's
-UNEVEN = 0.01  # of the rows in an interval: fewer or more by less are stamps that are not exact
-FEW = 10  # rows from which the distance of stamps says nothing
-LONGEST = 20_000_000  # intervals
 NS = 1_000_000_000
 
 
@@ -39,7 +35,7 @@ def on_grid(
     place = ceil if finer else (seconds - phase + step // 2) // step
     off = np.abs(place * step + phase - seconds) / NS
     count = int(place[-1] - place[0]) + 1
-    if count > LONGEST:
+    if count > MOST_INTERVALS:
         notes.refuse(TIME, f"from {times[0]} to {times[-1]} there are {count} intervals of {interval_s:g} s")
         return None
     stamps = pd.DatetimeIndex((np.arange(count) + place[0]) * step + phase, name=TIME)
@@ -58,7 +54,7 @@ def _usual(steps_s: FloatArray, notes: Notes) -> float:
 
 
 def _fits(steps_s: FloatArray, interval_s: float, notes: Notes) -> bool:
-    if len(steps_s) >= FEW and steps_s.min() > COARSER * interval_s:
+    if len(steps_s) >= FEWEST_ROWS and steps_s.min() > COARSER * interval_s:
         wrong = f"the stamps are {steps_s.min():g} s and more from each other, but interval_s = {interval_s:g}"
         notes.refuse(TIME, wrong)
         return False

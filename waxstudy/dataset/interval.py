@@ -7,9 +7,8 @@ from dataclasses import replace
 import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.limits import LEAST_KNOWN
 from waxstudy.dataset.read import Dataset
-
-LEAST_KNOWN = 0.5  # chosen: of the usual samples of a channel in an interval, for a value there
 
 
 def is_longer(one: Dataset, other: Dataset) -> bool:

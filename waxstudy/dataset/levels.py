@@ -9,17 +9,14 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.limits import BEYOND_END, FEW_BETWEEN, FEWEST_BETWEEN, MOST_BETWEEN, NEAR_END
 from waxstudy.dataset.notes import Notes
 from waxstudy.plugin import Choice, FloatArray, SimulationError
 from waxstudy.plugin.registry import PluginError
 from waxstudy.simulation.chain import Stepped
 
-NEAR = 0.05  # of an end: what an instrument may add to it, or a channel of volts may lack
-MOST_BETWEEN = 0.35  # share of a signal's samples that may fall upon its switches
-FEW, FEWEST = 0.1, 3  # share of those, and count, that may be faults; more are pulses shorter than a sample
 SWEEP_K, SWEEP_S = np.geomspace(1e-4, 3.0, 100), 60.0  # control errors of both signs, and how long each lasts
 ERRORS_K, LEVELS = (*(-SWEEP_K[::-1]).tolist(), *SWEEP_K.tolist()), tuple(np.linspace(0.0, 1.0, 100).tolist())
-BEYOND = 1e-3  # an end, from which it is worth a word
 
 
 def as_levels(values: pd.DataFrame, nominal: Mapping[str, Choice], notes: Notes) -> pd.DataFrame:
@@ -62,7 +59,7 @@ def only_switches(block: Choice, given: tuple[float, ...] = ERRORS_K) -> bool:
 
 
 def _within(name: str, x: FloatArray, notes: Notes) -> FloatArray:
-    if ((x < -BEYOND) | (x > 1.0 + BEYOND)).any():
+    if ((x < -BEYOND_END) | (x > 1.0 + BEYOND_END)).any():
         least, most = float(np.nanmin(x)), float(np.nanmax(x))
         notes.assume(f"{name} reaches from {least:.3g} to {most:.3g}; it is cut off at 0 and 1.")
     return np.clip(x, 0.0, 1.0)
@@ -74,13 +71,13 @@ def _as_signal(name: str, level: FloatArray, notes: Notes) -> FloatArray:
     A sample between off and on is the mean of an interval in which it switched: its end is what follows. One between
     two of the same is a fault, and one beside a gap says nothing.
     """
-    between = (level > NEAR) & (level < 1.0 - NEAR)
-    if not (level >= 1.0 - NEAR).any() or between.sum() > MOST_BETWEEN * np.isfinite(level).sum():
+    between = (level > NEAR_END) & (level < 1.0 - NEAR_END)
+    if not (level >= 1.0 - NEAR_END).any() or between.sum() > MOST_BETWEEN * np.isfinite(level).sum():
         return level
     ends = np.where(between, np.nan, np.round(level))
     before, after = np.concatenate(([np.nan], ends[:-1])), np.concatenate((ends[1:], [np.nan]))
     switches = between & (np.abs(after - before) == 1.0)
-    if np.count_nonzero(between & ~switches) > max(FEWEST, FEW * between.sum()):
+    if np.count_nonzero(between & ~switches) > max(FEWEST_BETWEEN, FEW_BETWEEN * between.sum()):
         return level
     _tell(name, level, between, ends, notes)
     return np.where(between, np.where(switches | (after == before), after, np.nan), ends)
@@ -91,5 +88,5 @@ def _tell(name: str, level: FloatArray, between: np.ndarray, ends: FloatArray, n
         lie = "1 sample lies" if count == 1 else f"{count} samples lie"
         first = f"the first is {level[np.argmax(between)]:.3g}"
         notes.warn(f"{name}: {lie} between off and on ({first}): taken as what follows, as of means over a switch")
-    if np.nanmax(np.abs(level - ends), initial=0.0) > BEYOND:
-        notes.assume(f"{name} within {NEAR:g} of 0 and 1 is taken as off and on.")
+    if np.nanmax(np.abs(level - ends), initial=0.0) > BEYOND_END:
+        notes.assume(f"{name} within {NEAR_END:g} of 0 and 1 is taken as off and on.")

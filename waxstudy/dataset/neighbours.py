@@ -13,6 +13,7 @@ from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.checks import AS_LOGGED, SAMPLES, Record, run
 from waxstudy.dataset.columns import channels_of
 from waxstudy.dataset.grid import on_grid
+from waxstudy.dataset.limits import LEAST_SHARED_DAYS
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import Column, DatasetTable, given
 from waxstudy.plugin import FloatArray, Parameters
@@ -21,7 +22,6 @@ from waxstudy.study.check import Check
 from waxstudy.study.spots import RawTable, Spot
 
 AIR, GAIN, SUN, OUTDOOR = "air_temperature_C", "internal_gain_W", "sun", "outdoor_temperature_C"
-LEAST_DAYS = 3.0  # in which two rooms were measured at once: what is usual of them is not known sooner
 
 
 class RoomTable(Parameters):
@@ -190,8 +190,9 @@ def _too_little(rooms: Sequence[MeasuredRoom], interval_s: float) -> Iterator[st
     for place, each in enumerate(rooms):
         others = np.delete(known, place, axis=0).any(axis=0) if len(rooms) > 1 else known[0]
         days = float((known[place] & others).sum()) * interval_s / 86_400.0
-        if days < LEAST_DAYS:
-            yield f"{each.name} has {days:.1f} days in common with another room: at least {LEAST_DAYS:g} are needed"
+        if days < LEAST_SHARED_DAYS:
+            least = f"at least {LEAST_SHARED_DAYS:g} are needed"
+            yield f"{each.name} has {days:.1f} days in common with another room: {least}"
 
 
 def beside_record(

@@ -8,14 +8,11 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.channels import LIGHT
+from waxstudy.dataset.limits import APART_H, DARK_H, LEAST_DAYS, RISEN
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import SUN
 
 OF_SUN = (SUN, *LIGHT)
-RISEN = 0.005  # chosen: of the strongest sun, above which it is up: a meter shows less by night
-APART_H = 0.6  # chosen: a clock is an hour off or none; nine pairs of houses differ by 0.2 h at most
-LEAST_DAYS = 3  # chosen: as few as a baseline may have
-NIGHT_H = 0.5  # chosen: around midnight, of light of which a meter shows something all night no noon can be told
 
 
 def without_dead_sun(dataset: Dataset, baseline: Dataset) -> Dataset:
@@ -59,7 +56,7 @@ def noon_h(dataset: Dataset, name: str) -> float:
     up = pd.Series(time, time)[(sun > RISEN * sun.max()).to_numpy()]
     days = up.groupby(up.index.normalize()).agg(["min", "max"])
     rise_h, set_h = ((days[end] - days.index).dt.total_seconds() / 3600.0 for end in ("min", "max"))
-    has_night = (set_h > rise_h) & (rise_h > NIGHT_H) & (set_h < 24.0 - NIGHT_H)
+    has_night = (set_h > rise_h) & (rise_h > DARK_H) & (set_h < 24.0 - DARK_H)
     early_h = equation_of_time_spencer71(pd.DatetimeIndex(days.index).day_of_year) / 60.0
     noons_h = ((rise_h + set_h) / 2.0 + early_h)[has_night]
     return float(np.median(noons_h)) if len(noons_h) >= LEAST_DAYS else float("nan")

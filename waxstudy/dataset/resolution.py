@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from waxstudy.dataset.limits import FEWEST_VALUES
 from waxstudy.plugin import FloatArray
-
-FEWEST_VALUES = 4  # of a channel whose step tells of rounding: what is on or off has two, or three by means
 
 
 def steps(known: FloatArray, fewest: int = FEWEST_VALUES) -> FloatArray:

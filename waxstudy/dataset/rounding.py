@@ -7,14 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.limits import COARSER_STEP, FEWEST_ROUNDED, LEAST_STEP_K, MOST_STEP_K, OFF_STEP
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.resolution import step, steps
 from waxstudy.plugin import FloatArray
-
-FEWEST = 2  # values of a temperature that tell its rounding: a room that is held well shows no more
-LEAST_K, MOST_K = 0.1, 2.0  # chosen: less is lost in what a thermometer scatters, and nobody rounds to more
-APART = 1.5  # chosen: times the finer step, from which the rounding differs
-NEAR = 0.1  # chosen: of a step, by which values may miss their grid: these were rounded again, as 20.56 °C of 69 °F
 
 
 def rounded_alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
@@ -28,8 +24,8 @@ def rounded_alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset
         if name not in dataset.values:
             continue
         pair = dataset.values[name].to_numpy(), baseline.values[name].to_numpy()
-        sizes = [step(each[np.isfinite(each)], FEWEST) for each in pair]
-        if not LEAST_K <= max(sizes) <= MOST_K or max(sizes) < APART * min(sizes) or not min(sizes):
+        sizes = [step(each[np.isfinite(each)], FEWEST_ROUNDED) for each in pair]
+        if not LEAST_STEP_K <= max(sizes) <= MOST_STEP_K or max(sizes) < COARSER_STEP * min(sizes) or not min(sizes):
             continue
         is_record_coarse = sizes[0] > sizes[1]
         coarse, fine = pair if is_record_coarse else pair[::-1]
@@ -55,9 +51,9 @@ def _is_measured_temperature(name: str) -> bool:
 def _rounded(fine: FloatArray, coarse: FloatArray) -> FloatArray | None:
     """Return values (n,) on the grid of coarse ones, None where these lie on none."""
     known = coarse[np.isfinite(coarse)]
-    sizes = steps(known, FEWEST)
-    size, origin = float(np.mean(sizes[sizes < APART * sizes.min()])), float(known[0])
+    sizes = steps(known, FEWEST_ROUNDED)
+    size, origin = float(np.mean(sizes[sizes < COARSER_STEP * sizes.min()])), float(known[0])
     places = (known - origin) / size
-    if np.any(np.abs(places - np.round(places)) > NEAR):
+    if np.any(np.abs(places - np.round(places)) > OFF_STEP):
         return None
     return np.asarray(origin + size * np.round((fine - origin) / size))

@@ -8,16 +8,16 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.columns import TIME, named
+from waxstudy.dataset.limits import LATE_S, YEARS
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin.registry import nearest
 from waxstudy.study.problems import shown
 
-YEARS = (1900, 2200)
 ISO = "expected ISO 8601, as 2020-01-31T12:00:00"
 # so written, pandas looks for it in compiled code
 ZONED = r"(?:Z|[+-][0-9]{2}:?[0-9]{2}|(?:T|:)[0-9.,]+ *[+-][0-9]{2}) *\Z"
-HOUR_S, LATE_S = 3600.0, 600.0  # of a clock change, and by how much a logger may be late then
+HOUR_S = 3600.0  # of a clock change
 DAY_FIRST = r"\s*\d{1,2}([./-])\d{1,2}\1\d{4}"
 
 

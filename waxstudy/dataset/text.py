@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from waxstudy.dataset.limits import LOOKED_AT, TITLES
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin.files import check_file
@@ -25,8 +26,6 @@ PARQUET = b"PAR1"
 # Excel and other archives, Excel of before 2007, gzip, HDF5, SQLite
 BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"\x89HDF", b"SQLite")
 PIECE = 1_000_000  # characters that are read at a time to find the encoding
-LOOKED_AT = 200  # lines in which the decimal mark is looked for
-TITLES = 10  # lines above the names of the columns at most
 NUMBER = re.compile(r"[-+]?[.,]?\d[\d.,:/ TZ+-]*")  # or a stamp
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")

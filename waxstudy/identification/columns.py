@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from waxstudy.dataset.columns import CODES, CODES_ABOVE, numbers_of
+from waxstudy.dataset.columns import numbers_of
+from waxstudy.dataset.limits import CODES, CODES_ABOVE
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.stamps import stamps_of
 from waxstudy.dataset.tables import DatasetTable

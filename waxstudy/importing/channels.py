@@ -11,7 +11,7 @@ import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS, LIGHT, UNITS
 from waxstudy.dataset.checks import AS_LOGGED, Record, run
-from waxstudy.dataset.grid import LONGEST
+from waxstudy.dataset.limits import MOST_INTERVALS
 from waxstudy.dataset.notes import Notes
 from waxstudy.importing import units
 from waxstudy.importing.asking import Ask, Question
@@ -199,7 +199,7 @@ def _grid(request: Request, made: Mapping[str, _Made]) -> Grid:
     phase = _phase([each for each in moving if each.kind.is_regular], step)
     first, last = min(each.logged.ns[0] for each in moving), max(each.logged.ns[-1] for each in moving)
     begin, end = -((phase - int(first)) // step), -((phase - int(last)) // step)
-    if end - begin + 1 > LONGEST:
+    if end - begin + 1 > MOST_INTERVALS:
         span = f"from {pd.Timestamp(first)} to {pd.Timestamp(last)}"
         wrong = f"{span} there are {end - begin + 1} intervals of {interval_s:g} s"
         raise refusal(str(request.sources[0]), wrong, "say --interval '5 min'")

@@ -9,7 +9,8 @@ import numpy as np
 
 from waxstudy.dataset.channels import Quantity
 from waxstudy.dataset.checks.samples import power_on
-from waxstudy.dataset.checks.units import PER_CENT, TYPICAL, VOLTS
+from waxstudy.dataset.checks.units import TYPICAL
+from waxstudy.dataset.limits import PER_CENT, VOLTS
 from waxstudy.importing import units
 from waxstudy.importing.following import following
 from waxstudy.importing.limits import (

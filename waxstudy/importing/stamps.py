@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.stamps import YEARS, ZONED
+from waxstudy.dataset.limits import YEARS
+from waxstudy.dataset.stamps import ZONED
 from waxstudy.importing.limits import LOOKED_AT, MOSTLY, TRIED, YEAR_DAYS
 from waxstudy.importing.reading import refusal
 from waxstudy.study.problems import shown

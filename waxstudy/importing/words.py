@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.columns import CODES, LARGEST, UNREADABLE_SHARE
 from waxstudy.dataset.columns import WORDS as STATES
+from waxstudy.dataset.limits import CODES, LARGEST, UNREADABLE_SHARE
 
 # besides English: German, French, Dutch, Swedish, Danish, Finnish, Estonian, Italian, Spanish, Polish, Russian
 ON = (

@@ -7,25 +7,22 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.checks.check import ENOUGH, Discard, Findings, Record, Refuse, Warn, check
+from waxstudy.dataset.checks.check import Discard, Findings, Record, Refuse, Warn, check
+from waxstudy.dataset.limits import (
+    AGREEING,
+    CLEAR,
+    CROSSED,
+    ENOUGH,
+    FEWEST_EDGES,
+    FINEST_OFFSET_S,
+    HIGH,
+    LONGEST_OFFSET_S,
+    LOW,
+    SETTLED_S,
+    SETTLED_SAMPLES,
+    SMOOTH_SAMPLES,
+)
 from waxstudy.plugin import FloatArray
-
-# cause and effect, and the level that they cross together; a flow is taken relative to its largest.
-# Just above closed: an opening and a flow that is not proportional to it begin together, and there only.
-CROSSED = {
-    ("control_output", "heating_signal"): 0.5,
-    ("heating_signal", "displacement"): 0.5,
-    ("heating_signal", "flow_L_h"): 0.5,
-    ("displacement", "flow_L_h"): 0.05,
-}
-SETTLED_S, SETTLED_SAMPLES = 1800.0, 3  # of rest, after which a motor has moved
-LOW, HIGH = 0.2, 0.8  # of what a channel reaches
-FEWEST_EDGES = 3
-AGREEING = 0.7  # share of the edges that must tell of the same offset
-LONGEST_S = 7200.0  # offsets that are looked for
-FINEST_S = 30.0  # between two offsets: two thermometers tell no less
-SMOOTH = 5  # samples over which temperatures are averaged
-CLEAR = 0.8  # the squared difference of two temperatures at their best offset, over that at none
 
 INVERTED = "take 1 minus what it is: scale = -1.0, offset = 1.0 in [columns], of a column that has neither"
 timed = partial(check, mend="one clock for all channels", fewest=0)
@@ -123,7 +120,7 @@ def _lateness(cause: FloatArray, effect: FloatArray, interval_s: float) -> int |
 
 def _lags(cause: FloatArray, effect: FloatArray, direction: float, interval_s: float) -> FloatArray:
     starts, ends = (np.flatnonzero(np.diff(x) == direction) for x in (cause, effect))
-    longest = LONGEST_S / interval_s
+    longest = LONGEST_OFFSET_S / interval_s
     if not len(starts) or not len(ends):
         return np.array([])
     after = np.clip(np.searchsorted(ends, starts), 1, len(ends) - 1) if len(ends) > 1 else np.zeros(len(starts), int)
@@ -135,11 +132,12 @@ def _lags(cause: FloatArray, effect: FloatArray, direction: float, interval_s: f
 
 @timed("sensor's clock", "warns", ("sensor_temperature_C", "air_temperature_C"))
 def early_sensor(record: Record, *channels: pd.Series) -> Findings:
-    """A sensor that knows the temperature of the air before it is there, by twice {FINEST_S:g} s, or two samples."""
-    every = max(1, round(FINEST_S / record.interval_s))
-    sensor, air = (x.rolling(SMOOTH, center=True).mean().to_numpy(dtype=float)[::every] for x in channels)
+    """A sensor that knows the temperature of the air before it is there, by twice {FINEST_OFFSET_S:g} s, or two
+    samples."""
+    every = max(1, round(FINEST_OFFSET_S / record.interval_s))
+    sensor, air = (x.rolling(SMOOTH_SAMPLES, center=True).mean().to_numpy(dtype=float)[::every] for x in channels)
     interval_s = every * record.interval_s
-    most = min(round(LONGEST_S / interval_s), len(air) // 4)
+    most = min(round(LONGEST_OFFSET_S / interval_s), len(air) // 4)
     offsets = range(-most, most + 1)
     squares = [_square(sensor, air, offset) for offset in offsets]
     if most < 1 or not np.isfinite(squares).all():
@@ -155,4 +153,4 @@ def _square(sensor: FloatArray, air: FloatArray, late: int) -> float:
     moved, still = (sensor[late:], air[: len(air) - late]) if late >= 0 else (sensor[:late], air[-late:])
     difference = moved - still
     seen = difference[np.isfinite(difference)]
-    return float(seen.var()) if len(seen) > SMOOTH else float("nan")
+    return float(seen.var()) if len(seen) > SMOOTH_SAMPLES else float("nan")

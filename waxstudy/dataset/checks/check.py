@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS, Quantity
+from waxstudy.dataset.limits import ENOUGH
 from waxstudy.dataset.notes import Notes
 
-ENOUGH = 10  # samples from which channels can be judged
 ORDER = list(CHANNELS)
 
 

@@ -7,39 +7,42 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.channels import CHANNELS, Quantity
+from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.checks.check import TEMPERATURES, Discard, Findings, Record, Warn, check, each, quantity_of
-from waxstudy.dataset.checks.units import LEVEL_NOISE
-from waxstudy.dataset.columns import CODE, CODES, CODES_ABOVE
+from waxstudy.dataset.columns import CODE
+from waxstudy.dataset.limits import (
+    ABOVE_K,
+    BOILING_C,
+    BOUNDS,
+    CLIPPED_COUNT,
+    CLIPPED_FACTOR,
+    CLIPPED_SHARE,
+    COARSE_K,
+    CODES,
+    CODES_ABOVE,
+    CONTINUOUS,
+    FAR_ABOVE,
+    FEW_IMPOSSIBLE,
+    LEVEL_NOISE,
+    MOVING,
+    NEAR_ZERO_K,
+    PEAKS,
+    POWER_ON_C,
+    RARE,
+    RAREST,
+    SPIKES_K,
+    STILL_COARSE_H,
+    STILL_H,
+    STUCK_COARSE_H,
+    STUCK_H,
+    USUALLY,
+)
 from waxstudy.dataset.resolution import step
 from waxstudy.plugin import FloatArray
 
-# a 1-Wire thermometer (DS18B20) shows 85 C until it has measured (data sheet); chosen: water has it only beside
-# other readings from 20 K below it up to boiling
-POWER_ON_C, ABOVE_K, BOILING_C = 85.0, 20.0, 100.0
-NEAR_ZERO_K = 5.0  # chosen: indoors 0 °C is what a bus shows that failed, if nothing else is within so much of it
-FAR_ABOVE = 10.0  # times all other flows or gains, from which a code above them is one
-# what no such temperature is [C]
-BOUNDS: dict[Quantity, tuple[float, float]] = {
-    "indoor": (-30.0, 60.0),
-    "water": (-20.0, 110.0),
-    "outdoor": (-60.0, 60.0),
-}
-FEW = 0.05  # share of impossible samples that may be faults; more of them are another quantity
-SPIKES_K: dict[Quantity, float] = {"indoor": 4.0, "outdoor": 10.0, "water": 25.0}  # water may rush for a minute
 HOUR_S = 3600.0  # between samples, in which a temperature may change by as much again
-# times what all but a few samples reach, and least: an oven may run for one sample
-PEAKS: dict[Quantity, tuple[float, float]] = {"flow": (1.5, 0.0), "gain": (20.0, 5000.0)}
-USUALLY = 20  # samples that reach half of what is usual
-RARE, RAREST = 1e-3, 3  # samples that may be faults: share, and at least
 NAMED = 3  # channels that a sentence lists
-STUCK_H, STUCK_COARSE_H = 6.0, 24.0
-STILL_H, STILL_COARSE_H = 24.0, 48.0  # chosen: nothing that moves stands still for a day, to 0.2 K or more for two
 STEADY = ("ventilation_supply_temperature_C",)  # what a controller may hold
-COARSE_K = 0.2  # chosen: a resolution with which a temperature may stand still for hours
-MOVING = 5  # values that a temperature takes more of if it moves
-CONTINUOUS = 20  # values from which a channel may be clipped
-CLIPPED_SHARE, CLIPPED_COUNT, CLIPPED_FACTOR = 0.01, 20, 5.0  # at an extreme; over those beside it
 
 MEASURED = [(name,) for name, channel in CHANNELS.items() if not channel.is_assumed]
 MOVING_ONES = [names for names in TEMPERATURES if names in MEASURED and names[0] not in STEADY]
@@ -82,8 +85,8 @@ def dropped(temperature_C: FloatArray) -> np.ndarray:
 @faulty(*TEMPERATURES)
 def impossible_sample(record: Record, channel: pd.Series) -> Findings:
     """A temperature outside {BOUNDS[indoor][0]:g} to {BOUNDS[indoor][1]:g} °C (water {BOUNDS[water][0]:g} to
-    {BOUNDS[water][1]:g}, outdoors {BOUNDS[outdoor][0]:g} to {BOUNDS[outdoor][1]:g}), in at most {FEW:.0%} of the
-    samples: more of them are another quantity."""
+    {BOUNDS[water][1]:g}, outdoors {BOUNDS[outdoor][0]:g} to {BOUNDS[outdoor][1]:g}), in at most {FEW_IMPOSSIBLE:.0%}
+    of the samples: more of them are another quantity."""
     low, high = BOUNDS[quantity_of(channel)]
     outside = _outside(channel)
     if outside is not None:
@@ -94,7 +97,7 @@ def _outside(channel: pd.Series) -> np.ndarray | None:
     """Return which samples of a temperature are impossible; None if they are too many."""
     low, high = BOUNDS[quantity_of(channel)]
     outside = ((channel < low) | (channel > high)).to_numpy()
-    return outside if outside.sum() <= FEW * channel.count() else None
+    return outside if outside.sum() <= FEW_IMPOSSIBLE * channel.count() else None
 
 
 @faulty(*TEMPERATURES)

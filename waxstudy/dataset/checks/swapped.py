@@ -7,7 +7,33 @@ from functools import partial
 import pandas as pd
 
 from waxstudy.dataset.channels import LIGHT
-from waxstudy.dataset.checks.check import ENOUGH, Findings, Record, Refuse, Warn, check
+from waxstudy.dataset.checks.check import Findings, Record, Refuse, Warn, check
+from waxstudy.dataset.limits import (
+    ABOVE_ROOM_K,
+    ANOTHER,
+    APART_K,
+    BACK_K,
+    BELOW_K,
+    COLD_C,
+    DARK,
+    DARK_W,
+    ENOUGH,
+    EVEN,
+    FOLLOWS,
+    HELD,
+    MANY,
+    MOSTLY,
+    MOVED,
+    NIGHT_H,
+    NO_FLOW_L_H,
+    OFF_K,
+    SAME,
+    SAME_K,
+    TWO,
+    VARIED_K,
+    WARM_C,
+    WARMER_K,
+)
 
 SENSOR, AIR, OPERATIVE = ROOM = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 OUTDOORS, VENTILATION = "outdoor_temperature_C", "ventilation_supply_temperature_C"
@@ -15,20 +41,6 @@ SUPPLY, RETURN, FLOOR = "supply_temperature_C", "return_temperature_C", "floor_s
 OUTPUT, SIGNAL, OPENING, FLOW = "control_output", "heating_signal", "displacement", "flow_L_h"
 SUN, PEOPLE = "solar_gain_W", "internal_gain_W"
 
-SAME_K, VARIED_K = 1.0, 2.0  # mean difference of two columns that are the same one, if it varies by as much
-COLD_C = 15.0  # outdoors: a floor heats, it does not cool
-BELOW_K = 5.0  # by which outdoors would be warmer
-EVEN = 0.35  # deviation over that outdoors, as of what is in a house
-HELD, MOVED = 3, 50  # values that a setpoint has at most, and that a room has more of
-WARM_C, WARMER_K = 24.0, 3.0  # what no heated room is, while its water is colder by as much
-BACK_K, MOSTLY, ABOVE_ROOM_K = 0.5, 0.8, 2.0  # a return warmer than supply and room
-NO_FLOW_L_H = 5.0  # the noise of a meter is taken for no flow
-TWO, MANY = 2, 20  # values of a channel that is on or off, and of one that is not
-SAME, ANOTHER = 0.999, 0.99  # share of samples that agree to the digit
-OFF_K = 3.0  # between two thermometers of a room
-APART_K, FOLLOWS = 0.2, 0.3  # deviation of sensor and air, and of what the sensor follows over that
-NIGHT_H = (23, 0, 1, 2)  # in standard time
-DARK_W, DARK = 2.0, 0.1  # mean at night that is no noise: least, and share of that by day
 
 swapped = partial(check, mend="name them the other way round in `[columns]`")
 

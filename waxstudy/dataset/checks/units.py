@@ -10,6 +10,29 @@ import pandas as pd
 
 from waxstudy.dataset.channels import Quantity
 from waxstudy.dataset.checks.check import TEMPERATURES, Findings, Record, Refuse, Warn, check, each, quantity_of
+from waxstudy.dataset.limits import (
+    AGREES,
+    BRIGHT_W_M2,
+    DOUBTFUL,
+    HIGHEST_LEVEL,
+    LEAST_FLOW_L_H,
+    LEVEL_NOISE,
+    LOW_FLOW_L_H,
+    LOW_GAIN_W,
+    LOWEST_LEVEL,
+    MOST,
+    NEGATIVE_FLOW_SHARE,
+    NEGATIVE_L_H,
+    NEGATIVE_SHARE,
+    NEGATIVE_W,
+    NEVER_NEAR_0,
+    OPEN,
+    PER_CENT,
+    UNUSUAL,
+    USUAL_HIGH,
+    VOLTS,
+    WIDEST_K,
+)
 
 
 class Typical(NamedTuple):
@@ -34,23 +57,7 @@ HOT: tuple[tuple[str, Callable[[float], float], str], ...] = (
     ("hundredths of a degree", lambda t: t / 100.0, "scale = 0.01"),
     ("thousandths of a degree", lambda t: t / 1000.0, "scale = 0.001"),
 )
-WIDEST_K = 70.0  # chosen: between 10 % and 90 % quantiles outdoors; a year in Siberia has 65
-MOST = 0.99  # share of samples between 0 and 1, from which all are: no temperature of a room stays there
-DOUBTFUL, LEVEL_NOISE = 0.05, 0.15  # beyond 0 to 1: a level with noise, and none
-FAR_BELOW, FAR_ABOVE = -0.5, 1.5  # no offset of a stroke reaches as low; another unit begins
-VOLTS, PER_CENT = 10.5, 105.0  # what levels in these reach at most, with noise
-USUAL_HIGH = (10.0, 100.0)  # of a level in volts and in per cent
-NEVER_NEAR_0 = 5.0
-# gains and flows below are no noise [W, L/h]; a larger share of the samples is no fault of a few
-NEGATIVE_W, NEGATIVE_SHARE = -5.0, 0.2
-NEGATIVE_L_H, NEGATIVE_FLOW_SHARE = -1.0, 0.05
-LOW_GAIN_W = 5.0
-BRIGHT_W_M2 = 1500.0  # light that level ground never gets, but beside bright clouds for a moment
-# flow that no loop of a heated floor falls short of with its valve open, and below which it is doubtful [L/h]
-LEAST_FLOW_L_H, LOW_FLOW_L_H = 5.0, 15.0
 FLOW_UNITS = {"m3/h": 1000.0, "L/min": 60.0, "L/s": 3600.0}
-AGREES, UNUSUAL = 1.6, 4.0  # factors within which a flow agrees with the room's: in another unit, and in L/h
-OPEN = 0.8  # signal or opening from which a valve is taken for open
 
 measured = partial(check, "units", "refuses or warns", mend="right column, `scale` or `offset` in `[columns]`")
 
@@ -102,12 +109,12 @@ def level(record: Record, x: pd.Series) -> Findings:
     low, high = float(x.quantile(0.001)), float(x.quantile(0.999))
     if high > PER_CENT:
         yield Refuse(x.name, f"goes up to {high:.4g}, but is a level from 0 to 1: are columns swapped?")
-    elif high > FAR_ABOVE:
+    elif high > HIGHEST_LEVEL:
         unit, scale = _unit_of_level(x, low, high)
         what = " or, as it is never near 0, like a temperature" if low > NEVER_NEAR_0 else ""
         wrong = f"goes up to {high:.4g}, but is a level from 0 to 1: it looks like {unit}{what}"
         yield Refuse(x.name, wrong, _mapping(f"scale = {scale:.4g}"))
-    elif low < FAR_BELOW:
+    elif low < LOWEST_LEVEL:
         yield Refuse(x.name, f"goes down to {low:.3g}, but is a level from 0 to 1: are columns swapped?")
     elif high > 1.0 + LEVEL_NOISE or low < -LEVEL_NOISE:
         scale = 1.0 / (high - low)
@@ -173,7 +180,7 @@ def _with_valve_open(values: pd.DataFrame) -> pd.Series:
     """Return the flow where a valve is seen open; all that is above 0 where no channel tells of it."""
     flow = values["flow_L_h"]
     openings = [name for name in ("displacement", "heating_signal", "control_output") if name in values]
-    if openings and values[openings[0]].max() <= FAR_ABOVE:
+    if openings and values[openings[0]].max() <= HIGHEST_LEVEL:
         return flow.where(values[openings[0]] > OPEN).dropna()
     return flow.where(flow > 0.0).dropna()
 
