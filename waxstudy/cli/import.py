@@ -17,12 +17,15 @@ from waxstudy.cli.output import Command, print_out
 from waxstudy.cli.simulating import warn
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from waxstudy.importing.request import Imported
 
 MAP = "Which name of the sources a channel is, or nothing for one that was not measured; repeatable."
 UNIT = "Unit of a name of the sources, such as degF, m3/h or '10 L' for a pulse; repeatable."
 TIMEZONE = "Zone of the room, such as Europe/Tallinn; summer time is taken out.  [default: found, or asked]"
 TIME_FORMAT = "Format of the stamps, such as '%d/%m/%Y %H:%M'.  [default: found]"
+BEGIN = "Day and time at which a simulation begins whose times tell none, or no year."
 HOLD = "How long a value is held that is logged when it changes."
 INTERVAL = "Interval of the dataset.  [default: the finest of the readings, else 1 min]"
 YES = "Take what is proposed, and ask nothing."
@@ -49,6 +52,20 @@ class Duration(click.ParamType[float]):
         return seconds
 
 
+class Day(click.ParamType["pd.Timestamp"]):
+    """A day, or a day and a time, of a clock on the wall."""
+
+    name = "day"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> pd.Timestamp:
+        import pandas as pd
+
+        found = pd.to_datetime(str(value), format="ISO8601", errors="coerce")
+        if pd.isna(found) or found.tz is not None:
+            self.fail(f"{value!r} is no day: write it as 2026-01-31 or 2026-01-31T12:00", param, ctx)
+        return found
+
+
 def _pairs(what: str) -> Callable[[click.Context, click.Parameter, Sequence[str]], dict[str, str]]:
     def convert(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, str]:
         # a name may hold '=', a channel or a unit does not
@@ -69,6 +86,7 @@ def _pairs(what: str) -> Callable[[click.Context, click.Parameter, Sequence[str]
 @click.option("--unit", "units", multiple=True, callback=_pairs("NAME=UNIT"), metavar="NAME=UNIT", help=UNIT)
 @click.option("--timezone", metavar="ZONE", help=TIMEZONE)
 @click.option("--time-format", metavar="FORMAT", help=TIME_FORMAT)
+@click.option("--begin", type=Day(), metavar="TIME", help=BEGIN)
 @click.option("--hold", "hold_s", type=Duration(), default="6 h", show_default=True, metavar="TIME", help=HOLD)
 @click.option("--interval", "interval_s", type=Duration(), metavar="TIME", help=INTERVAL)
 @click.option("--yes", is_flag=True, help=YES)

@@ -31,8 +31,11 @@ DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
 
 
-def read_table(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
-    """Return the file's columns as they are written, an index of stamps as a column; note why it cannot be read."""
+def read_table(path: Path, about: DatasetTable, notes: Notes, *, has_names: bool = True) -> pd.DataFrame | None:
+    """Return the file's columns as they are written, an index of stamps as a column; note why it cannot be read.
+
+    Columns of a text that has no names for them are called "column 1" and so on.
+    """
     try:
         check_file(path)
         with path.open("rb") as file:
@@ -40,7 +43,7 @@ def read_table(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | 
         if beginning.startswith(BINARY):
             notes.refuse("", "is no text: export it as CSV, or as parquet")
             return None
-        return _parquet(path, notes) if beginning.startswith(PARQUET) else _csv(path, about, notes)
+        return _parquet(path, notes) if beginning.startswith(PARQUET) else _csv(path, about, notes, has_names)
     except OSError as error:
         notes.refuse("", f"cannot be read: {error.strerror or error}")
     except UnicodeDecodeError:
@@ -64,7 +67,7 @@ def _parquet(path: Path, notes: Notes) -> pd.DataFrame | None:
     return data
 
 
-def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
+def _csv(path: Path, about: DatasetTable, notes: Notes, has_names: bool) -> pd.DataFrame | None:
     encoding = _encoding(path)
     head = list(islice(_kept(path, encoding), LOOKED_AT + 1))
     if not head:
@@ -77,6 +80,8 @@ def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
         notes.assume(f"The names of the columns are in line {above + 1}: what stands above them is passed over.")
     has_commas = separator != "," and _has_decimal_commas(rows, separator)
     header = [name.strip() for name in next(csv.reader(rows[:1], delimiter=separator))]
+    if not has_names:
+        header = [f"column {place}" for place in range(1, len(header) + 1)]
     if twice := sorted({name for name in header if name and header.count(name) > 1}):
         notes.refuse(", ".join(twice), "there are two columns of this name", line=1)
         return None
@@ -89,6 +94,8 @@ def _csv(path: Path, about: DatasetTable, notes: Notes) -> pd.DataFrame | None:
                 decimal=about.decimal or ("," if has_commas else "."),
                 encoding=encoding,
                 skiprows=above,
+                header=0 if has_names else None,
+                names=None if has_names else header,
                 skipinitialspace=True,
                 index_col=False,
                 na_values=MISSING,

@@ -72,7 +72,7 @@ def _read(request: Request) -> list[Readings]:
     found: list[Readings] = []
     for file in files:
         for each in tables_of(file):
-            found += readings_of(each, file, request.time_format) if isinstance(each, Table) else [each]
+            found += readings_of(each, file, request.time_format, request.begin) if isinstance(each, Table) else [each]
     found = [each for each in found if len(each.times)]
     if not found:
         raise refusal(str(request.sources[0]), "holds no readings")

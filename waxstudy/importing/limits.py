@@ -31,6 +31,8 @@ LOW_FLOW = 5.0  # a flow that never exceeds it is in no L/h
 # --- tables of readings
 MOST_ENTITIES = 2000  # a table with more is none of readings: each of them would become a column
 REPEATED = 2.0  # rows to an entity, at least
+AGAIN = 0.3  # share of rows whose stamp came before, above which each is one reading: of two sensors at once it is 0.5
+TWICE = 0.05  # share of rows in which an entity may have a second reading at one stamp
 
 # --- sheets that are tables
 LEAST_ROWS, LEAST_COLUMNS = 3, 2  # of a sheet that is a table
@@ -63,5 +65,6 @@ DIALS = 20  # values that a setpoint takes at most
 LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
 TRIED = 2000  # stamps that tell the format of a column
 SPREADSHEET_DAYS = (20_000, 80_000)  # what a spreadsheet counts from 1954 to 2119
+LEAST_STEP_S = 1.0  # of numbers that count seconds: hours and days of a simulation have smaller steps
 YEAR_DAYS = 365  # chosen: of several readings of 13/01/26, one that spans more has taken days for years
 MOSTLY = 0.5  # of stamps: fewer bad ones are damage, more are another format

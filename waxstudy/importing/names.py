@@ -32,7 +32,7 @@ OTHER_AIR = (
 )
 OTHERS = "humidity|co|power|energy|battery|illuminance|pressure|feuchte|kosteus|niiskus"
 SET = (
-    "set ?point|setting|target|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch|"
+    "set ?point|setting|target|desired|desired temp\\w*|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch|"
     "asetus\\w*|tavoite\\w*|seadetemp\\w*|seadevaeaertus|seatud\\w*"
 )
 CHANNEL_NAMES = {
@@ -60,10 +60,10 @@ CHANNEL_NAMES = {
         "flow|flow rate|flowrate|durchfluss|volumenstrom|volume flow|litres|liters|liter|volume|water meter|volumen|"
         "virtaus|virtaama|vooluhulk",
         "meter|total|zaehler|v|water|wasser|pulses",
-        "temp|temperature|temperatur|vorlauf",
+        "temp|temperature|temperatur|vorlauf|flow t",
     ),
     "supply_temperature_C": Names(
-        "supply|vorlauf|vl|hws|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*|meno\\w*|pealevool\\w*",
+        "supply|vorlauf|vl|hws|flow t|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*|meno\\w*|pealevool\\w*",
         "water|flow|wasser|heizkreis",
         f"air|ventilation|zuluft|return|ruecklauf|\\w*ilma|\\w*ohk|{SET}",
     ),

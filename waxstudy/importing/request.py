@@ -24,6 +24,7 @@ class Request:
     units: Mapping[str, str] = field(default_factory=dict)  # by entity
     timezone: str | None = None  # "" for clocks on the wall that show standard time all year
     time_format: str | None = None
+    begin: pd.Timestamp | None = None  # of times that tell no date
     hold_s: float = HOLD_S
     interval_s: float | None = None
 
@@ -33,6 +34,7 @@ class Request:
         words += ["--room", self.room] if self.room else []
         words += ["--timezone", self.timezone] if self.timezone else []
         words += ["--time-format", self.time_format] if self.time_format else []
+        words += ["--begin", self.begin.isoformat()] if self.begin is not None else []
         words += ["--hold", f"{self.hold_s:g} s"] if self.hold_s != HOLD_S else []
         words += ["--interval", f"{self.interval_s:g} s"] if self.interval_s else []
         for option, stated in (("--map", self.entities), ("--unit", self.units)):

@@ -8,21 +8,28 @@ import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import pandas as pd
+
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.dataset.text import read_table
+from waxstudy.importing.file_log import BEGINNING as OF_LOG
+from waxstudy.importing.file_log import read_file_log
 from waxstudy.importing.history import read_history
 from waxstudy.importing.reading import Readings, Table, refusal
+from waxstudy.importing.stamps import is_stamps
 from waxstudy.importing.weather_file import BEGINNING, read_weather
 from waxstudy.importing.workbook import read_workbook
 from waxstudy.plugin.files import DATA_BYTES, check_file, why
 from waxstudy.results.atomic import scratch_folder
 from waxstudy.study.problems import StudyError
 
-ENDINGS = (".csv", ".csv.gz", ".tsv", ".txt", ".xlsx", ".xls", ".ods", ".parquet", ".db", ".sqlite", ".sqlite3", ".epw")
+ENDINGS = (
+    ".csv", ".csv.gz", ".tsv", ".txt", ".log", ".xlsx", ".xls", ".ods", ".parquet", ".db", ".sqlite", ".sqlite3", ".epw"
+)  # fmt: skip
 ZIP, OLE, GZIP, SQLITE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"SQLite"
+BEGINS = 100  # bytes that tell what a file is
 SCRATCH = "waxstudy-import-"
-FIRST_ROW = 2  # of a text, whose header is its first
 
 
 def files_of(sources: Sequence[Path]) -> list[Path]:
@@ -46,7 +53,7 @@ def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
     try:
         check_file(path)
         with path.open("rb") as file:
-            beginning = file.read(8)
+            beginning = file.read(BEGINS)
         if beginning.startswith(GZIP):
             yield from _unpacked(path, shown)
         elif beginning.startswith((ZIP, OLE)):
@@ -55,6 +62,8 @@ def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
             yield from read_history(path, shown)
         elif beginning.startswith(BEGINNING):
             yield from read_weather(path, shown)
+        elif OF_LOG.match(beginning):
+            yield read_file_log(path.read_text(encoding="utf-8", errors="replace"), shown)
         else:
             yield _text(path, shown)
     except OSError as error:
@@ -91,10 +100,24 @@ class _Limited:
 
 
 def _text(path: Path, shown: str) -> Table:
-    """Return a CSV or parquet file as the datasets' own reader has it."""
+    """Return a CSV or parquet file as the datasets' own reader has it, its rows counted as the file's lines."""
     notes = Notes(shown)
     frame = read_table(path, DatasetTable(), notes)
+    has_names = frame is None or not _begins_with_stamps(frame)
+    if not has_names:
+        frame = read_table(path, DatasetTable(), notes, has_names=False)
     if frame is None:
         raise StudyError(notes.problems)
-    frame.index = frame.index + notes.line_of(1) - 1 + FIRST_ROW
+    frame.index = frame.index + notes.line_of(1) + has_names
     return Table(shown, frame)
+
+
+def _begins_with_stamps(frame: pd.DataFrame) -> bool:
+    """Whether a row of readings stands where names of columns should: a stamp is above stamps."""
+    for name in frame.columns:
+        first: pd.Series = pd.Series([name])
+        if pd.api.types.is_numeric_dtype(frame[name]):
+            first = pd.to_numeric(first, errors="coerce").dropna()
+        if is_stamps(first) and is_stamps(frame[name]):
+            return True
+    return False

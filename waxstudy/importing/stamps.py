@@ -19,7 +19,7 @@ from waxstudy.study.problems import shown
 
 # least and unit of an epoch by its size: the years 1973 to 5138 in seconds, and so on
 EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
-CLOCKS = ("%H:%M:%S", "%H:%M", "%H:%M:%S.%f", "%I:%M:%S %p", "%I:%M %p", "")
+CLOCKS = ("%H:%M:%S", "%H:%M", "%H:%M:%S.%f", "%H:%M:%S,%f", "%I:%M:%S %p", "%I:%M %p", "")
 # by the mark between them; years of two digits may stand first, and "-" is left to those of four
 ORDERS = (
     ("%d.%m.%Y", "%m.%d.%Y"),
@@ -40,6 +40,8 @@ ZONES = {
 ZONE_BEHIND = rf"(?<=[\dM])\s+({'|'.join(ZONES)})$"
 # before a date, however the word ends: in English, German and French
 WEEKDAY = r"^(?i:mon|tue|wed|thu|fri|sat|sun|mo|di|mi|do|fr|sa|so|lun|mar|mer|jeu|ven|dim)[^\W\d_]*[.,]?\s+(?=\d)"
+BETWEEN = r"(?<=\d)\s+(?:at|@|um)\s+(?=\d)"  # a day and a clock
+GLUED = r"(?<=\d)(?=[AaPp][Mm]$)"
 MIDNIGHT = r"(?<![\d:])24(?=:00(?::00)?(?:\.0+)?$)"  # of the day that ends
 DAYS = ("%d", "%j", "%D", "%F", "%x", "%c", "%s")  # of a format, one of which tells the date
 MEND_ROWS = "mend these rows, or leave them out"
@@ -184,12 +186,12 @@ def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
 
 
 def _spelt(written: pd.Series, times: pd.Series) -> pd.Series:
-    """Return stamps read again without a zone behind or a weekday before them; 24 h is 0 h of the next day."""
+    """Return stamps read again without a zone, a weekday or a word between; 24 h is 0 h of the next day."""
     unread = times.isna() & written.notna()
     zone = written.str.extract(ZONE_BEHIND, expand=False)
     spelt = written.copy()
-    for rest in (ZONE_BEHIND, WEEKDAY):
-        spelt[unread] = spelt[unread].str.replace(rest, "", regex=True)
+    for rest, instead in ((ZONE_BEHIND, ""), (WEEKDAY, ""), (BETWEEN, " "), (GLUED, " ")):
+        spelt[unread] = spelt[unread].str.replace(rest, instead, regex=True)
     ends_day = spelt.str.contains(MIDNIGHT, na=False)
     spelt[ends_day] = spelt[ends_day].str.replace(MIDNIGHT, "00", regex=True)
     if spelt.equals(written):
@@ -247,6 +249,8 @@ def _formats(first: pd.Series, known: pd.Series) -> Iterator[str]:
     """Yield the format that all of the first stamps have; raise `Ambiguous` where two say different days."""
     for order, between, clock in product(ORDERS, (" ", "T", ", "), CLOCKS):
         forms = [f"{day}{between}{clock}" if clock else day for day in order]
+        if _marks(forms[0]) != _marks(str(first.iloc[0])):
+            continue
         if not any(_read(first.iloc[:1], form, False).notna().all() for form in forms):
             continue
         fits = [form for form in forms if _read(first, form, False).notna().all()]
@@ -256,6 +260,11 @@ def _formats(first: pd.Series, known: pd.Series) -> Iterator[str]:
                 which = "day, month and year" if any(form.startswith("%y") for form in fits) else "day and month"
                 raise Ambiguous(f"{which} cannot be told apart")
         yield from fits[:1]
+
+
+def _marks(written: str) -> str:
+    """Return what stands between the numbers and words of a stamp, or of its format."""
+    return re.sub(r"%\w|\w", "", written)
 
 
 def _year_told(known: pd.Series, fits: list[str]) -> list[str]:

@@ -17,6 +17,8 @@ WRITTEN = {
     "c": "degC", "celsius": "degC", "°c": "degC", "℃": "degC", "grad c": "degC", "deg c": "degC",
     "f": "degF", "fahrenheit": "degF", "°f": "degF", "℉": "degF", "deg f": "degF",
     "k": "kelvin", "gpm": "gallon/minute", "gph": "gallon/hour", "cfm": "foot**3/minute",
+    # of water, a litre of which has a kilogram within 1 % up to 45 °C
+    "kg/s": "liter/second", "kg/min": "liter/minute", "kg/h": "liter/hour", "t/h": "meter**3/hour",
     "lpm": "liter/minute", "lph": "liter/hour", "cbm": "m**3", "cbm/h": "m**3/hour", "kbtu/h": "kBTU/hour",
     "mbh": "kBTU/hour", "btuh": "BTU/hour", "btu/hr": "BTU/hour", "btu/h": "BTU/hour", "w": "watt", "kw": "kilowatt",
     "wh": "watt_hour", "kwh": "kilowatt_hour", "mwh": "megawatt_hour", "l": "liter", "gal": "gallon",

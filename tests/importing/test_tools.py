@@ -1,0 +1,285 @@
+"""Claims about what tools write that people have: each of their exports makes the record that was logged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from tests.cli.conftest import Entry
+from tests.importing.conftest import read
+from tests.importing.exports import CHANNELS
+from tests.importing.test_bad_input import house, refused
+from waxstudy.importing.headers import parted
+
+ZONE = ("--timezone", "Europe/Tallinn")
+FLOW = "flow_L_h"
+TEMPERATURES = tuple(name for name in CHANNELS if name.endswith("_C"))
+NAMES = ("living_temperature", "living_setpoint", "heating_valve", "flow", "supply", "return", "outdoor")
+SHORT = dict(zip(CHANNELS, NAMES, strict=True))
+Maker = Callable[[pd.DataFrame, Path], tuple[Path, tuple[str, ...]]]
+
+
+def lines(record: pd.DataFrame) -> Iterator[tuple[pd.Timestamp, pd.Series]]:
+    for place in range(len(record)):
+        yield pd.Timestamp(record.index[place]), record.iloc[place]
+
+
+def written(path: Path, *texts: str) -> Path:
+    path.write_text("\n".join(texts) + "\n", encoding="utf-8")
+    return path
+
+
+def fhem(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """A line for each reading; readings of a thermostat, its valve and others."""
+    device = {
+        "sensor_temperature_C": "Living temperature",
+        "setpoint_C": "Living desired-temp",
+        FLOW: "Loop flow",
+        "supply_temperature_C": "Loop supply",
+        "return_temperature_C": "Loop return",
+        "outdoor_temperature_C": "Garden outdoor",
+    }
+    told = [
+        f"{at:%Y-%m-%d_%H:%M:%S} {name}: {row[channel]:.4f}{' °C' if channel in TEMPERATURES else ''}"
+        for at, row in lines(record)
+        for channel, name in device.items()
+    ]
+    valve = [
+        f"{at:%Y-%m-%d_%H:%M:%S} LivingValve {'on' if row['heating_signal'] else 'off'}" for at, row in lines(record)
+    ]
+    return written(folder / "living.log", *sorted(told + valve)), ZONE
+
+
+def niagara(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """A file for each point: titles, a status for each reading, and the zone behind its stamp."""
+    for channel, name in SHORT.items():
+        unit = "°C" if channel in TEMPERATURES else "L/hr" if channel == FLOW else "0-1"
+        rows = [f"{at:%d-%b-%y %I:%M:%S %p} EET,{{ }},{{ok}},{row[channel]:.4f}" for at, row in lines(record)]
+        written(
+            folder / f"{name}.csv", f"history:/House/{name}", "", f"Timestamp,Trend Flags,Status,Value ({unit})", *rows
+        )
+    return folder, ZONE
+
+
+def metasys(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """A row for each reading, with two columns of names, a unit behind the value and a word for how good it is."""
+    points = dict(zip(CHANNELS, ("LIVING-T", "LIVING-SP", "VALVE", "FLOW", "HWS-T", "HWR-T", "OAT"), strict=True))
+    rows = [
+        f'"{at:%m/%d/%Y %I:%M:%S %p}","NAE1/FC1.{name}","{name}","{row[channel]:.4f}'
+        f'{" deg C" if channel in TEMPERATURES else " L/h" if channel == FLOW else ""}","Reliable"'
+        for at, row in lines(record)
+        for channel, name in points.items()
+    ]
+    head = '"Date / Time","Name Path Reference","Object Name","Object Value","Reliability"'
+    return written(folder / "trend.csv", head, *rows), (*ZONE, "--time-format", "%m/%d/%Y %I:%M:%S %p")
+
+
+def iobroker(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """A file for each state, whose name has points; epochs in milliseconds."""
+    for channel, name in SHORT.items():
+        rows = [f"{(at.value // 1_000_000) - 7_200_000},{row[channel]:.4f},true,0" for at, row in lines(record)]
+        written(folder / f"zigbee.0.{name}.csv", "ts,val,ack,q", *rows)
+    return folder, ZONE
+
+
+def emoncms(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """A file for each feed: an epoch and a value, and nothing above them."""
+    for channel, name in SHORT.items():
+        rows = [f"{(at.value // 1_000_000_000) - 7200},{row[channel]:.4f}" for at, row in lines(record)]
+        written(folder / f"{name}.csv", *rows)
+    return folder, ZONE
+
+
+def thingsboard(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """A row for each device and stamp, with a column for each thing that it measures."""
+    devices = {
+        "Living": {"temperature": "sensor_temperature_C", "setpoint": "setpoint_C", "valve": "heating_signal"},
+        "Loop": {"flow": FLOW, "supply": "supply_temperature_C", "return": "return_temperature_C"},
+        "Outdoor": {"temperature": "outdoor_temperature_C"},
+    }
+    keys = list(dict.fromkeys(key for has in devices.values() for key in has))
+    rows = [
+        f"{at:%Y-%m-%d %H:%M:%S};{device};" + ";".join(f"{row[has[key]]:.4f}" if key in has else "" for key in keys)
+        for at, row in lines(record)
+        for device, has in devices.items()
+    ]
+    return written(folder / "telemetry.csv", f"Timestamp;Entity name;{';'.join(keys)}", *rows), ZONE
+
+
+def hobo(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """Units behind a comma, and in brackets the logger, the sensor and its label."""
+    units = {channel: "°C" if channel in TEMPERATURES else "L/h" if channel == FLOW else "%" for channel in CHANNELS}
+    names = [
+        f'"Ch{place}, {units[channel]} (LGR S/N: 12, SEN S/N: {place}, LBL: {name})"'
+        for place, (channel, name) in enumerate(SHORT.items())
+    ]
+    rows = [
+        f"{place},{at:%m/%d/%y %I:%M:%S %p},"
+        + ",".join(f"{row[channel] * (100.0 if units[channel] == '%' else 1.0):.4f}" for channel in CHANNELS)
+        for place, (at, row) in enumerate(lines(record), 1)
+    ]
+    head = f'"#","Date Time, GMT+02:00",{",".join(names)}'
+    stated = (*ZONE, "--time-format", "%m/%d/%y %I:%M:%S %p")
+    return written(folder / "hobo.csv", '"Plot Title: house"', head, *rows), stated
+
+
+def energyplus(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """Days without a year, which end at 24:00:00, and a mass of water for its volume."""
+    names = [
+        "LIVING:Zone Air Temperature [C](TimeStep)",
+        "LIVING:Zone Thermostat Heating Setpoint Temperature [C](TimeStep)",
+        "VALVE:Schedule Value [](TimeStep)",
+        "WATER INLET NODE:System Node Mass Flow Rate [kg/s](TimeStep)",
+        "WATER INLET NODE:System Node Temperature [C](TimeStep)",
+        "WATER OUTLET NODE:System Node Temperature [C](TimeStep)",
+        "Environment:Site Outdoor Air Drybulb Temperature [C](TimeStep)",
+    ]
+    rows = []
+    for at, row in lines(record):
+        day = at - pd.Timedelta(minutes=1) if at == at.normalize() else at
+        clock = "24:00:00" if at == at.normalize() else f"{at:%H:%M:%S}"
+        values = (row[channel] / (3600.0 if channel == FLOW else 1.0) for channel in CHANNELS)
+        rows.append(f" {day:%m/%d}  {clock}," + ",".join(f"{value:.8f}" for value in values))
+    stated = ("--begin", f"{record.index[0]:%Y-%m-%d}", "--map", "sensor_temperature_C=LIVING:Zone Air Temperature")
+    return written(folder / "eplusout.csv", "Date/Time," + ",".join(names), *rows), (
+        *stated, "--map", "heating_signal=VALVE:Schedule Value"
+    )  # fmt: skip
+
+
+def modelica(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """Seconds since the simulation began."""
+    begin = record.index[0] - pd.Timedelta(minutes=1)
+    rows = [
+        f"{(at - begin).total_seconds():g}," + ",".join(f"{row[channel]:.4f}" for channel in CHANNELS)
+        for at, row in lines(record)
+    ]
+    head = ",".join(["time", *(f'"{name}"' for name in SHORT.values())])
+    return written(folder / "room.csv", head, *rows), ("--begin", begin.isoformat())
+
+
+MAKERS: list[Maker] = [fhem, niagara, metasys, iobroker, emoncms, thingsboard, hobo, energyplus, modelica]
+
+
+@pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
+def test_what_a_tool_exports_is_the_record_that_it_logged(
+    make: Maker, record: pd.DataFrame, entry: Entry, tmp_path: Path
+) -> None:
+    hours = record.iloc[: 30 * 60]
+    folder = tmp_path / "export"
+    folder.mkdir()
+    source, stated = make(hours, folder)
+    done = entry("import", source, *stated, "--yes", "--out", tmp_path / "living")
+    assert done.code == 0, done.stderr
+    found = read(tmp_path / "living")
+    assert set(found) == set(CHANNELS), done.stdout
+    assert (found.index[0], found.index[-1]) == (hours.index[0], hours.index[-1])
+    for channel in CHANNELS:
+        assert found[channel].sub(hours[channel]).abs().max() < 1e-3, channel
+        assert found[channel].notna().all(), channel
+
+
+# --- what their columns and stamps say ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("column", "name", "unit"),
+    [
+        ("Temp, °C (LGR S/N: 1, SEN S/N: 2, LBL: bath)", "bath Temp", "°C"),
+        ("Temp, °C (LGR S/N: 1, SEN S/N: 2)", "Temp LGR S/N: 1, SEN S/N: 2", "°C"),
+        ("Flow, L/min", "Flow", "L/min"),
+        ("LIVING:Zone Air Temperature [C](Hourly)", "LIVING:Zone Air Temperature", "C"),
+        ("Room 1, 2", "Room 1, 2", ""),
+        ("Bath, upstairs", "Bath, upstairs", ""),
+    ],
+)
+def test_a_unit_stands_behind_a_name_as_loggers_and_simulations_write_it(column: str, name: str, unit: str) -> None:
+    assert parted(column) == (name, unit)
+
+
+@pytest.mark.parametrize(("good", "bad"), [("ok", "{fault,stale}"), ("GOOD", "Bad"), ("No fault", "Sensor fault")])
+def test_what_a_status_calls_bad_is_missing_and_told(entry: Entry, good: str, bad: str) -> None:
+    frame = house()
+    status = pd.Series(good, index=frame.index)
+    status.iloc[60:72] = bad
+    frame.assign(Status=status).to_csv("house.csv")
+    done = entry("import", "house.csv", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert "house.csv: 12 rows are bad by their status: what they read is missing." in done.stdout
+    found = read(Path("living"))
+    assert found.iloc[61:71].isna().all().all()
+    assert found.iloc[:60].notna().all().all()
+
+
+def test_a_status_that_is_on_or_off_is_a_reading(entry: Entry) -> None:
+    frame = house().rename(columns={"heating_valve": "Status"})
+    frame["Status"] = frame["Status"].map({1.0: "on", 0.0: "off"})
+    frame.to_csv("house.csv")
+    done = entry("import", "house.csv", "--map", "heating_signal=Status", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert set(read(Path("living"))["heating_signal"].dropna()) == {0.0, 1.0}
+
+
+def test_a_file_of_each_month_is_one_sensor(entry: Entry) -> None:
+    frame, half = house(), len(house()) // 2
+    Path("export").mkdir()
+    for name, column in frame.items():
+        column.iloc[:half].rename("value").to_csv(f"export/{name}.2026-01.csv")
+        column.iloc[half:].rename("value").to_csv(f"export/{name}.2026-02.csv")
+    done = entry("import", "export", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert len(read(Path("living"))) >= len(frame) - 1
+    assert "2026-0" not in done.stdout.split("\n\n")[0]
+
+
+def test_a_line_of_a_log_that_is_no_reading_is_told_with_its_number(entry: Entry) -> None:
+    logged = [f"2026-01-10_00:{minute:02d}:00 Garden temperature: {-minute / 10.0}" for minute in range(0, 60, 5)]
+    Path("house.log").write_text("\n".join([*logged[:7], "2026-01-1", *logged[7:]]), encoding="utf-8")
+    refused(entry("import", "house.log", "--out", "living"), "house.log:8", "no date and time")
+
+
+# --- times without a date -----------------------------------------------------------------------------
+
+
+def counted(unit_s: float, name: str) -> pd.DataFrame:
+    """A house whose times count from the begin of its first day."""
+    frame = house()
+    return frame.set_index(pd.Index((frame.index - frame.index[0].normalize()).total_seconds() / unit_s, name=name))
+
+
+@pytest.mark.parametrize(
+    ("unit_s", "name"), [(1.0, "time"), (60.0, "Time [min]"), (3600.0, "time [h]"), (86_400.0, "Time (d)")]
+)
+def test_numbers_that_count_from_a_begin_are_times_of_it(entry: Entry, unit_s: float, name: str) -> None:
+    counted(unit_s, name).to_csv("room.csv")
+    begin = house().index[0].normalize()
+    refused(entry("import", "room.csv", "--out", "living"), "counts from a begin", "--begin 2026-01-31")
+    done = entry("import", "room.csv", "--begin", f"{begin:%Y-%m-%d}", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living")).index[0] == house().index[0]
+    assert f"--begin {begin.isoformat()}" in Path("living", "dataset.toml").read_text(encoding="utf-8")
+
+
+def test_hours_without_a_unit_are_not_taken_for_seconds(entry: Entry) -> None:
+    counted(3600.0, "time").to_csv("room.csv")
+    done = entry("import", "room.csv", "--begin", "2026-01-10", "--out", "living")
+    refused(done, "counts time in steps of", "no seconds", "'time [h]'")
+
+
+def test_days_without_a_year_are_those_of_the_begin_and_the_next(entry: Entry) -> None:
+    frame = house()
+    days = pd.date_range("2025-12-31 12:00", periods=len(frame), freq="5min")
+    frame.set_index(pd.Index(days.strftime("%m/%d  %H:%M:%S"), name="Date/Time")).to_csv("room.csv")
+    refused(entry("import", "room.csv", "--out", "living"), "stamps tell no year", "--begin 2026-01-31")
+    done = entry("import", "room.csv", "--begin", "2025-12-31", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert list(read(Path("living")).index[[0, -1]]) == [days[0], days[-1]]
+
+
+@pytest.mark.parametrize("begin", ["soon", "2026-13-01", "2026-01-31T12:00Z"])
+def test_a_begin_that_is_no_day_is_refused(entry: Entry, begin: str) -> None:
+    counted(1.0, "time").to_csv("room.csv")
+    done = entry("import", "room.csv", "--begin", begin, "--out", "living")
+    assert (done.code, "write it as 2026-01-31" in done.stderr) == (2, True)

@@ -1,0 +1,89 @@
+"""The column of stamps of a table: by its name or what it holds, a day and a clock, or times without a date."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Hashable, Mapping
+
+import pandas as pd
+
+from waxstudy.dataset.columns import named
+from waxstudy.importing.begin import counted, counts_from_begin, has_no_year, with_year
+from waxstudy.importing.headers import parted
+from waxstudy.importing.limits import LOOKED_AT, SPREADSHEET_DAYS
+from waxstudy.importing.reading import Table, refusal
+from waxstudy.importing.stamps import is_stamps
+
+# names of columns, in lower case; what is not named so is told by what it holds
+TIME = ("time", "timestamp", "datetime", "date/time", "last_changed", "last_updated", "date_time", "zeit", "_time",
+        "zeitstempel", "date", "datum", "ts", "epoch", "when", "last_changed_ts", "last_updated_ts")  # fmt: skip
+DAY = ("date", "datum", "day", "tag")
+CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?\s*([AaPp][Mm])?\s*")
+NO_CLOCK = r"[ T]00:00(:00(\.0+)?)?$"  # as a workbook's days have
+NO_TABLES = {
+    re.compile(r"^\s*[{\[]"): "JSON",
+    re.compile(r"^\S+[, ]\S.*=\S+ \d{10,19}$"): "InfluxDB's line protocol",
+}
+EXPECTED = (
+    "expected is a column of stamps, and either a column for each sensor, or one of names, one of values; "
+    "units may stand in the row below the names"
+)
+
+
+def dated(table: Table, units: Mapping[str, str], begin: pd.Timestamp | None) -> pd.DataFrame:
+    """Return a table with dates where its times count from its begin, or tell no year; as it is where they do not."""
+    frame = table.frame
+    for name in frame.columns:
+        plain, unit = parted(str(name))
+        if plain.lower() not in TIME:
+            continue
+        if has_no_year(frame[name]):
+            return frame.assign(**{str(name): with_year(frame[name], begin, table.where)})
+        if counts_from_begin(frame[name]):
+            return frame.assign(**{str(name): counted(frame[name], units.get(str(name), unit), begin, table.where)})
+    return frame
+
+
+def time_column(table: Table) -> tuple[str, pd.DataFrame]:
+    """Return the name of the column of stamps, and the table with a day and a time of day put together."""
+    frame = table.frame
+    lower = {str(name).strip().lower(): str(name) for name in frame.columns}
+    by_name = [lower[name] for name in TIME if name in lower]
+    for name in [*by_name, *(str(name) for name in frame.columns if name not in by_name)]:
+        if not is_stamps(frame[name], name if name in by_name else ""):
+            continue
+        clock = next((each for each in frame.columns if each != name and _is_clock(frame[each])), None)
+        if clock is None or not _is_day(frame[name]):
+            return name, frame
+        return name, _day_and_clock(frame, name, clock)
+    clock = next((str(name) for name in frame.columns if _is_clock(frame[name])), None)
+    day = next((lower[name] for name in DAY if name in lower and lower[name] != clock), None)
+    if clock and day:  # nobody can tell days from months, or the format must be said
+        return day, _day_and_clock(frame, day, clock)
+    if by_name and not pd.api.types.is_numeric_dtype(frame[by_name[0]]):
+        return by_name[0], frame  # whose first bad cell is told where stamps are read
+    if by_name and (days := frame[by_name[0]].dropna()).between(*SPREADSHEET_DAYS).all() and len(days):
+        wrong = f"no column holds stamps: '{by_name[0]}' has numbers, such as {days.iloc[0]}"
+        raise refusal(table.where, wrong, "if they count days, as a spreadsheet does, write them as 2024-01-31 12:00")
+    first = ",".join(map(str, frame.columns))
+    for form, what in NO_TABLES.items():
+        if form.search(first):
+            raise refusal(table.where, f"is no table: it holds {what}", "export a table, with a row for each time")
+    raise refusal(table.where, f"no column holds stamps (columns: {named(frame)})", EXPECTED)
+
+
+def _day_and_clock(frame: pd.DataFrame, day: str, clock: Hashable) -> pd.DataFrame:
+    """Return a table whose column of days has the time of day behind them."""
+    days = frame[day].astype(str).str.strip().str.replace(NO_CLOCK, "", regex=True)
+    both = days + " " + frame[clock].astype(str).str.strip()
+    return frame.assign(**{day: both}).drop(columns=[clock])
+
+
+def _is_clock(written: pd.Series) -> bool:
+    first = written.dropna().iloc[:LOOKED_AT].astype(str)
+    return len(first) > 0 and bool(first.str.fullmatch(CLOCK).all())
+
+
+def _is_day(written: pd.Series) -> bool:
+    first = written.dropna().iloc[:LOOKED_AT].astype(str)
+    return not first.str.contains(":").any() or bool(first.str.contains(" 00:00:00").all())
