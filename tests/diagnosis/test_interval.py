@@ -79,15 +79,15 @@ def test_where_no_gap_was_above_the_floor_nothing_is_said_of_shrinking(size: flo
     assert all(map(math.isnan, (found.value, found.low, found.high)))
 
 
-def test_a_gap_that_is_hardly_above_the_floor_makes_a_wide_interval_and_no_absurd_one() -> None:
+@pytest.mark.parametrize(("share", "is_told"), [(0.95, False), (0.6, True)])
+def test_of_a_gap_that_may_as_well_be_the_floor_no_share_is_told(share: float, is_told: bool) -> None:
     draw = random(7)
     before = residual(np.repeat(draw.normal(0.0, 1.0, 40), 10))
-    floor = 0.95 * before.gap()
-    found = shrink(before, residual(0.5 * before.error), floor, draw)
-    assert math.isfinite(found.low)
-    assert math.isfinite(found.high)
-    assert found.low <= found.value <= found.high
-    assert found.high - found.low > 1.0
+    found = shrink(before, residual(0.5 * before.error), share * before.gap(), draw)
+    assert [math.isfinite(each) for each in (found.low, found.value, found.high)] == [is_told] * 3
+    if is_told:
+        assert found.low <= found.value <= found.high
+        assert found.high - found.low < 1.5
 
 
 def test_a_shrinkage_is_judged_on_the_days_kept_back_and_on_no_others() -> None:

@@ -216,17 +216,22 @@ class _Local:
 def shrink(before: Residual, after: Residual, floor: float, random: np.random.Generator) -> Interval:
     """Return 1 - (after^2 - floor^2) / (before^2 - floor^2) on the last part, with its 95 % interval over blocks.
 
-    No number where no gap was above the floor there: nothing could shrink.
+    No number where no gap was above the floor there, at that confidence: nothing could shrink, and a ratio to what may
+    be nothing has no interval (Fieller, 1954).
     """
     part = SHRINK if (before.part == SHRINK).any() else SELECT
     chosen = before.judged & after.judged & (before.part == part)
+    nothing = Interval(float("nan"), float("nan"), float("nan"))
     if not chosen.any() or np.mean(before.error[chosen] ** 2) <= floor**2:
-        return Interval(float("nan"), float("nan"), float("nan"))
+        return nothing
     rows = np.array([before.error[chosen] ** 2, after.error[chosen] ** 2, np.ones(chosen.sum())])
     *both, count = by_block(rows, before.block[chosen])
     squares, weights = np.array(both), redrawn(len(count), DRAWS, random).T
     means = squares @ weights / (count @ weights)
-    drawn = _shrunk(means[:, means[0] > floor**2], floor)
+    is_above = means[0] > floor**2
+    if np.mean(is_above) < RANGE[1] / 100.0:
+        return nothing
+    drawn = _shrunk(means[:, is_above], floor)
     value = float(_shrunk((squares.sum(axis=1) / count.sum())[:, None], floor)[0])
     low, high = np.percentile(np.append(drawn, value), RANGE)
     return Interval(value, float(min(low, value)), float(max(high, value)))

@@ -193,7 +193,7 @@ def how_sure(effect: FoundEffect) -> str:
 
 def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     before, after, floor = (number(v) for v in (effect.gap_before, effect.gap_after, effect.noise_floor))
-    share = percent_interval(effect.shrink) or "a share that nobody can tell"
+    share = percent_interval(effect.shrink) or "a share that cannot be told"
     return (
         f"{effect.name} takes away {share} of the gap of {channel_words(effect.channel)} "
         f"{held_out([effect])}; in all {before} → {with_unit(after, unit_of(diagnosis, effect))}, floor {floor}"
