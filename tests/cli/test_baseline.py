@@ -281,7 +281,7 @@ def test_a_loop_that_is_as_it_was_has_no_effect_and_every_figure_is_traced(
     assert told["verdict"] == "none"
     # beside the folder the switches are known to a quarter of an hour: a sensor's lag would not show
     judged, others = ("", "sensor, ") if of == "a folder" else ("sensor, ", "")
-    nothing = f"Of {judged}controller, actuator and valve, nothing changed since the baseline"
+    nothing = f"Of {judged}controller, actuator and valve, no change shows since the baseline"
     assert told["summary"] == f"{nothing}; {others}emitter and room could not be judged."
     assert sum(told["posterior"].values()) == pytest.approx(1.0)
     assert {"compared_with", "as_built", "baseline"} <= set(told)

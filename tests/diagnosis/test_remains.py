@@ -340,7 +340,7 @@ def test_that_nothing_was_found_says_of_which_stages_where_others_could_not_be_j
     assert summary("none", [], [], [], "", some) == f"{said} could not be judged."
     assert summary("none", [], [], [], "", Stages(("room",))) == "The record shows no effect that the model lacks."
     since = summary("none", [], [], [], "the baseline", some)
-    assert since.startswith("Of sensor and controller, nothing changed since the baseline; valve, emitter and room")
+    assert since.startswith("Of sensor and controller, no change shows since the baseline; valve, emitter and room")
 
 
 def test_a_leak_does_not_show_in_a_valve_that_is_never_closed() -> None:

@@ -25,7 +25,7 @@ from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import _of_form, _price
-from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred
+from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
@@ -584,15 +584,34 @@ def test_nothing_is_weighed_as_its_best_fit_leaves_it() -> None:
 
 @pytest.mark.parametrize(
     ("is_room", "misfit", "pattern", "may_be"),
-    [(False, 1.1, None, True), (False, 0.9, None, False), (False, 1.1, "always", False), (True, 1.1, None, False)],
+    [
+        (False, 1.1, None, True),
+        (False, 0.9, None, False),
+        (False, 1.1, "always", False),
+        (True, 0.9, None, True),
+        (True, 1.1, "always", False),
+    ],
 )
-def test_an_effect_of_a_chain_is_blurred_away_only_where_it_leaves_something_amiss(
+def test_an_effect_is_blurred_away_in_a_room_and_in_a_chain_where_it_leaves_something_amiss(
     is_room: bool, misfit: float, pattern: str | None, may_be: bool
 ) -> None:
     search: Any = SimpleNamespace(problem=SimpleNamespace(segment=SimpleNamespace(with_room=is_room)))
     numbers = {"gain": 9.0, "ease": 0.0, "always": 0.0, "price": 5.9, "spread": 1.0, "most": np.inf, "unlike": 0.0}
     weighed: Any = SimpleNamespace(names=("a",), misfit=misfit, pattern=pattern, stands=np.inf, left=0.03, **numbers)
     assert _may_be_blurred(search, [weighed], Choice((("a",),))) == may_be
+
+
+@pytest.mark.parametrize(("kept", "named"), [(0.0, 0.0), (0.5, 0.45)])
+def test_what_may_as_well_be_nothing_is_none_but_for_a_share_and_all_still_sums_to_one(
+    kept: float, named: float
+) -> None:
+    beliefs = {"a": 0.8, "a+b": 0.1, "none": 0.06, "unknown": 0.04}
+    found = _without(beliefs, {"a"}, kept)
+    assert sum(found.values()) == pytest.approx(1.0)
+    assert sum(p for name, p in found.items() if "a" in name.split("+")) == pytest.approx(named)
+    assert found["none"] == pytest.approx(0.06 + (1.0 - kept) * 0.8)
+    assert found["b"] == pytest.approx((1.0 - kept) * 0.1)
+    assert not Choice.of(found).groups
 
 
 def test_each_channel_of_a_link_stands_out_where_it_is_changed_itself() -> None:

@@ -39,7 +39,7 @@ def summary(
         return " ".join(_unnamed(remains))
     if verdict == "untestable":
         return f"This record cannot be judged: {_main_reason(untestable)}."
-    return _nothing(f"nothing changed since {since}" if since else NOTHING, stages or Stages())
+    return _nothing(f"no change shows since {since}" if since else NOTHING, stages or Stages())
 
 
 def _unnamed(remains: Sequence[Unexplained]) -> Iterator[str]:

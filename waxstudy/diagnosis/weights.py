@@ -46,6 +46,7 @@ class Weights:
     open: float
     strongest: float
     notable: float
+    blurred: float
     always: float
     promised: float
     clearly: float

@@ -31,28 +31,29 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         blurred = [each for each in found if search.distinct(each, selection.after) <= WEIGHTS.notable]
         if not blurred or not _may_be_blurred(search, weighed, choice):
             return replace(selection, posterior=beliefs)
-        beliefs = _without(beliefs, {name for each in blurred for name in each.group})
+        kept = WEIGHTS.blurred if search.problem.segment.with_room else 0.0
+        beliefs = _without(beliefs, {name for each in blurred for name in each.group}, kept)
 
 
 def _may_be_blurred(search: Search, weighed: Sequence[Weighed], choice: Choice) -> bool:
-    """Whether named effects are nothing where their intervals hold what is believed.
+    """Return whether an effect may be nothing where its interval holds what is believed.
 
-    A controller of another form looks as if it were tuned otherwise each time, which leaves much. What leaves nothing
-    amiss is there, however far its interval reaches; what comes and goes is blurred by the days without it; and a room
-    has no settings.
+    A controller of another form looks as if it were tuned otherwise each time, which leaves much; what leaves nothing
+    amiss in a chain is there, however far its interval reaches. A room is never as its model: there the interval
+    counts. What comes and goes is blurred by the days without it.
     """
     best = best_of(weighed, [group[0] for group in choice.groups])
-    return not search.problem.segment.with_room and best.pattern is None and best.misfit > WEIGHTS.open
+    return best.pattern is None and (search.problem.segment.with_room or best.misfit > WEIGHTS.open)
 
 
-def _without(beliefs: Mapping[str, float], blurred: set[str]) -> dict[str, float]:
-    """Return probabilities where effects that may as well be what is believed are none."""
+def _without(beliefs: Mapping[str, float], blurred: set[str], kept: float) -> dict[str, float]:
+    """Return probabilities where effects that may as well be what is believed are none, but for a share."""
     found: dict[str, float] = {}
     for name, probability in beliefs.items():
         rest = [each for each in name.split("+") if each not in blurred]
-        key = "+".join(rest) or NONE
-        found[key] = found.get(key, 0.0) + probability
-    return found
+        for key, share in ((name, kept), ("+".join(rest) or NONE, 1.0 - kept)):
+            found[key] = found.get(key, 0.0) + share * probability
+    return {key: probability for key, probability in found.items() if probability > 0.0}
 
 
 @dataclass(frozen=True)
