@@ -234,6 +234,29 @@ def test_a_file_of_each_month_is_one_sensor(entry: Entry) -> None:
     assert "2026-0" not in done.stdout.split("\n\n")[0]
 
 
+@pytest.mark.parametrize("names", [("T-101", "T-102"), ("sensor_1", "sensor_2"), ("floor.1", "floor.2")])
+def test_the_number_of_a_sensor_in_a_file_s_name_stays(entry: Entry, names: tuple[str, str]) -> None:
+    frame = house()
+    Path("export").mkdir()
+    for name, channel in zip(
+        (*names, "outdoor"), ("room_temperature", "supply_temperature", "outdoor_temperature"), strict=True
+    ):
+        frame[channel].rename("value").to_csv(f"export/{name}.csv")
+    stated = ("--map", f"air_temperature_C={names[0]}", "--map", f"supply_temperature_C={names[1]}")
+    done = entry("import", "export", *stated, "--out", "living")
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["supply_temperature_C"] - frame["supply_temperature"]).abs().max() < 1e-3
+
+
+def test_seconds_beside_stamps_are_no_time_of_a_record(entry: Entry) -> None:
+    frame = house().reset_index(names="Stamp")
+    frame.insert(0, "time", 300 * frame.index.to_numpy())
+    frame.to_csv("house.csv", index=False)
+    done = entry("import", "house.csv", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living")).index[0] == house().index[0]
+
+
 def test_a_line_of_a_log_that_is_no_reading_is_told_with_its_number(entry: Entry) -> None:
     logged = [f"2026-01-10_00:{minute:02d}:00 Garden temperature: {-minute / 10.0}" for minute in range(0, 60, 5)]
     Path("house.log").write_text("\n".join([*logged[:7], "2026-01-1", *logged[7:]]), encoding="utf-8")

@@ -27,7 +27,7 @@ UNIT = ("unit", "unit_of_measurement", "units", "einheit", "_unit")
 FIELD = "_field"  # of InfluxDB
 START, MEAN = ("start", "start_ts"), "mean"  # of Home Assistant's statistics
 PLACED = re.compile(r"column \d+")  # of a table without names
-DATED = re.compile(r"[._ -]\d[\d._ -]*$")  # behind a file's name, as of each month
+DATED = re.compile(r"[._ -](?:19|20)\d\d(?:[._ -]?\d\d)*$")  # behind a file's name, as of each month
 
 
 def readings_of(

@@ -31,8 +31,10 @@ EXPECTED = (
 
 
 def dated(table: Table, units: Mapping[str, str], begin: pd.Timestamp | None) -> pd.DataFrame:
-    """Return a table with dates where its times count from its begin, or tell no year; as it is where they do not."""
+    """Return a table with dates where its times count from its begin, or tell no year; as it is where any tell more."""
     frame = table.frame
+    if any(is_stamps(frame[name]) for name in frame.columns):
+        return frame
     for name in frame.columns:
         plain, unit = parted(str(name))
         if plain.lower() not in TIME:
