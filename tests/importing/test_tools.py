@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -193,6 +194,9 @@ def test_what_a_tool_exports_is_the_record_that_it_logged(
         ("LIVING:Zone Air Temperature [C](Hourly)", "LIVING:Zone Air Temperature", "C"),
         ("Room 1, 2", "Room 1, 2", ""),
         ("Bath, upstairs", "Bath, upstairs", ""),
+        ("Zone, C", "Zone, C", ""),
+        ("Flat, L", "Flat, L", ""),
+        ("flow, ppm", "flow, ppm", ""),
     ],
 )
 def test_a_unit_stands_behind_a_name_as_loggers_and_simulations_write_it(column: str, name: str, unit: str) -> None:
@@ -211,6 +215,52 @@ def test_what_a_status_calls_bad_is_missing_and_told(entry: Entry, good: str, ba
     found = read(Path("living"))
     assert found.iloc[61:71].isna().all().all()
     assert found.iloc[:60].notna().all().all()
+
+
+@pytest.mark.parametrize("words", [("Normal", "Heating disabled"), ("good", "fair", "very bad"), ("up", "down")])
+def test_a_column_with_another_word_judges_no_reading(entry: Entry, words: tuple[str, ...]) -> None:
+    frame = house()
+    frame["Status"] = [words[place % len(words)] for place in range(len(frame))]
+    frame.to_csv("house.csv")
+    done = entry("import", "house.csv", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert "by their status" not in done.stdout
+    assert "Status (" in done.stderr  # readings that are unknown words
+    assert read(Path("living")).notna().all().all()
+
+
+def test_a_reading_that_is_bad_keeps_its_unit(entry: Entry) -> None:
+    """The first row tells the unit of all."""
+    frame = house()
+    rows = frame.melt(ignore_index=False, var_name="name").reset_index()
+    rows["unit"] = rows["name"].map(lambda name: "°F" if "temp" in name else "L/h" if "flow" in name else "1")
+    is_hot = rows["unit"] == "°F"
+    rows["value"] = rows["value"].where(~is_hot, 1.8 * rows["value"] + 32.0)
+    rows["status"] = "ok"
+    rows.loc[rows.groupby("name").head(3).index, "status"] = "bad"
+    rows.sort_values("time", kind="stable").to_csv("house.csv", index=False)
+    done = entry("import", "house.csv", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["outdoor_temperature_C"] - frame["outdoor_temperature"]).abs().max() < 0.01
+
+
+def test_what_is_said_of_a_later_file_is_said_of_the_whole(entry: Entry) -> None:
+    frame, half = house().assign(Status="ok"), len(house()) // 2
+    frame.iloc[half + 9 : half + 20, -1] = "fault"
+    Path("export").mkdir()
+    frame.iloc[:half].to_csv("export/a.2026-01.csv")
+    frame.iloc[half:].to_csv("export/a.2026-02.csv")
+    done = entry("import", "export", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert "a.2026-02.csv: 11 rows are bad by their status" in done.stdout
+
+
+def test_files_that_overlap_are_told_apart_by_their_whole_names(entry: Entry) -> None:
+    frame, half = house(), len(house()) // 2
+    Path("export").mkdir()
+    frame.iloc[: half + 10].to_csv("export/house_2026-01.csv")
+    frame.iloc[half:].to_csv("export/house_2026-02.csv")
+    refused(entry("import", "export", "--yes", "--out", "living"), "house_2026-01/", "house_2026-02/", "equally well")
 
 
 def test_a_status_that_is_on_or_off_is_a_reading(entry: Entry) -> None:
@@ -257,6 +307,28 @@ def test_seconds_beside_stamps_are_no_time_of_a_record(entry: Entry) -> None:
     assert read(Path("living")).index[0] == house().index[0]
 
 
+def test_other_logs_of_a_folder_are_passed_over_and_one_in_western_letters_is_read(entry: Entry) -> None:
+    Path("export").mkdir()
+    times = house().index
+    logged = [f"{at:%Y-%m-%d_%H:%M:%S} Garden temperature: {-place / 100.0} °C" for place, at in enumerate(times)]
+    Path("export/garden.log").write_text("\n".join(logged), encoding="cp1252")
+    Path("export/export.log").write_text("export of 7 sensors begun\nexport ended\n", encoding="utf-8")
+    done = entry("import", "export", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["outdoor_temperature_C"].iloc[100] == pytest.approx(-1.0)
+
+
+def test_a_file_without_names_may_begin_with_equal_readings(entry: Entry) -> None:
+    frame = house()
+    frame.iloc[0] = [20.0, 1.0, 20.0, 20.0, 20.0]
+    frame.to_csv("house.csv", header=False)
+    names = ("air_temperature_C", "heating_signal", "flow_L_h", "supply_temperature_C", "outdoor_temperature_C")
+    stated = [word for place, name in enumerate(names, 2) for word in ("--map", f"{name}=column {place}")]
+    done = entry("import", "house.csv", *stated, "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["air_temperature_C"].iloc[0] == 20.0
+
+
 def test_a_line_of_a_log_that_is_no_reading_is_told_with_its_number(entry: Entry) -> None:
     logged = [f"2026-01-10_00:{minute:02d}:00 Garden temperature: {-minute / 10.0}" for minute in range(0, 60, 5)]
     Path("house.log").write_text("\n".join([*logged[:7], "2026-01-1", *logged[7:]]), encoding="utf-8")
@@ -285,10 +357,41 @@ def test_numbers_that_count_from_a_begin_are_times_of_it(entry: Entry, unit_s: f
     assert f"--begin {begin.isoformat()}" in Path("living", "dataset.toml").read_text(encoding="utf-8")
 
 
+def test_a_record_says_from_when_it_counts_and_in_what(entry: Entry) -> None:
+    counted(1.0, "time").to_csv("room.csv")
+    done = entry("import", "room.csv", "--begin", "2026-01-10", "--out", "living")
+    assert "time counts seconds from 2026-01-10 00:00:00, as no unit is told." in done.stdout
+    counted(3600.0, "time [h]").to_csv("room.csv")
+    done = entry("import", "room.csv", "--begin", "2026-01-10", "--out", "again")
+    assert "time [h] counts h from 2026-01-10 00:00:00.\n" in done.stdout
+
+
+def test_joules_as_large_as_epochs_are_no_stamps(entry: Entry) -> None:
+    counted(1.0, "time").assign(**{"tank [J]": 2e8 + 1e5 * np.arange(len(house()))}).to_csv("room.csv")
+    done = entry("import", "room.csv", "--begin", "2026-01-10", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living")).index[0] == house().index[0]
+
+
+FAR = [("2026-10-01", "2026-01-10", "far from --begin"), ("2026-07-21", "2026-07-21", "go back")]
+
+
+@pytest.mark.parametrize(("first", "begin", "word"), FAR)
+def test_days_far_from_the_begin_or_of_several_runs_are_refused(
+    entry: Entry, first: str, begin: str, word: str
+) -> None:
+    frame, half = house(), len(house()) // 2
+    days = pd.date_range(first, periods=len(frame), freq="5min")
+    if word == "go back":
+        days = days[:half].append(pd.date_range("2026-01-01", periods=len(frame) - half, freq="5min"))
+    frame.set_index(pd.Index(days.strftime("%m/%d  %H:%M:%S"), name="Date/Time")).to_csv("room.csv")
+    refused(entry("import", "room.csv", "--begin", begin, "--out", "living"), word)
+
+
 def test_hours_without_a_unit_are_not_taken_for_seconds(entry: Entry) -> None:
     counted(3600.0, "time").to_csv("room.csv")
     done = entry("import", "room.csv", "--begin", "2026-01-10", "--out", "living")
-    refused(done, "counts time in steps of", "no seconds", "'time [h]'")
+    refused(done, "counts time in steps of", "hardly seconds", "'time [h]'")
 
 
 def test_days_without_a_year_are_those_of_the_begin_and_the_next(entry: Entry) -> None:

@@ -68,7 +68,7 @@ def _parquet(path: Path, notes: Notes) -> pd.DataFrame | None:
 
 
 def _csv(path: Path, about: DatasetTable, notes: Notes, has_names: bool) -> pd.DataFrame | None:
-    encoding = _encoding(path)
+    encoding = encoding_of(path)
     head = list(islice(_kept(path, encoding), LOOKED_AT + 1))
     if not head:
         notes.refuse("", "is empty: a header with the names of the columns is expected in its first line")
@@ -107,7 +107,7 @@ def _csv(path: Path, about: DatasetTable, notes: Notes, has_names: bool) -> pd.D
     return pd.DataFrame(data).rename(columns=str.strip)
 
 
-def _encoding(path: Path) -> str:
+def encoding_of(path: Path) -> str:
     """Return the encoding; a file that is not UTF-8 is taken for Windows' western one."""
     with path.open("rb") as file:
         if file.read(2) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):

@@ -11,9 +11,15 @@ from waxstudy.importing.limits import LEAST_STEP_S, LOOKED_AT
 from waxstudy.importing.reading import refusal
 from waxstudy.study.problems import shown
 
-UNITS = {"s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0, "hr": 3600.0, "hours": 3600.0, "d": 86_400.0, "days": 86_400.0}
+UNITS = {
+    **dict.fromkeys(("s", "sec", "second", "seconds"), 1.0),
+    **dict.fromkeys(("min", "minute", "minutes"), 60.0),
+    **dict.fromkeys(("h", "hr", "hour", "hours"), 3600.0),
+    **dict.fromkeys(("d", "day", "days"), 86_400.0),
+}
 # of EnergyPlus: month, day and a clock up to 24:00:00
 NO_YEAR = re.compile(r"\s*(?P<month>\d\d)/(?P<day>\d\d)\s+(?P<hour>\d\d):(?P<minute>\d\d)(?::(?P<second>\d\d))?\s*")
+FAR = pd.Timedelta(days=1)  # from a begin that is stated
 NO_BEGIN = "say when it begins: --begin 2026-01-31"
 
 
@@ -38,8 +44,8 @@ def counted(written: pd.Series, unit: str, begin: pd.Timestamp | None, where: st
     if seconds is None:
         raise refusal(where, f"counts time in '{unit}'", f"units of time: {', '.join(UNITS)}", key=name)
     step_s = float(written.diff().where(lambda x: x > 0.0).median()) * seconds
-    if not unit and step_s < LEAST_STEP_S:
-        wrong = f"counts time in steps of {step_s:.3g}, which are no seconds"
+    if not unit and step_s <= LEAST_STEP_S:
+        wrong = f"counts time in steps of {step_s:.3g}, which are hardly seconds"
         raise refusal(where, wrong, f"name the column with its unit, as '{name} [h]'", key=name)
     if begin is None:
         first = f"{written.iloc[0]:g}, {written.iloc[1]:g}"
@@ -48,7 +54,7 @@ def counted(written: pd.Series, unit: str, begin: pd.Timestamp | None, where: st
 
 
 def with_year(written: pd.Series, begin: pd.Timestamp | None, where: str) -> pd.Series:
-    """Return the times of days without a year, the first in that of the begin; from December on comes the next year."""
+    """Return the times of days without a year, the first of which is near the begin; after December comes the next."""
     name = str(written.name)
     if begin is None:
         raise refusal(where, f"stamps tell no year ({shown(str(written.iloc[0]))})", NO_BEGIN, key=name)
@@ -57,14 +63,21 @@ def with_year(written: pd.Series, begin: pd.Timestamp | None, where: str) -> pd.
     if bad is not None:
         value = shown(str(dict(written)[bad]))
         raise refusal(where, "no day and time", "mend these rows, or leave them out", row=bad, key=name, value=value)
-    parts["year"] = begin.year + (parts["month"].diff() < 0.0).cumsum()
+    is_back = parts["month"].diff() < 0.0
+    if (is_back & ((parts["month"] != 1.0) | (parts["month"].shift() != 12.0))).any():
+        raise refusal(where, "days go back, as in a file of several runs", "leave one run in it", key=name)
+    parts["year"] = begin.year + is_back.cumsum()
     clock = 3600.0 * parts["hour"] + 60.0 * parts["minute"] + parts["second"].fillna(0.0)
     days = pd.to_datetime(parts[["year", "month", "day"]].astype(int), errors="coerce")
     if days.isna().any():
         row = days.index[days.isna()][0]
         wrong = f"is no day of {int(parts['year'][row])}"
         raise refusal(where, wrong, "say another year: --begin", row=row, key=name, value=shown(str(written[row])))
-    return days + pd.to_timedelta(clock, unit="s")
+    times = days + pd.to_timedelta(clock, unit="s")
+    if abs(times.iloc[0] - begin) > FAR:
+        wrong = f"begins at {shown(str(written.iloc[0]))}, far from --begin {begin:%Y-%m-%d}"
+        raise refusal(where, wrong, f"say --begin {begin.year}-{times.iloc[0]:%m-%d}, or another year", key=name)
+    return times
 
 
 def _first_bad(parts: pd.DataFrame) -> Hashable | None:

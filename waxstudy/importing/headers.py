@@ -26,12 +26,18 @@ def parted(column: str) -> tuple[str, str]:
     """
     column = EVERY.sub("", column)
     comma = COMMA.match(column)
-    if comma and fitting(comma["unit"], list(BASE)):
+    if comma and _is_unit(comma["unit"]):
         label = LABEL.search(about := comma["about"] or "")
         words = [label["label"].strip(), comma["name"]] if label else [comma["name"], about]
         return " ".join(words).strip(), comma["unit"]
     found = BRACKETED.match(column) or SLASHED.match(column)
     return (found["name"].strip(), found["unit"].strip()) if found else (column.strip(), "")
+
+
+def _is_unit(written: str) -> bool:
+    """Whether what stands behind a comma is a unit: not a letter, which may as well name the third room."""
+    is_plain = len(written) > 1 and written.lower() in WRITTEN
+    return is_plain or (any(sign in written for sign in "°/%") and bool(fitting(written, list(BASE))))
 
 
 def units_row(frame: pd.DataFrame) -> tuple[dict[str, str], pd.DataFrame]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -27,7 +28,8 @@ UNIT = ("unit", "unit_of_measurement", "units", "einheit", "_unit")
 FIELD = "_field"  # of InfluxDB
 START, MEAN = ("start", "start_ts"), "mean"  # of Home Assistant's statistics
 PLACED = re.compile(r"column \d+")  # of a table without names
-DATED = re.compile(r"[._ -](?:19|20)\d\d(?:[._ -]?\d\d)*$")  # behind a file's name, as of each month
+# behind a file's name, as of each month or day
+DATED = re.compile(r"[._ -](?:19|20)\d\d[._ -]?(?:0[1-9]|1[0-2])(?:[._ -]?(?:0[1-9]|[12]\d|3[01]))?$")
 
 
 def readings_of(
@@ -42,15 +44,20 @@ def readings_of(
         raise refusal(table.where, "holds less than two rows of readings", EXPECTED)
     _refuse_turned(table)
     units, frame = units_row(frame)
-    frame = dated(Table(table.where, frame), units, begin)
+    frame, counting = dated(Table(table.where, frame), units, begin)
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
     frame, bad = without_status(frame)
     entity = _entity_column(frame, time)
-    frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or ""))
+    frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or "", *_units(frame)))
     split = _long if entity else _wide
-    said = tuple(filter(None, (zone_told(frame[time], time_format, table.where), lost)))
+    said = tuple(filter(None, (zone_told(frame[time], time_format, table.where), counting, lost)))
     for each in split(Table(table.where, frame), file, time, units, time_format, entity or ""):
         yield replace(each, notes=(*each.notes, *said)) if said else each
+
+
+def _units(frame: pd.DataFrame) -> list[str]:
+    """Return the columns that hold units."""
+    return [str(name) for name in frame.columns if str(name).strip().lower() in UNIT]
 
 
 def _refuse_turned(table: Table) -> None:
@@ -133,6 +140,7 @@ def _long(
         for value in values:
             what, own_unit = parted(value)
             is_there = rows[value].notna().to_numpy()
+            own_unit = units.get(value, own_unit or told)
             yield Readings(f"{name} {what}", table.where, times[places][is_there], rows.loc[is_there, value], own_unit)
 
 
@@ -144,7 +152,7 @@ def _value_columns(table: Table, time: str, entity: str) -> list[str]:
     others = [name for name in rest if name.strip().lower() not in UNIT]
     if by_name or len(others) == 1:
         return [by_name or others[0]]
-    found = [name for name in others if numbers_of(table.frame[name].dropna().iloc[:LOOKED_AT]).is_readable]
+    found = [name for name in others if numbers_of(table.frame[name].dropna()).is_readable]
     if not found:
         wrong = f"has a row for each reading, and no column of values (columns: {named(table.frame)})"
         raise refusal(table.where, wrong, f"name it one of {', '.join(VALUE)}")
@@ -162,10 +170,12 @@ def _wide(
         raise refusal(table.where, "has stamps and no readings", EXPECTED)
     times = _at_ends(stamps_of(frame[time], time_format, table.where), frame, time)
     unit_of_all = next((str(frame[name].dropna().iloc[0]) for name in rest if name.strip().lower() in UNIT), "")
+    names = Counter(parted(column)[0] for column in rest)
     for column in rest:
         if column.strip().lower() in UNIT:
             continue
         name, unit = parted(column)
+        name = name if names[name] == 1 else column
         if name.lower() in VALUE or (len(rest) == 1 and (not name or PLACED.fullmatch(name))):
             name = _named_after(file)
         is_there = frame[column].notna().to_numpy()
@@ -184,9 +194,13 @@ def _at_ends(times: pd.DatetimeIndex, frame: pd.DataFrame, time: str) -> pd.Date
 
 def _named_after(file: Path) -> str:
     """Return what a file is named after, without its ending and the days that stand behind it."""
-    name = file.name.removesuffix(".gz")
-    name = name.rpartition(".")[0] or name
+    name = _without_ending(file)
     return DATED.sub("", name).strip() or name
+
+
+def _without_ending(file: Path) -> str:
+    name = file.name.removesuffix(".gz")
+    return name.rpartition(".")[0] or name
 
 
 def joined(found: Sequence[Readings]) -> list[Readings]:
@@ -211,10 +225,11 @@ def _in_turn(entity: str, parts: list[Readings]) -> list[Readings]:
     times = pd.DatetimeIndex(parts[0].times.append([each.times for each in parts[1:]]))
     written = pd.concat([each.written.astype(object) for each in parts])
     once = ~times.duplicated(keep="last")  # a file may begin with the last row of the one before
-    return [replace(parts[0], times=times[once], written=written[once])]
+    notes = tuple(dict.fromkeys(note for each in parts for note in each.notes))
+    return [replace(parts[0], times=times[once], written=written[once], notes=notes)]
 
 
 def _stem(where: str) -> str:
     """Return a file's name without its ending, and its sheet or table."""
     path, _, part = where.partition(", ")
-    return _named_after(Path(path)) + (f" ({part})" if part else "")
+    return _without_ending(Path(path)) + (f" ({part})" if part else "")

@@ -65,6 +65,6 @@ DIALS = 20  # values that a setpoint takes at most
 LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
 TRIED = 2000  # stamps that tell the format of a column
 SPREADSHEET_DAYS = (20_000, 80_000)  # what a spreadsheet counts from 1954 to 2119
-LEAST_STEP_S = 1.0  # of numbers that count seconds: hours and days of a simulation have smaller steps
+LEAST_STEP_S = 1.0  # which numbers that count seconds exceed: hours and days of a simulation have such steps
 YEAR_DAYS = 365  # chosen: of several readings of 13/01/26, one that spans more has taken days for years
 MOSTLY = 0.5  # of stamps: fewer bad ones are damage, more are another format

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
 import gzip
+import re
 import shutil
 import zlib
 from collections.abc import Iterator, Sequence
@@ -12,7 +14,7 @@ import pandas as pd
 
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
-from waxstudy.dataset.text import read_table
+from waxstudy.dataset.text import encoding_of, read_table
 from waxstudy.importing.file_log import BEGINNING as OF_LOG
 from waxstudy.importing.file_log import read_file_log
 from waxstudy.importing.history import read_history
@@ -44,7 +46,18 @@ def files_of(sources: Sequence[Path]) -> list[Path]:
 
 
 def _is_record(path: Path) -> bool:
-    return path.is_file() and path.name.lower().endswith(ENDINGS) and not path.name.startswith(".")
+    name = path.name.lower()
+    is_named = path.is_file() and name.endswith(ENDINGS) and not name.startswith(".")
+    return is_named and (not name.endswith(".log") or _is_file_log(_beginning(path)))  # other programs write logs too
+
+
+def _beginning(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(BEGINS)
+
+
+def _is_file_log(beginning: bytes) -> bool:
+    return OF_LOG.match(beginning.removeprefix(codecs.BOM_UTF8).lstrip()) is not None
 
 
 def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
@@ -52,8 +65,7 @@ def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
     shown = shown or str(path)
     try:
         check_file(path)
-        with path.open("rb") as file:
-            beginning = file.read(BEGINS)
+        beginning = _beginning(path)
         if beginning.startswith(GZIP):
             yield from _unpacked(path, shown)
         elif beginning.startswith((ZIP, OLE)):
@@ -62,8 +74,8 @@ def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
             yield from read_history(path, shown)
         elif beginning.startswith(BEGINNING):
             yield from read_weather(path, shown)
-        elif OF_LOG.match(beginning):
-            yield read_file_log(path.read_text(encoding="utf-8", errors="replace"), shown)
+        elif _is_file_log(beginning):
+            yield read_file_log(path.read_text(encoding=encoding_of(path)), shown)
         else:
             yield _text(path, shown)
     except OSError as error:
@@ -101,20 +113,22 @@ class _Limited:
 
 def _text(path: Path, shown: str) -> Table:
     """Return a CSV or parquet file as the datasets' own reader has it, its rows counted as the file's lines."""
-    notes = Notes(shown)
+    notes, plain = Notes(shown), Notes(shown)
     frame = read_table(path, DatasetTable(), notes)
-    has_names = frame is None or not _begins_with_stamps(frame)
-    if not has_names:
-        frame = read_table(path, DatasetTable(), notes, has_names=False)
+    if frame is None or _begins_with_stamps(frame):  # cells of a first reading may be equal, which names are not
+        nameless = read_table(path, DatasetTable(), plain, has_names=False)
+        if nameless is not None and (frame is not None or any(is_stamps(nameless[name]) for name in nameless.columns)):
+            nameless.index = nameless.index + plain.line_of(1)
+            return Table(shown, nameless)
     if frame is None:
         raise StudyError(notes.problems)
-    frame.index = frame.index + notes.line_of(1) + has_names
+    frame.index = frame.index + notes.line_of(1) + 1
     return Table(shown, frame)
 
 
 def _begins_with_stamps(frame: pd.DataFrame) -> bool:
     """Whether a row of readings stands where names of columns should: a stamp is above stamps."""
-    for name in frame.columns:
+    for name in filter(re.compile(r".*\d\d").match, map(str, frame.columns)):
         first: pd.Series = pd.Series([name])
         if pd.api.types.is_numeric_dtype(frame[name]):
             first = pd.to_numeric(first, errors="coerce").dropna()

@@ -263,8 +263,8 @@ def _formats(first: pd.Series, known: pd.Series) -> Iterator[str]:
 
 
 def _marks(written: str) -> str:
-    """Return what stands between the numbers and words of a stamp, or of its format."""
-    return re.sub(r"%\w|\w", "", written)
+    """Return what stands between the numbers and words of a stamp, or of its format; blanks as one."""
+    return re.sub(r"\s+", " ", re.sub(r"%\w|\w", "", written))
 
 
 def _year_told(known: pd.Series, fits: list[str]) -> list[str]:

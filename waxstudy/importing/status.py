@@ -8,16 +8,15 @@ from pathlib import Path
 
 import pandas as pd
 
-from waxstudy.importing.limits import LOOKED_AT
 from waxstudy.importing.reading import Table
-from waxstudy.importing.words import numbers_of
 
 NAMES = ("status", "quality", "reliability", "flags", "trend flags", "qualität", "qualitaet", "güte")
-BAD = re.compile(
-    r"(?<!no )\b(?:bad|fault|down|stale|error|invalid|unreliable|offline|disabled|failed|failure|no sensor|"
-    r"out of range|fehler|gestört|störung|ungültig|schlecht)\b",
-    re.IGNORECASE,
-)
+# in lower case; a value in alarm, or set by hand, was read all the same
+GOOD = ("", "ok", "good", "normal", "reliable", "valid", "no fault", "no error", "alarm", "unackedalarm", "overridden",
+        "gut", "gültig", "in ordnung", "kein fehler", "keine störung")  # fmt: skip
+BAD = ("bad", "fault", "faulty", "sensor fault", "down", "stale", "error", "invalid", "unreliable", "offline", "null",
+       "disabled", "uncertain", "failed", "failure", "comm lost", "no sensor", "out of range", "not ok", "unavailable",
+       "missing", "fehler", "gestört", "störung", "ungültig", "schlecht")  # fmt: skip
 CODE, HOW = "q", ("ack", "from", "_from")  # of ioBroker: 0 is good; whether it was told, and by what
 LOST = "unavailable"  # a word after which nothing is held
 
@@ -25,18 +24,27 @@ LOST = "unavailable"  # a word after which nothing is held
 def without_status(frame: pd.DataFrame) -> tuple[pd.DataFrame, pd.Series]:
     """Return a table without columns that say how good its readings are, and whether each row is bad by them.
 
-    A column of numbers, or of words for on and off, is none of them: it may be what was read.
+    A column with any other word, or with numbers, is none of them: it may be what was read.
     """
     bad = pd.Series(False, index=frame.index)
     if CODE in frame and {*HOW} & {*frame.columns}:
-        bad |= frame[CODE] != 0
+        bad |= pd.to_numeric(frame[CODE], errors="coerce").fillna(0.0) != 0.0
         frame = frame.drop(columns=[CODE, *(name for name in HOW if name in frame)])
     for name in [name for name in frame.columns if str(name).strip().lower() in NAMES]:
-        written = frame[name]
-        if len(written.dropna()) and not numbers_of(written.dropna().iloc[:LOOKED_AT]).is_readable:
-            bad |= written.astype(str).str.contains(BAD)
+        words = {cell: _words(str(cell)) for cell in frame[name].dropna().unique()}
+        if words and all(word in GOOD or word in BAD for told in words.values() for word in told):
+            bad |= frame[name].isin([cell for cell, told in words.items() if {*told} & {*BAD}])
             frame = frame.drop(columns=name)
     return frame, bad
+
+
+def _words(cell: str) -> list[str]:
+    """Return what a cell says, of several words between commas.
+
+    >>> _words("{fault,stale}"), _words("{ }"), _words("Sensor fault")
+    (['fault', 'stale'], [''], ['sensor fault'])
+    """
+    return [part.strip().lower() for part in re.split(r"[,;|]", cell.strip(" {}[]"))]
 
 
 def without_bad(table: Table, bad: pd.Series, kept: Collection[str]) -> tuple[pd.DataFrame, str]:

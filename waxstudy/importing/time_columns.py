@@ -30,20 +30,30 @@ EXPECTED = (
 )
 
 
-def dated(table: Table, units: Mapping[str, str], begin: pd.Timestamp | None) -> pd.DataFrame:
-    """Return a table with dates where its times count from its begin, or tell no year; as it is where any tell more."""
+def dated(table: Table, units: Mapping[str, str], begin: pd.Timestamp | None) -> tuple[pd.DataFrame, str]:
+    """Return a table with dates where its times count from its begin or tell no year, and a sentence on that.
+
+    It stays as it is where any column tells more.
+    """
     frame = table.frame
-    if any(is_stamps(frame[name]) for name in frame.columns):
-        return frame
+    if any(is_stamps(frame[name]) for name in frame.columns if _may_be_stamps(frame[name])):
+        return frame, ""
     for name in frame.columns:
         plain, unit = parted(str(name))
         if plain.lower() not in TIME:
             continue
         if has_no_year(frame[name]):
-            return frame.assign(**{str(name): with_year(frame[name], begin, table.where)})
+            return frame.assign(**{str(name): with_year(frame[name], begin, table.where)}), ""
         if counts_from_begin(frame[name]):
-            return frame.assign(**{str(name): counted(frame[name], units.get(str(name), unit), begin, table.where)})
-    return frame
+            unit = units.get(str(name), unit)
+            said = f"{name} counts {unit or 'seconds'} from {begin}" + ("." if unit else ", as no unit is told.")
+            return frame.assign(**{str(name): counted(frame[name], unit, begin, table.where)}), said
+    return frame, ""
+
+
+def _may_be_stamps(written: pd.Series) -> bool:
+    """Whether a column may hold stamps by its name, where it has numbers: those of joules are as large as epochs."""
+    return not pd.api.types.is_numeric_dtype(written) or str(written.name).strip().lower() in TIME
 
 
 def time_column(table: Table) -> tuple[str, pd.DataFrame]:
