@@ -182,6 +182,31 @@ def test_what_a_tool_exports_is_the_record_that_it_logged(
         assert found[channel].notna().all(), channel
 
 
+def test_devices_that_report_in_turn_are_told_apart(entry: Entry) -> None:
+    frame = house()
+    inside = pd.DataFrame(
+        {"device": "Living", "temperature": frame["room_temperature"], "battery": 90.0, "humidity": 40.0}
+    )
+    outside = pd.DataFrame(
+        {"device": "Outdoor", "temperature": frame["outdoor_temperature"], "battery": 90.0, "humidity": 40.0}
+    )
+    outside.index += pd.Timedelta(minutes=2)
+    rows = pd.concat([inside, outside]).sort_index().rename(columns={"device": "Location"})
+    rows.to_csv("house.csv")
+    done = entry("import", "house.csv", "--map", "air_temperature_C=Living temperature", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["air_temperature_C"] - frame["room_temperature"]).abs().max() < 1e-3
+
+
+def test_a_word_that_changes_with_the_hours_names_no_device(entry: Entry) -> None:
+    frame = house()
+    frame["Wind"] = [("N", "NE", "E", "SE")[place // 3 % 4] for place in range(len(frame))]
+    frame.to_csv("house.csv")
+    done = entry("import", "house.csv", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["outdoor_temperature_C"] - frame["outdoor_temperature"]).abs().max() < 1e-3
+
+
 # --- what their columns and stamps say ----------------------------------------------------------------
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 
 from waxstudy.dataset.columns import named
 from waxstudy.importing.headers import is_value, parted, units_row
-from waxstudy.importing.limits import AGAIN, LOOKED_AT, MOST_ENTITIES, REPEATED, TWICE
+from waxstudy.importing.limits import AGAIN, LOOKED_AT, MIXED, MOST_ENTITIES, REPEATED, TWICE
 from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.status import without_bad, without_status
@@ -96,11 +96,27 @@ def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
 
 
 def _telling(frame: pd.DataFrame, time: str, texts: Sequence[Hashable]) -> str | None:
-    """Return the column of texts by which rows of one stamp differ, that with the fewest names; None without one."""
-    if frame.duplicated([time]).mean() <= AGAIN:
-        return None
-    tell = [name for name in texts if frame[name].notna().all() and frame.duplicated([time, name]).mean() <= TWICE]
+    """Return the column of texts that tells whose readings a row has, that with the fewest names; None without one.
+
+    By it rows of one stamp differ; or readings go in small steps, and from row to row in large ones.
+    """
+    whole = [name for name in texts if frame[name].notna().all()]
+    if frame.duplicated([time]).mean() > AGAIN:
+        tell = [name for name in whole if frame.duplicated([time, name]).mean() <= TWICE]
+    else:
+        tell = [name for name in whole if _are_mixed(frame, name)]
     return str(min(tell, key=lambda name: frame[name].nunique())) if tell else None
+
+
+def _are_mixed(frame: pd.DataFrame, name: Hashable) -> bool:
+    """Whether a column has readings of several sensors in turn, each of which goes in far smaller steps by itself."""
+    for column in frame.columns[[pd.api.types.is_numeric_dtype(kind) for kind in frame.dtypes]]:
+        known = frame[column].dropna()
+        across = float(known.diff().abs().median())
+        within = float(known.groupby(frame[name]).diff().abs().median())
+        if within < MIXED * across:
+            return True
+    return False
 
 
 def _holds_names(written: pd.Series) -> bool:

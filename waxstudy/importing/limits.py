@@ -32,6 +32,7 @@ LOW_FLOW = 5.0  # a flow that never exceeds it is in no L/h
 MOST_ENTITIES = 2000  # a table with more is none of readings: each of them would become a column
 REPEATED = 2.0  # rows to an entity, at least
 AGAIN = 0.3  # share of rows whose stamp came before, above which each is one reading: of two sensors at once it is 0.5
+MIXED = 0.3  # of the steps from row to row, those of one sensor by itself where rows of several take turns
 TWICE = 0.05  # share of rows in which an entity may have a second reading at one stamp
 
 # --- sheets that are tables
