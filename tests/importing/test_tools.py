@@ -288,6 +288,17 @@ def test_files_that_overlap_are_told_apart_by_their_whole_names(entry: Entry) ->
     refused(entry("import", "export", "--yes", "--out", "living"), "house_2026-01/", "house_2026-02/", "equally well")
 
 
+def test_of_codes_for_how_good_a_reading_is_zero_is_good_in_any_writing(entry: Entry) -> None:
+    frame = house().assign(ack=True, q="0x00")
+    frame.iloc[60:72, -1] = "0x42"
+    frame.iloc[80:90, -1] = None
+    frame.to_csv("house.csv")
+    done = entry("import", "house.csv", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert "house.csv: 12 rows are bad by their status" in done.stdout
+    assert read(Path("living")).iloc[80:90].notna().all().all()
+
+
 def test_a_status_that_is_on_or_off_is_a_reading(entry: Entry) -> None:
     frame = house().rename(columns={"heating_valve": "Status"})
     frame["Status"] = frame["Status"].map({1.0: "on", 0.0: "off"})

@@ -34,7 +34,7 @@ from tests.report.diagnoses import (
     VALVE,
 )
 from tests.report.test_page import Page, needs_browser, scroll_width
-from waxstudy.diagnosis.result import Diagnosis, Lack, Measurement, Tried, Untestable, When
+from waxstudy.diagnosis.result import Diagnosis, Interval, Lack, Measurement, Tried, Untestable, When
 from waxstudy.diagnosis.sentences import group_sentence
 from waxstudy.report.diagnosis import words
 from waxstudy.report.diagnosis.figures.missing_heat import figure_missing_heat
@@ -184,6 +184,14 @@ def test_a_found_effect_is_told_with_place_cause_certainty_and_shrinkage() -> No
         "flow_L_h: 0.3 % of the samples are missing.",
     ):
         assert part in flat(EFFECT)
+
+
+def test_of_a_gap_that_may_be_noise_it_is_said_that_no_share_can_be_told() -> None:
+    effects = [replace(each, shrink=Interval(np.nan, np.nan, np.nan)) for each in EFFECT.effects]
+    told = flat(replace(EFFECT, effects=effects))
+    noise = "the gap of flow on held-out days may be noise: how much let-by takes away of it cannot be told"
+    assert f"{noise}; in all 5.19 → 1.40 L/h, floor 1.08" in told
+    assert "nan" not in told
 
 
 def test_with_a_baseline_it_says_what_changed_since_how_likely_and_when() -> None:

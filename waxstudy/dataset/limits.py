@@ -23,6 +23,9 @@ UNEVEN = 0.01  # of the rows in an interval: fewer or more by less are stamps th
 FEWEST_ROWS = 10  # from which the distance of stamps tells something
 MOST_INTERVALS = 20_000_000
 
+# --- what is stated of a record
+MOST_UNCERTAIN = 3.0  # logarithm of a factor of 20: nothing is known of an input that is less certain
+
 # --- levels from 0 to 1, and signals that are on or off
 NEAR_END = 0.05  # what an instrument may add to an end, or a channel of volts may lack
 MOST_BETWEEN = 0.35  # share of a signal's samples that may fall upon its switches

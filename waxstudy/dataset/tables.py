@@ -8,6 +8,7 @@ from zoneinfo import available_timezones
 from pydantic import Field, field_validator, model_validator
 
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.limits import MOST_UNCERTAIN
 from waxstudy.dataset.zones import zone_hint
 from waxstudy.plugin import Parameters, parameter
 from waxstudy.plugin.registry import hint
@@ -16,9 +17,6 @@ from waxstudy.plugin.registry import hint
 def given(description: str, default: Any = None, unit: str = "", **options: Any) -> Any:
     """Declare what the user may give."""
     return parameter(default, unit=unit, description=description, source="given by the user", **options)
-
-
-MOST_UNCERTAIN = 3.0  # logarithm of a factor of 20
 
 
 class DatasetTable(Parameters):

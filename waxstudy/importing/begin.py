@@ -7,7 +7,7 @@ from collections.abc import Hashable
 
 import pandas as pd
 
-from waxstudy.importing.limits import LEAST_STEP_S, LOOKED_AT
+from waxstudy.importing.limits import FAR_DAYS, FIRST_STEPS, LEAST_STEP_S, LOOKED_AT
 from waxstudy.importing.reading import refusal
 from waxstudy.study.problems import shown
 
@@ -19,7 +19,6 @@ UNITS = {
 }
 # of EnergyPlus: month, day and a clock up to 24:00:00
 NO_YEAR = re.compile(r"\s*(?P<month>\d\d)/(?P<day>\d\d)\s+(?P<hour>\d\d):(?P<minute>\d\d)(?::(?P<second>\d\d))?\s*")
-FAR = pd.Timedelta(days=1)  # from a begin that is stated
 NO_BEGIN = "say when it begins: --begin 2026-01-31"
 
 
@@ -29,7 +28,7 @@ def counts_from_begin(written: pd.Series) -> bool:
     if not pd.api.types.is_numeric_dtype(first) or len(first) < 2:
         return False
     steps = first.diff().dropna()
-    return bool((steps >= 0.0).all() and (steps > 0.0).any() and 0.0 <= first.iloc[0] <= 2.0 * steps.max())
+    return bool((steps >= 0.0).all() and (steps > 0.0).any() and 0.0 <= first.iloc[0] <= FIRST_STEPS * steps.max())
 
 
 def has_no_year(written: pd.Series) -> bool:
@@ -67,6 +66,7 @@ def with_year(written: pd.Series, begin: pd.Timestamp | None, where: str) -> pd.
     if (is_back & ((parts["month"] != 1.0) | (parts["month"].shift() != 12.0))).any():
         raise refusal(where, "days go back, as in a file of several runs", "leave one run in it", key=name)
     parts["year"] = begin.year + is_back.cumsum()
+    # a clock may be written without seconds, and is whole minutes then
     clock = 3600.0 * parts["hour"] + 60.0 * parts["minute"] + parts["second"].fillna(0.0)
     days = pd.to_datetime(parts[["year", "month", "day"]].astype(int), errors="coerce")
     if days.isna().any():
@@ -74,7 +74,7 @@ def with_year(written: pd.Series, begin: pd.Timestamp | None, where: str) -> pd.
         wrong = f"is no day of {int(parts['year'][row])}"
         raise refusal(where, wrong, "say another year: --begin", row=row, key=name, value=shown(str(written[row])))
     times = days + pd.to_timedelta(clock, unit="s")
-    if abs(times.iloc[0] - begin) > FAR:
+    if abs(times.iloc[0] - begin) > pd.Timedelta(days=FAR_DAYS):
         wrong = f"begins at {shown(str(written.iloc[0]))}, far from --begin {begin:%Y-%m-%d}"
         raise refusal(where, wrong, f"say --begin {begin.year}-{times.iloc[0]:%m-%d}, or another year", key=name)
     return times

@@ -143,7 +143,7 @@ def _long(
         wrong = f"column '{entity}' has {count} names in {len(frame)} rows: it names no sensors"
         raise refusal(table.where, wrong, EXPECTED)
     values = _value_columns(table, time, entity)
-    unit = next((str(name) for name in frame.columns if str(name).strip().lower() in UNIT), None)
+    unit = next(iter(_units(frame)), None)
     times = _at_ends(stamps_of(frame[time], time_format, table.where), frame, time)
     frame = frame.drop(columns=time)
     for name, places in frame.groupby(names, sort=True, observed=True).indices.items():
@@ -165,7 +165,7 @@ def _value_columns(table: Table, time: str, entity: str) -> list[str]:
     rest = [str(name) for name in table.frame.columns if name not in (time, entity)]
     lower = {name.strip().lower(): name for name in rest}
     by_name = next((lower[name] for name in VALUE if name in lower), None)
-    others = [name for name in rest if name.strip().lower() not in UNIT]
+    others = [name for name in rest if name not in _units(table.frame)]
     if by_name or len(others) == 1:
         return [by_name or others[0]]
     found = [name for name in others if numbers_of(table.frame[name].dropna()).is_readable]
@@ -185,13 +185,12 @@ def _wide(
     if not rest:
         raise refusal(table.where, "has stamps and no readings", EXPECTED)
     times = _at_ends(stamps_of(frame[time], time_format, table.where), frame, time)
-    unit_of_all = next((str(frame[name].dropna().iloc[0]) for name in rest if name.strip().lower() in UNIT), "")
-    names = Counter(parted(column)[0] for column in rest)
-    for column in rest:
-        if column.strip().lower() in UNIT:
-            continue
-        name, unit = parted(column)
-        name = name if names[name] == 1 else column
+    of_units = _units(frame)
+    unit_of_all = str(frame[of_units[0]].dropna().iloc[0]) if of_units else ""
+    parts = {column: parted(column) for column in rest if column not in of_units}
+    count = Counter(name for name, _ in parts.values())
+    for column, (name, unit) in parts.items():
+        name = name if count[name] == 1 else column
         if name.lower() in VALUE or (len(rest) == 1 and (not name or PLACED.fullmatch(name))):
             name = _named_after(file)
         is_there = frame[column].notna().to_numpy()

@@ -31,9 +31,9 @@ LOW_FLOW = 5.0  # a flow that never exceeds it is in no L/h
 # --- tables of readings
 MOST_ENTITIES = 2000  # a table with more is none of readings: each of them would become a column
 REPEATED = 2.0  # rows to an entity, at least
-AGAIN = 0.3  # share of rows whose stamp came before, above which each is one reading: of two sensors at once it is 0.5
-MIXED = 0.3  # of the steps from row to row, those of one sensor by itself where rows of several take turns
-TWICE = 0.05  # share of rows in which an entity may have a second reading at one stamp
+AGAIN = 0.3  # share of rows whose stamp came before, above which a row is one reading: two sensors at once have 0.5
+TWICE = 0.05  # share of rows in which a sensor may have a second reading at one stamp
+MIXED = 0.3  # steps of each sensor by itself, over those from row to row, below which rows of several take turns
 
 # --- sheets that are tables
 LEAST_ROWS, LEAST_COLUMNS = 3, 2  # of a sheet that is a table
@@ -66,6 +66,8 @@ DIALS = 20  # values that a setpoint takes at most
 LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
 TRIED = 2000  # stamps that tell the format of a column
 SPREADSHEET_DAYS = (20_000, 80_000)  # what a spreadsheet counts from 1954 to 2119
-LEAST_STEP_S = 1.0  # which numbers that count seconds exceed: hours and days of a simulation have such steps
+LEAST_STEP_S = 1.0  # steps of numbers without a unit are longer if they are seconds; those of hours or days are not
+FIRST_STEPS = 2.0  # longest steps from 0 at which the time of a simulation begins
+FAR_DAYS = 1.0  # between the first stamp and a begin that is stated: beyond, one of them is wrong
 YEAR_DAYS = 365  # chosen: of several readings of 13/01/26, one that spans more has taken days for years
 MOSTLY = 0.5  # of stamps: fewer bad ones are damage, more are another format

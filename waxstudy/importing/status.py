@@ -17,7 +17,8 @@ GOOD = ("", "ok", "good", "normal", "reliable", "valid", "no fault", "no error",
 BAD = ("bad", "fault", "faulty", "sensor fault", "down", "stale", "error", "invalid", "unreliable", "offline", "null",
        "disabled", "uncertain", "failed", "failure", "comm lost", "no sensor", "out of range", "not ok", "unavailable",
        "missing", "fehler", "gestört", "störung", "ungültig", "schlecht")  # fmt: skip
-CODE, HOW = "q", ("ack", "from", "_from")  # of ioBroker: 0 is good; whether it was told, and by what
+# of ioBroker: how good, and what is good; whether a reading was told, and by what
+CODE, CODE_GOOD, HOW = "q", (0, "0", "0x00"), ("ack", "from", "_from")
 LOST = "unavailable"  # a word after which nothing is held
 
 
@@ -28,7 +29,7 @@ def without_status(frame: pd.DataFrame) -> tuple[pd.DataFrame, pd.Series]:
     """
     bad = pd.Series(False, index=frame.index)
     if CODE in frame and {*HOW} & {*frame.columns}:
-        bad |= pd.to_numeric(frame[CODE], errors="coerce").fillna(0.0) != 0.0
+        bad |= frame[CODE].notna() & ~frame[CODE].isin(CODE_GOOD)  # without a code nothing is said of a reading
         frame = frame.drop(columns=[CODE, *(name for name in HOW if name in frame)])
     for name in [name for name in frame.columns if str(name).strip().lower() in NAMES]:
         words = {cell: _words(str(cell)) for cell in frame[name].dropna().unique()}

@@ -31,24 +31,20 @@ EXPECTED = (
 
 
 def dated(table: Table, units: Mapping[str, str], begin: pd.Timestamp | None) -> tuple[pd.DataFrame, str]:
-    """Return a table with dates where its times count from its begin or tell no year, and a sentence on that.
+    """Return a table with dates where its times have none or no year, and what is assumed of them, "" without that.
 
-    It stays as it is where any column tells more.
+    A table of which another column has stamps stays as it is.
     """
     frame = table.frame
-    if any(is_stamps(frame[name]) for name in frame.columns if _may_be_stamps(frame[name])):
+    named_so = [str(name) for name in frame.columns if parted(str(name))[0].lower() in TIME]
+    name = next((name for name in named_so if has_no_year(frame[name]) or counts_from_begin(frame[name])), None)
+    if name is None or any(is_stamps(frame[each]) for each in frame.columns if _may_be_stamps(frame[each])):
         return frame, ""
-    for name in frame.columns:
-        plain, unit = parted(str(name))
-        if plain.lower() not in TIME:
-            continue
-        if has_no_year(frame[name]):
-            return frame.assign(**{str(name): with_year(frame[name], begin, table.where)}), ""
-        if counts_from_begin(frame[name]):
-            unit = units.get(str(name), unit)
-            said = f"{name} counts {unit or 'seconds'} from {begin}" + ("." if unit else ", as no unit is told.")
-            return frame.assign(**{str(name): counted(frame[name], unit, begin, table.where)}), said
-    return frame, ""
+    if has_no_year(frame[name]):
+        return frame.assign(**{name: with_year(frame[name], begin, table.where)}), ""
+    unit = units.get(name, parted(name)[1])
+    said = f"{name} counts {unit or 'seconds'} from {begin}" + ("." if unit else ", as no unit is told.")
+    return frame.assign(**{name: counted(frame[name], unit, begin, table.where)}), said
 
 
 def _may_be_stamps(written: pd.Series) -> bool:

@@ -193,11 +193,12 @@ def how_sure(effect: FoundEffect) -> str:
 
 def _how_far(diagnosis: Diagnosis, effect: FoundEffect) -> str:
     before, after, floor = (number(v) for v in (effect.gap_before, effect.gap_after, effect.noise_floor))
-    share = percent_interval(effect.shrink) or "a share that cannot be told"
-    return (
-        f"{effect.name} takes away {share} of the gap of {channel_words(effect.channel)} "
-        f"{held_out([effect])}; in all {before} → {with_unit(after, unit_of(diagnosis, effect))}, floor {floor}"
-    )
+    gap = f"the gap of {channel_words(effect.channel)} {held_out([effect])}"
+    share = percent_interval(effect.shrink)
+    told = f"{effect.name} takes away {share} of {gap}"
+    if not share:
+        told = f"{gap} may be noise: how much {effect.name} takes away of it cannot be told"
+    return f"{told}; in all {before} → {with_unit(after, unit_of(diagnosis, effect))}, floor {floor}"
 
 
 def held_out(effects: Sequence[FoundEffect]) -> str:
