@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.plugin import Belief, Choice, Effect, Parameters, Prior, parameter
+from waxstudy.plugin import Belief, Choice, Effect, FloatArray, Parameters, Prior, parameter
 from waxstudy_paper.modulators import Pwm
 
 FEWEST_RISES, MOST_RISES = 8, 1000  # the more, the more periods have to be tried
 CLOSE = 0.9  # of the best hit: a fraction of a period is hit as often, the longest that is hit is meant
 NEAR = 0.02
+BLOCK = 256  # frequencies that are turned at once
 USUAL_S = (600.0, 900.0, 1200.0, 1800.0, 3600.0)  # periods of manifold controllers
 
 
@@ -66,12 +67,23 @@ def likely_periods_s(belief: Belief) -> Sequence[float]:
 def _period_s(at_s: tuple[float, ...]) -> float:
     """Return the longest period at whose starts most of some times [s] lie."""
     times_s, span_s = np.array(at_s), at_s[-1] - at_s[0]
-    periods_s = 1.0 / np.arange(1.0 / PERIOD.high, 1.0 / PERIOD.low, 0.1 / span_s)
+    often_Hz = np.arange(1.0 / PERIOD.high, 1.0 / PERIOD.low, 0.1 / span_s)
+    periods_s = 1.0 / often_Hz
     # an interval's length of doubt about each switch is nothing beside a period
-    hits = np.array([abs(np.mean(np.exp(2j * np.pi * times_s / period_s))) for period_s in periods_s])
+    hits = _together(times_s - times_s[0], often_Hz)
     longest = np.flatnonzero(hits >= CLOSE * hits.max())[0]
     near = np.abs(periods_s / periods_s[longest] - 1.0) < NEAR
     return float(periods_s[near][np.argmax(hits[near])])
+
+
+def _together(times_s: FloatArray, often_Hz: FloatArray) -> FloatArray:
+    """Return how far times (n,) lie together in the cycles of evenly spaced frequencies (m,): 1 if all at one phase.
+
+    Frequencies of a block differ from its first one alike in every block, which turns sums into products of matrices.
+    """
+    starts_Hz, steps_Hz = often_Hz[::BLOCK], often_Hz[:BLOCK] - often_Hz[0]
+    turned = np.exp(2j * np.pi * np.outer(starts_Hz, times_s)) @ np.exp(2j * np.pi * np.outer(times_s, steps_Hz))
+    return np.asarray(np.abs(turned).reshape(-1)[: len(often_Hz)] / len(times_s))
 
 
 def is_continuous(belief: Belief) -> bool:
