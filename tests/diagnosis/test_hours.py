@@ -107,7 +107,7 @@ def window_fit(effect: type[Effect], flow_L_s: float, from_h: float, to_h: float
     for _ in range(4):  # what flows depends on the air, which it cools
         window = effects(window_opening={"flow_L_s": flow_L_s, "from_h": from_h, "to_h": to_h})
         record = planted(segment, record, there, window)
-    problem = SegmentProblem(segment, record, there, as_built=calibration.as_built, parts=np.full(len(record), FIT))
+    problem = SegmentProblem(segment, record, believed, as_built=calibration.as_built, parts=np.full(len(record), FIT))
     estimator = Estimator(problem, thorough, keeps=True)
     (fitted,) = Superposed(estimator, estimator.base).fits([effect], estimator.base, lambda name: None)
     ((_, values),) = fitted.effects

@@ -61,8 +61,7 @@ def later(channel: str, true: Effects) -> dict[str, float]:
     built = effects(slow_actuator={"factor": 1.3}) if channel == STROKE else ()
     seen = house(channel, (*built, *true))
     segment, believed = link(seen, channel)
-    about = segment, seen, known.as_built.believed(believed)
-    whole = SegmentProblem(*about, as_built=known.as_built, parts=np.full(len(seen), FIT))
+    whole = SegmentProblem(segment, seen, believed, as_built=known.as_built, parts=np.full(len(seen), FIT))
     named = [EFFECTS[name] for name in ("low-authority", "max-flow", "limited-travel", "let-by")]
     of_link = [each for each in named if each.stage in segment.stages]
     return posterior(Weighing(whole, of_link, known.healthy[segment.name], 1.0, lambda name: None).weighed())
@@ -102,8 +101,7 @@ def test_a_motor_strays_from_itself_by_as_much_as_its_model_is_known_to_miss(fac
     before, seen = house(STROKE, seed=2), house(STROKE, effects(slow_actuator={"factor": factor}))
     segment, believed = link(seen, STROKE)
     known = calibrate(before, believed, some)
-    about = segment, seen, known.as_built.believed(believed)
-    whole = SegmentProblem(*about, as_built=known.as_built, parts=np.full(len(seen), FIT))
+    whole = SegmentProblem(segment, seen, believed, as_built=known.as_built, parts=np.full(len(seen), FIT))
     found = posterior(Weighing(whole, some, known.healthy[segment.name], 1.0, lambda name: None).weighed())
     assert found["slow-actuator" if is_named else "none"] > 0.8
 

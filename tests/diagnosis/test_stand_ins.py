@@ -26,7 +26,7 @@ from waxstudy.dataset.tables import Site
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
 from waxstudy.diagnosis.model.as_built import AsBuilt
-from waxstudy.diagnosis.model.nuisance import Nuisance, habits, nuisances
+from waxstudy.diagnosis.model.nuisance import Nuisance, habits, nuisances, of_record
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -73,13 +73,31 @@ def test_a_healthy_record_tells_the_next_one_of_the_hours_at_which_people_heat_a
     hours_W = sum(at * each.heat_W for at, each in zip(departures[1:], shapes, strict=True))
     assert believed.inputs.gains_W == pytest.approx(np.exp(departures[0]) * own_W + hours_W)
     room = next(each for each in segments(later, believed) if each.with_room and not each.is_supply)
-    unknowns = SegmentProblem(room, later, believed, as_built=there).nuisances
+    problem = SegmentProblem(room, later, documented, as_built=there)
+    unknowns = problem.nuisances
     assert [each.name for each in unknowns[: len(known)]] == [each.name for each in known]
     assert [each.sd for each in unknowns[: len(known)]] == pytest.approx(np.diag(covariance) ** 0.5)
     assert not {each.name for each in known} & {each.name for each in unknowns[len(known) :]}
-    further = unknowns[0].apply(believed, 0.3).inputs  # on from where the factor is
+    further = problem.edited((), np.array([0.3, *np.zeros(len(unknowns) - 1)])).inputs  # on from where the factor is
     assert further
     assert further.gains_W == pytest.approx(np.exp(departures[0] + 0.3) * own_W + hours_W)
+
+
+def test_a_later_record_departs_from_the_documents_and_not_on_top_of_how_a_room_was_built() -> None:
+    """An edit on top of another is not both at once: of what lies above the pipes already little is left to move."""
+    seen = record_of(dataset(rows("REAL", DAYS), "REAL"))
+    documented = belief("REAL", seen)
+    room = next(each for each in segments(seen, documented) if each.with_room and not each.is_supply)
+    once = {each.name for each in of_record(documented, seen, room.driven_by)}
+    lasting = tuple(each for each in nuisances(documented, seen, room.driven_by) if each.name not in once)
+    sd = np.array([each.sd for each in lasting])
+    built = AsBuilt(lasting, 2.0 * sd, np.diag(sd**2))
+    problem = SegmentProblem(room, seen, documented, as_built=built)
+    assert problem.belief.room == problem.edited((), np.zeros(len(problem.sd))).room != documented.room
+    as_drawn = problem.edited((), np.concatenate((-2.0 * sd, np.zeros(len(once)))))
+    assert as_drawn.room == documented.room
+    further = problem.edited((), np.concatenate((sd, np.zeros(len(once)))))
+    assert further.room == replace(built, departures=3.0 * sd).believed(documented).room
 
 
 def test_departures_come_to_the_same_whatever_was_asked_before() -> None:

@@ -63,9 +63,9 @@ def of(
 ) -> tuple[Weighing, list[Weighed]]:
     """What is weighed of it; what was so in the healthy record was not looked for there."""
     record, known = seen(before, since_day_3), calibration(was_so, is_looked_for=was_so == NOTHING)
-    believed = known.as_built.believed(belief("WAX", record))
-    (motor,) = segments(record, believed)
-    problem = SegmentProblem(motor, record, believed, as_built=known.as_built, parts=np.full(len(record), FIT))
+    documented = belief("WAX", record)
+    (motor,) = segments(record, documented)
+    problem = SegmentProblem(motor, record, documented, as_built=known.as_built, parts=np.full(len(record), FIT))
     weighing = Weighing(problem, LIBRARY, known.healthy[motor.name], thorough, lambda name: None)
     return weighing, weighing.weighed()
 

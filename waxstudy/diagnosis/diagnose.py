@@ -106,8 +106,9 @@ def _cut(work: Work) -> tuple[list[Segment], dict[Segment, str]]:
 def _problems(work: Work, segment: Segment) -> tuple[SegmentProblem, SegmentProblem]:
     """Return a link with all its days to fit, and with days held out."""
     parts = np.full(len(work.record), FIT)
-    whole = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, parts=parts)
-    problem = SegmentProblem(segment, work.record, work.belief, as_built=work.as_built, alike=whole)
+    about = segment, work.record, work.documented
+    whole = SegmentProblem(*about, as_built=work.as_built, parts=parts)
+    problem = SegmentProblem(*about, as_built=work.as_built, alike=whole)
     if not has_times(whole):
         return whole, problem
     _base(work, Estimator(whole, work.thorough))

@@ -43,14 +43,14 @@ class Calibration:
 
 
 def calibrate(record: Record, belief: Belief, effects: Effects, thorough: float = 1.0) -> Calibration:
-    """Return what a healthy record says of a loop; `thorough` below 1 looks at less."""
+    """Return what a healthy record says of a loop; `thorough` below 1 looks at less of its chain."""
     found = AsBuilt((), np.zeros(0), np.zeros((0, 0)))
     healthy: dict[str, Healthy] = {}
     for segment in segments(record, belief):
         if segment.is_supply:
             continue
-        of = _of_room if segment.with_room else _of_chain
-        found, problem, fitted = of(segment, record, belief, effects, found, thorough)
+        about = segment, record, belief, effects, found
+        found, problem, fitted = _of_room(*about) if segment.with_room else _of_chain(*about, thorough)
         healthy[segment.name] = Healthy(problem, fitted)
     return Calibration(found, healthy)
 
@@ -143,17 +143,16 @@ def _of_motion(motion: Residual) -> Left:
 
 
 def _of_room(
-    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt, thorough: float
+    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     lasting = lasting_unknowns(segment, record, belief, effects)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
     early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, SELECT)
     found, problem, last = known, None, None
-    rounds = ROUNDS if thorough >= 1.0 else 1
-    for turn in range(rounds + 1):
+    for turn in range(ROUNDS + 1):
         problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early, alike=problem)
         last = _followed(problem, last)
-        if turn < rounds:
+        if turn < ROUNDS:
             ahead = Estimator(problem, keeps=True).nuisance_fit(
                 (), last.fitted.departures, last.fitted.convention, (FIT,), last.slopes
             )

@@ -49,14 +49,19 @@ class AsBuilt:
         )
 
     def unknowns(self) -> list[Nuisance]:
-        """Return what is unknown of room and drives where they depart as they do."""
+        """Return what is unknown of room and drives, as departures from the documents."""
         sd = np.sqrt(np.diag(self.covariance)).tolist()
-        found = zip(self.knobs, self.departures.tolist(), sd, strict=True)
-        return [replace(knob.beyond(departure), sd=each) for knob, departure, each in found]
+        return [replace(knob, sd=each) for knob, each in zip(self.knobs, sd, strict=True)]
 
     def believed(self, belief: Belief) -> Belief:
         """Return what is believed of the loop as it was built."""
-        for knob, departure in (*zip(self.knobs, self.departures.tolist(), strict=True), *self.chain):
+        for knob, departure in zip(self.knobs, self.departures.tolist(), strict=True):
+            belief = knob.apply(belief, departure)
+        return self.with_chain(belief)
+
+    def with_chain(self, belief: Belief) -> Belief:
+        """Return a belief with the control chain as it was built."""
+        for knob, departure in self.chain:
             belief = knob.apply(belief, departure)
         for effect, values in self.always:
             belief = effect.apply(belief, effect.Parameters(**values))

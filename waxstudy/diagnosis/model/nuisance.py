@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from math import exp
 from typing import Any
@@ -43,26 +43,6 @@ class Nuisance:
         """Whether it changes a course of what drives the room, and nothing of the room itself."""
         return isinstance(self.apply, _OfInput)
 
-    def beyond(self, departure: float) -> Nuisance:
-        """Return what is unknown of it where it departs already."""
-        return self
-
-
-@dataclass(frozen=True)
-class Factor(Nuisance):
-    """The logarithm of a factor on a course of heat (n,), which other heat comes on top of."""
-
-    heat_W: FloatArray = field(default_factory=lambda: np.zeros(0), compare=False)
-    of: str = ""  # field of the inputs
-
-    @classmethod
-    def on(cls, name: str, sd: float, varies: float, of: str, heat_W: FloatArray) -> Factor:
-        apply = _OfInput(of, partial(_times, heat_W))
-        return cls(name, sd, apply, varies=varies, is_habit=True, heat_W=heat_W, of=of)
-
-    def beyond(self, departure: float) -> Factor:
-        return Factor.on(self.name, self.sd, self.varies, self.of, exp(departure) * self.heat_W)
-
 
 def nuisances(belief: Belief, record: Record, driven_by: str, tolerance: float | None = 1.0) -> list[Nuisance]:
     """Return what the room says of itself, how well its gains are known, how warm it was at first, and lost flows.
@@ -94,7 +74,9 @@ def habits(record: Record) -> Iterator[Nuisance]:
     for channel, found in record.stand_ins.items():
         of = FIELDS[channel]
         if found.factor_sd:
-            yield Factor.on(f"factor on {found.source}", found.factor_sd, found.factor_varies, of, found.values)
+            apply = _OfInput(of, partial(_times, found.values))
+            told = f"factor on {found.source}", found.factor_sd
+            yield Nuisance(*told, apply, varies=found.factor_varies, is_habit=True)
         for shape in found.shapes:
             if shape.varies is not None:
                 apply = _OfInput(of, partial(_more, shape.heat_W))

@@ -26,7 +26,11 @@ from waxstudy.plugin import Belief, FloatArray
 
 
 class SegmentProblem:
-    """Implements `estimate.problem.Problem`. In an exact room nothing departs but for how it began."""
+    """Implements `estimate.problem.Problem`. In an exact room nothing departs but for how it began.
+
+    With what a healthy record says (`as_built`), and no `unknowns` to calibrate, the loop given is the documents', and
+    the one believed is as built.
+    """
 
     def __init__(
         self,
@@ -41,19 +45,26 @@ class SegmentProblem:
         parts: np.ndarray | None = None,
         alike: SegmentProblem | None = None,  # the same, judged in another way: what it simulated is shared
     ) -> None:
-        self.segment, self.record, self.belief, self.name = segment, record, belief, segment.name
-        self.room_tolerance, self.holds_out, self.is_exact_room = room_tolerance, holds_out, is_exact_room
         self.as_built, self.is_calibrating = as_built, unknowns is not None
+        known_loop = None if self.is_calibrating else as_built
+        self.segment, self.record, self.name = segment, record, segment.name
+        self.belief = known_loop.believed(belief) if known_loop else belief
+        self.room_tolerance, self.holds_out, self.is_exact_room = room_tolerance, holds_out, is_exact_room
         known = as_built.conventions.get(segment.name) if as_built else None
         self.conventions: Sequence[Convention] = [known] if known else segment.conventions
         shared: Prediction | None = alike.predicted if alike else None
-        self.predicted: Prediction = shared or Prediction(segment, record, belief, is_exact_room)
+        self.predicted: Prediction = shared or Prediction(segment, record, self.belief, is_exact_room)
         self._parts = parts
         self.timed: Hypothesis | None = None  # under which switches are weighed, where that is not what is believed
         self.near: Mapping[EffectType, Values] = {}  # where fits of effects may begin
         self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
         self.prior = self._prior()
+        # what departures are added to, and what those are applied to that a loop was built with
+        self._built, self._undeparted = np.zeros(len(self.sd)), self.belief
+        if known_loop and segment.with_room:
+            self._built[: len(known_loop.knobs)] = known_loop.departures
+            self._undeparted = known_loop.with_chain(belief)
         self.events: Sequence[int] = [place for place, nuisance in enumerate(self.nuisances) if nuisance.is_event]
         self.clock_h = record.clock_h
         self.is_smooth = not all(channel in record.binary for channel in segment.judged)
@@ -112,17 +123,20 @@ class SegmentProblem:
         return belief
 
     def _departed(self, departures: FloatArray, absorbed: frozenset[str]) -> Belief:
-        """Return the belief with departures of the room, but for those that an effect takes the place of."""
-        pairs = zip(self.nuisances, departures, strict=True)
-        values = [(each, 0.0 if each.name in absorbed else float(departure)) for each, departure in pairs]
+        """Return the belief with departures of the room, but for those that an effect takes the place of.
+
+        They are added to those that it was built with: an edit on top of another is not the same as both at once.
+        """
+        pairs = zip(self.nuisances, self._built.tolist(), departures.tolist(), strict=True)
+        values = [(each, built + (0.0 if each.name in absorbed else departure)) for each, built, departure in pairs]
         of_room = [pair for pair in values if not pair[0].is_of_inputs]
         # slopes change one nuisance at a time: what was edited before it stays
         same = sum(1 for _ in takewhile(lambda pair: pair[0][1] == pair[1][0], zip(of_room, self._edits, strict=False)))
         del self._edits[same:]
         for nuisance, value in of_room[same:]:
-            before = self._edits[-1][1] if self._edits else self.belief
+            before = self._edits[-1][1] if self._edits else self._undeparted
             self._edits.append((value, nuisance.apply(before, value)))
-        return departed_inputs(self._edits[-1][1] if self._edits else self.belief, values)
+        return departed_inputs(self._edits[-1][1] if self._edits else self._undeparted, values)
 
     def at(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
         # fits begin and end at places that they have been to
