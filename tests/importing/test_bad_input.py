@@ -376,9 +376,9 @@ def test_an_archive_that_is_no_workbook_is_to_be_unpacked(entry: Entry) -> None:
     refused(entry("import", "house.zip", "--out", "living"), wrong, "unpack it")
 
 
-def test_days_as_a_spreadsheet_counts_them_are_to_be_written_as_dates(entry: Entry) -> None:
-    frame = house().rename_axis("Time")
-    frame.index = pd.Index((frame.index - pd.Timestamp("1899-12-30")) / pd.Timedelta(1, "D"), name="Time")
+def test_whole_days_as_a_spreadsheet_counts_them_are_to_be_written_as_dates(entry: Entry) -> None:
+    frame = house().iloc[:9]
+    frame.index = pd.Index(range(46_000, 46_009), name="Time")
     frame.to_csv("serial.csv")
     done = entry("import", "serial.csv", "--out", "living")
     refused(done, "serial.csv: no column holds stamps: 'Time' has numbers, such as", "write them as 2024-01-31 12:00")

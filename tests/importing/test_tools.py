@@ -409,6 +409,21 @@ def test_joules_as_large_as_epochs_are_no_stamps(entry: Entry) -> None:
     assert read(Path("living")).index[0] == house().index[0]
 
 
+@pytest.mark.parametrize(("name", "number_of_1970"), [("Time", 25_569), ("datenum", 719_529)])
+def test_day_numbers_of_a_spreadsheet_and_of_matlab_are_times(entry: Entry, name: str, number_of_1970: int) -> None:
+    frame = house()
+    frame.to_csv("plain.csv")
+    assert entry("import", "plain.csv", "--timezone", "Europe/Tallinn", "--out", "plain").code == 0
+    frame.index = pd.Index(
+        (frame.index - pd.Timestamp("1970-01-01")) / pd.Timedelta(1, "D") + number_of_1970, name=name
+    )
+    frame.to_csv("numbers.csv", float_format="%.6f")
+    done = entry("import", "numbers.csv", "--timezone", "Europe/Tallinn", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert Path("living/data.csv").read_text() == Path("plain/data.csv").read_text()
+    assert f"{name} counts days as" in Path("living/dataset.toml").read_text(encoding="utf-8")
+
+
 FAR = [("2026-10-01", "2026-01-10", "far from --begin"), ("2026-07-21", "2026-07-21", "go back")]
 
 

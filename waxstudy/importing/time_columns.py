@@ -9,6 +9,7 @@ import pandas as pd
 
 from waxstudy.dataset.columns import named
 from waxstudy.importing.begin import counted, counts_from_begin, has_no_year, with_year
+from waxstudy.importing.day_numbers import counting_of, times_of
 from waxstudy.importing.headers import parted
 from waxstudy.importing.limits import LOOKED_AT, SPREADSHEET_DAYS
 from waxstudy.importing.reading import Table, refusal
@@ -16,7 +17,8 @@ from waxstudy.importing.stamps import is_stamps
 
 # names of columns, in lower case; what is not named so is told by what it holds
 TIME = ("time", "timestamp", "datetime", "date/time", "last_changed", "last_updated", "date_time", "zeit", "_time",
-        "zeitstempel", "date", "datum", "ts", "epoch", "when", "last_changed_ts", "last_updated_ts")  # fmt: skip
+        "zeitstempel", "date", "datum", "ts", "epoch", "when", "last_changed_ts", "last_updated_ts",
+        "datenum")  # fmt: skip
 DAY = ("date", "datum", "day", "tag")
 CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?\s*([AaPp][Mm])?\s*")
 NO_CLOCK = r"[ T]00:00(:00(\.0+)?)?$"  # as a workbook's days have
@@ -31,20 +33,30 @@ EXPECTED = (
 
 
 def dated(table: Table, units: Mapping[str, str], begin: pd.Timestamp | None) -> tuple[pd.DataFrame, str]:
-    """Return a table with dates where its times have none or no year, and what is assumed of them, "" without that.
+    """Return a table with dates where its times are day numbers, or have no date or no year, and what is assumed.
+
+    Nothing assumed is "".
 
     A table of which another column has stamps stays as it is.
     """
     frame = table.frame
     named_so = [str(name) for name in frame.columns if parted(str(name))[0].lower() in TIME]
-    name = next((name for name in named_so if has_no_year(frame[name]) or counts_from_begin(frame[name])), None)
+    name = next((name for name in named_so if _is_undated(frame[name])), None)
     if name is None or any(is_stamps(frame[each]) for each in frame.columns if _may_be_stamps(frame[each])):
         return frame, ""
+    if counting := counting_of(frame[name]):
+        times = times_of(frame[name], counting)
+        said = f"{name} counts days as {counting.program} does: {frame[name].iloc[0]:.10g} is {times.iloc[0]}."
+        return frame.assign(**{name: times}), said
     if has_no_year(frame[name]):
         return frame.assign(**{name: with_year(frame[name], begin, table.where)}), ""
     unit = units.get(name, parted(name)[1])
     said = f"{name} counts {unit or 'seconds'} from {begin}" + ("." if unit else ", as no unit is told.")
     return frame.assign(**{name: counted(frame[name], unit, begin, table.where)}), said
+
+
+def _is_undated(written: pd.Series) -> bool:
+    return has_no_year(written) or counts_from_begin(written) or counting_of(written) is not None
 
 
 def _may_be_stamps(written: pd.Series) -> bool:
