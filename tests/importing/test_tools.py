@@ -161,7 +161,18 @@ def modelica(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]
     return written(folder / "room.csv", head, *rows), ("--begin", begin.isoformat())
 
 
-MAKERS: list[Maker] = [fhem, niagara, metasys, iobroker, emoncms, thingsboard, hobo, energyplus, modelica]
+def ida_ice(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """Hours since the begin, in columns that blanks part, their names behind a `#`."""
+    begin = record.index[0].normalize()
+    rows = [
+        f"{(at - begin) / pd.Timedelta(1, 'h'):16.6f}" + "".join(f"{row[channel]:20.6f}" for channel in CHANNELS)
+        for at, row in lines(record)
+    ]
+    head = f"#{'time':>15}" + "".join(f"{name:>20}" for name in NAMES)
+    return written(folder / "room.prn", head, *rows), ("--begin", f"{begin:%Y-%m-%d}", "--time-format", "h")
+
+
+MAKERS: list[Maker] = [fhem, niagara, metasys, iobroker, emoncms, thingsboard, hobo, energyplus, modelica, ida_ice]
 
 
 @pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
@@ -442,7 +453,29 @@ def test_days_far_from_the_begin_or_of_several_runs_are_refused(
 def test_hours_without_a_unit_are_not_taken_for_seconds(entry: Entry) -> None:
     counted(3600.0, "time").to_csv("room.csv")
     done = entry("import", "room.csv", "--begin", "2026-01-10", "--out", "living")
-    refused(done, "counts time in steps of", "hardly seconds", "'time [h]'")
+    refused(done, "counts time in steps of", "hardly seconds", "--time-format h")
+    wrong = entry("import", "room.csv", "--begin", "2026-01-10", "--time-format", "weeks", "--out", "living")
+    refused(wrong, "counts time in 'weeks'", "units of time: s, ")
+    done = entry("import", "room.csv", "--begin", "2026-01-10", "--time-format", "h", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert "--time-format h" in Path("living/dataset.toml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("comment", ["", "# house 4\n\n"])
+def test_columns_may_be_parted_by_blanks(entry: Entry, comment: str) -> None:
+    house().to_csv("plain.csv")
+    assert entry("import", "plain.csv", "--out", "plain").code == 0
+    rows = house().reset_index().astype(str).to_string(index=False)
+    assert rows.startswith(" ")
+    dated = rows.replace(rows.split()[0], "date clock", 1)
+    Path("room.txt").write_text(comment + dated)
+    done = entry("import", "room.txt", "--out", "read")
+    assert done.code == 0, done.stderr
+    assert Path("read/data.csv").read_text() == Path("plain/data.csv").read_text()
+    lines = dated.splitlines()
+    for odd in (lines[80] + " 7", lines[80].rpartition(" ")[0]):
+        Path("room.txt").write_text("\n".join([*lines[:80], odd, *lines[81:]]))
+        refused(entry("import", "room.txt", "--out", "living"), "room.txt:81", "is no table")
 
 
 def test_days_without_a_year_are_those_of_the_begin_and_the_next(entry: Entry) -> None:

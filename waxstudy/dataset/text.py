@@ -7,26 +7,23 @@ import csv
 import re
 import warnings
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
 
 import pandas as pd
 
+from waxstudy.dataset.blanks import COMMENT, MISSING, NUMBER, SEPARATORS, blanks_of, table_in_blanks
 from waxstudy.dataset.limits import LOOKED_AT, TITLES
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin.files import check_file
 
-SEPARATORS = (",", ";", "\t", "|")
-MISSING = ("-", "--", "---")  # besides what pandas takes for missing: "", "NA", "NaN", "null", ...
-COMMENT = "#"  # begins the lines above a header that are passed over
 PARQUET = b"PAR1"
 # Excel and other archives, Excel of before 2007, gzip, HDF5, SQLite
 BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"\x89HDF", b"SQLite")
 PIECE = 1_000_000  # characters that are read at a time to find the encoding
-NUMBER = re.compile(r"[-+]?[.,]?\d[\d.,:/ TZ+-]*")  # or a stamp
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
 
@@ -69,6 +66,9 @@ def _parquet(path: Path, notes: Notes) -> pd.DataFrame | None:
 
 def _csv(path: Path, about: DatasetTable, notes: Notes, has_names: bool) -> pd.DataFrame | None:
     encoding = encoding_of(path)
+    if about.separator is None and (blanks := blanks_of(path, encoding)):
+        notes.line_of = lambda row: blanks.above + row - 1  # the names are row 1
+        return None if _has_twice(blanks.names, notes) else table_in_blanks(path, encoding, blanks)
     head = list(islice(_kept(path, encoding), LOOKED_AT + 1))
     if not head:
         notes.refuse("", "is empty: a header with the names of the columns is expected in its first line")
@@ -82,8 +82,7 @@ def _csv(path: Path, about: DatasetTable, notes: Notes, has_names: bool) -> pd.D
     header = [name.strip() for name in next(csv.reader(rows[:1], delimiter=separator))]
     if not has_names:
         header = [f"column {place}" for place in range(1, len(header) + 1)]
-    if twice := sorted({name for name in header if name and header.count(name) > 1}):
-        notes.refuse(", ".join(twice), "there are two columns of this name", line=1)
+    if _has_twice(header, notes):
         return None
     with warnings.catch_warnings():
         warnings.simplefilter("error", pd.errors.ParserWarning)
@@ -105,6 +104,14 @@ def _csv(path: Path, about: DatasetTable, notes: Notes, has_names: bool) -> pd.D
             notes.refuse("", "rows have more cells than the header has names; is the separator or decimal mark right?")
             return None
     return pd.DataFrame(data).rename(columns=str.strip)
+
+
+def _has_twice(names: Sequence[str], notes: Notes) -> bool:
+    """Refuse names that two columns have."""
+    twice = sorted({name for name in names if name and names.count(name) > 1})
+    if twice:
+        notes.refuse(", ".join(twice), "there are two columns of this name", line=1)
+    return bool(twice)
 
 
 def encoding_of(path: Path) -> str:

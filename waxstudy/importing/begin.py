@@ -45,11 +45,12 @@ def counted(written: pd.Series, unit: str, begin: pd.Timestamp | None, where: st
     step_s = float(written.diff().where(lambda x: x > 0.0).median()) * seconds
     if not unit and step_s <= LEAST_STEP_S:
         wrong = f"counts time in steps of {step_s:.3g}, which are hardly seconds"
-        raise refusal(where, wrong, f"name the column with its unit, as '{name} [h]'", key=name)
+        raise refusal(where, wrong, "say what it counts in: --time-format h, or min, d", key=name)
     if begin is None:
         first = f"{written.iloc[0]:g}, {written.iloc[1]:g}"
         raise refusal(where, f"no column holds stamps: '{name}' counts from a begin ({first}, ...)", NO_BEGIN, key=name)
-    return begin + pd.to_timedelta((written * seconds).round(3), unit="s")
+    digits = 3 if seconds == 1.0 else 0  # hours are written to some milliseconds
+    return begin + pd.to_timedelta((written * seconds).round(digits), unit="s")
 
 
 def with_year(written: pd.Series, begin: pd.Timestamp | None, where: str) -> pd.Series:

@@ -44,7 +44,7 @@ def readings_of(
         raise refusal(table.where, "holds less than two rows of readings", EXPECTED)
     _refuse_turned(table)
     units, frame = units_row(frame)
-    frame, counting = dated(Table(table.where, frame), units, begin)
+    frame, counting = dated(Table(table.where, frame), units, time_format, begin)
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
     frame, bad = without_status(frame)
     entity = _entity_column(frame, time)

@@ -32,7 +32,9 @@ EXPECTED = (
 )
 
 
-def dated(table: Table, units: Mapping[str, str], begin: pd.Timestamp | None) -> tuple[pd.DataFrame, str]:
+def dated(
+    table: Table, units: Mapping[str, str], time_format: str | None, begin: pd.Timestamp | None
+) -> tuple[pd.DataFrame, str]:
     """Return a table with dates where its times are day numbers, or have no date or no year, and what is assumed.
 
     Nothing assumed is "".
@@ -50,7 +52,7 @@ def dated(table: Table, units: Mapping[str, str], begin: pd.Timestamp | None) ->
         return frame.assign(**{name: times}), said
     if has_no_year(frame[name]):
         return frame.assign(**{name: with_year(frame[name], begin, table.where)}), ""
-    unit = units.get(name, parted(name)[1])
+    unit = units.get(name) or parted(name)[1] or time_format or ""
     said = f"{name} counts {unit or 'seconds'} from {begin}" + ("." if unit else ", as no unit is told.")
     return frame.assign(**{name: counted(frame[name], unit, begin, table.where)}), said
 
