@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -25,14 +26,14 @@ from waxstudy.dataset.sunlight import (
 from waxstudy.dataset.tables import Site
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
-from waxstudy.diagnosis.model.as_built import AsBuilt
+from waxstudy.diagnosis.model.as_built import AsBuilt, knobs
 from waxstudy.diagnosis.model.nuisance import Nuisance, habits, nuisances, of_record
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.search import select
 from waxstudy.diagnosis.select.unexplained import done_by_drives, unexplained
-from waxstudy.plugin import Effect, Facade
+from waxstudy.plugin import Belief, Choice, Effect, Facade, Room, changed
 from waxstudy_paper.weather import sun as weather_sun
 
 TALLINN = Site(latitude=59.4, longitude=24.7, timezone="Europe/Tallinn")
@@ -86,18 +87,30 @@ def test_a_healthy_record_tells_the_next_one_of_the_hours_at_which_people_heat_a
 def test_a_later_record_departs_from_the_documents_and_not_on_top_of_how_a_room_was_built() -> None:
     """An edit on top of another is not both at once: of what lies above the pipes already little is left to move."""
     seen = record_of(dataset(rows("REAL", DAYS), "REAL"))
-    documented = belief("REAL", seen)
+    documented = with_pipes(belief("REAL", seen))
     room = next(each for each in segments(seen, documented) if each.with_room and not each.is_supply)
     once = {each.name for each in of_record(documented, seen, room.driven_by)}
     lasting = tuple(each for each in nuisances(documented, seen, room.driven_by) if each.name not in once)
     sd = np.array([each.sd for each in lasting])
-    built = AsBuilt(lasting, 2.0 * sd, np.diag(sd**2))
-    problem = SegmentProblem(room, seen, documented, as_built=built)
+    (valve,) = (each for each in knobs([EFFECTS["max-flow"]], ["valve"], documented))
+    known = AsBuilt(lasting, 2.0 * sd, np.diag(sd**2), chain=((valve, np.log(0.4)),))
+    problem = SegmentProblem(room, seen, documented, as_built=known)
     assert problem.belief.room == problem.edited((), np.zeros(len(problem.sd))).room != documented.room
     as_drawn = problem.edited((), np.concatenate((-2.0 * sd, np.zeros(len(once)))))
-    assert as_drawn.room == documented.room
+    assert as_drawn.room == known.with_chain(documented).room
     further = problem.edited((), np.concatenate((sd, np.zeros(len(once)))))
-    assert further.room == replace(built, departures=3.0 * sd).believed(documented).room
+    assert further.room == replace(known, departures=3.0 * sd).believed(documented).room
+
+
+def with_pipes(believed: Belief) -> Belief:
+    """The same with a floor that takes up heat by the resistances of its pipes, which the flow changes."""
+    assert believed.room
+    assert issubclass(believed.room.component, Room)
+    edited = believed.room.component.uncertainties(believed.room.parameters)[0].apply(believed.room, 1e-9)
+    about: Any = edited.parameters
+    return replace(
+        believed, room=Choice(edited.component, changed(about, circuit=changed(about.circuit, exchange="pipe")))
+    )
 
 
 def test_departures_come_to_the_same_whatever_was_asked_before() -> None:

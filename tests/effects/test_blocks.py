@@ -8,6 +8,7 @@ import pytest
 from tests.effects.believed import CONTINUOUS, EFFECTS, IDEAL, MODULATED, REAL, Words, belief, output, with_effect
 from waxstudy.plugin import Belief, FloatArray
 from waxstudy_effects.actuator import longest_times
+from waxstudy_effects.modulator import _period_s, _together
 
 STEP_S = 5.0
 
@@ -237,3 +238,21 @@ def test_a_valve_that_sticks_open_passes_what_it_would_at_that_opening() -> None
     usual = output(belief(REAL), "valve", OPENINGS)
     stuck = output(with_effect("stuck-open", belief(REAL), opening=0.3), "valve", OPENINGS)
     assert stuck == pytest.approx(np.maximum(usual, usual[30]))
+
+
+# --- the period of a modulator ------------------------------------------------------------------------
+
+
+def test_times_lie_together_as_the_sum_over_each_frequency_has_it() -> None:
+    random = np.random.default_rng(3)
+    times_s, often_Hz = np.sort(random.uniform(0.0, 1e6, 40)), np.arange(1e-4, 3e-3, 1.3e-6)
+    alone = [abs(np.mean(np.exp(2j * np.pi * each * times_s))) for each in often_Hz]
+    assert _together(times_s, often_Hz) == pytest.approx(alone, abs=1e-9)
+
+
+@pytest.mark.parametrize("period_s", [612.5, 1800.0, 3607.0])
+def test_a_period_is_found_of_which_many_have_no_switch(period_s: float) -> None:
+    random = np.random.default_rng(4)
+    starts = np.sort(random.choice(np.arange(14 * 86_400.0 / period_s), 100, replace=False)) * period_s
+    found_s = _period_s(tuple((starts + random.uniform(-30.0, 30.0, 100)).tolist()))
+    assert found_s == pytest.approx(period_s, rel=1e-4)

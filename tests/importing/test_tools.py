@@ -465,9 +465,7 @@ def test_hours_without_a_unit_are_not_taken_for_seconds(entry: Entry) -> None:
 def test_columns_may_be_parted_by_blanks(entry: Entry, comment: str) -> None:
     house().to_csv("plain.csv")
     assert entry("import", "plain.csv", "--out", "plain").code == 0
-    rows = house().reset_index().astype(str).to_string(index=False)
-    assert rows.startswith(" ")
-    dated = rows.replace(rows.split()[0], "date clock", 1)
+    dated = in_blanks(house()).replace("\n", "\n\n", 1)
     Path("room.txt").write_text(comment + dated)
     done = entry("import", "room.txt", "--out", "read")
     assert done.code == 0, done.stderr
@@ -476,6 +474,55 @@ def test_columns_may_be_parted_by_blanks(entry: Entry, comment: str) -> None:
     for odd in (lines[80] + " 7", lines[80].rpartition(" ")[0]):
         Path("room.txt").write_text("\n".join([*lines[:80], odd, *lines[81:]]))
         refused(entry("import", "room.txt", "--out", "living"), "room.txt:81", "is no table")
+
+
+def in_blanks(frame: pd.DataFrame) -> str:
+    rows = frame.reset_index().astype(str).to_string(index=False)
+    return rows.replace(rows.split()[0], "date clock", 1)
+
+
+def test_a_word_for_missing_in_the_first_row_hides_no_table(entry: Entry) -> None:
+    frame = house()
+    frame.iloc[0, 0] = np.nan
+    Path("room.txt").write_text(in_blanks(frame).replace("nan", "NA"))
+    done = entry("import", "room.txt", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert np.isnan(read(Path("living")).iloc[0]["sensor_temperature_C"])
+
+
+@pytest.mark.parametrize("between", ["# s degC", "1 2 3 4 5 6 7"])
+def test_what_stands_between_names_and_readings_is_not_taken_for_readings(entry: Entry, between: str) -> None:
+    head, _, rows = in_blanks(house()).partition("\n")
+    Path("room.txt").write_text(f"{head}\n{between}\n{rows}")
+    done = entry("import", "room.txt", "--out", "living")
+    assert done.code != 0
+    assert not Path("living").exists()
+
+
+def test_one_of_two_comments_is_no_line_of_names_by_chance(entry: Entry) -> None:
+    head, _, rows = in_blanks(house()).partition("\n")
+    names = head.split()
+    Path("room.txt").write_text(f"# {' '.join(names)}\n# {' '.join('abcdefghij'[: len(names)])}\n{rows}")
+    assert entry("import", "room.txt", "--out", "living").code != 0
+
+
+def test_a_unit_of_counted_times_is_no_format_of_stamps_in_another_file(entry: Entry) -> None:
+    counted(3600.0, "time").drop(columns="outdoor_temperature").to_csv("room.csv")
+    house()[["outdoor_temperature"]].to_csv("outdoors.csv")
+    begin = house().index[0].normalize()
+    stated = ("--begin", f"{begin:%Y-%m-%d}", "--time-format", "h")
+    done = entry("import", "room.csv", "outdoors.csv", *stated, "--out", "living")
+    assert done.code == 0, done.stderr
+    assert {"outdoor_temperature_C", "supply_temperature_C"} <= set(read(Path("living")))
+
+
+@pytest.mark.parametrize("name", ["Time (min)", "time [h]"])
+def test_numbers_whose_unit_is_told_are_no_day_numbers(entry: Entry, name: str) -> None:
+    frame = house()
+    frame.index = pd.Index(43_824.0 + np.arange(len(frame)) / 60.0, name=name)
+    frame.to_csv("room.csv")
+    assert entry("import", "room.csv", "--out", "living").code != 0
+    assert not Path("living").exists()
 
 
 def test_days_without_a_year_are_those_of_the_begin_and_the_next(entry: Entry) -> None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 MAP = "Which name of the sources a channel is, or nothing for one that was not measured; repeatable."
 UNIT = "Unit of a name of the sources, such as degF, m3/h or '10 L' for a pulse; repeatable."
 TIMEZONE = "Zone of the room, such as Europe/Tallinn; summer time is taken out.  [default: found, or asked]"
-TIME_FORMAT = "Format of the stamps, such as '%d/%m/%Y %H:%M', or unit of times after --begin.  [default: found]"
+TIME_FORMAT = "Format of the stamps, such as '%d/%m/%Y %H:%M', or the unit of times from --begin on.  [default: found]"
 BEGIN = "Begin of a simulation whose times have no date or no year, such as 2026-01-31."
 HOLD = "How long a value is held that is logged when it changes."
 INTERVAL = "Interval of the dataset.  [default: the finest of the readings, else 1 min]"

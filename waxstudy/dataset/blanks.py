@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import re
+import warnings
 from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
 
-from waxstudy.dataset.limits import LOOKED_AT
+from waxstudy.dataset.limits import LEAST_ROWS, LOOKED_AT, TOLD_BY
 
 SEPARATORS = (",", ";", "\t", "|")  # with one of them a text is no such table
 COMMENT = "#"  # begins the lines above a header that are passed over
 MISSING = ("-", "--", "---")  # besides what pandas takes for missing: "", "NA", "NaN", "null", ...
+NOTHING = (*MISSING, "na", "n/a", "nan", "null", "none")
 NUMBER = re.compile(r"[-+]?[.,]?\d[\d.,:/ TZ+-]*")  # or a stamp
-
-
-TOLD_BY = 10  # rows that tell that blanks part cells: a bad one further down is told with its line
 
 
 class Blanks(NamedTuple):
@@ -28,38 +27,57 @@ class Blanks(NamedTuple):
 
 
 def blanks_of(path: Path, encoding: str) -> Blanks | None:
-    """Return the names of a table of numbers and stamps that blanks part; None of any other text."""
+    """Return the names of a table of numbers and stamps that blanks part; None of any other text.
+
+    They stand above the first row, or in the only comment above it that has as many words.
+    """
     with path.open(encoding=encoding, errors="replace") as file:
         lines = [(number, line.strip()) for number, line in enumerate(islice(file, LOOKED_AT), 1) if line.strip()]
-    rows = [(number, text.split()) for number, text in lines if not text.startswith(COMMENT)]
-    if len(rows) < 3 or any(mark in text for _, text in lines for mark in SEPARATORS):
+    start = next((place for place, (_, text) in enumerate(lines) if not text.startswith(COMMENT)), len(lines))
+    rows = [text.split() for _, text in lines[start:]]
+    is_other = any(mark in text for _, text in lines for mark in SEPARATORS) or any(row[0] == COMMENT for row in rows)
+    if is_other or len(rows) < LEAST_ROWS or len(rows[1]) < 2:
         return None
-    first, width = rows[0][0], len(rows[1][1])
-    readings = [cells for _, cells in rows[1:TOLD_BY]]
-    if width < 2 or not all(len(cells) == width and all(map(_is_number, cells)) for cells in readings):
+    if not all(len(row) == len(rows[1]) and _holds_readings(row) for row in rows[1 : TOLD_BY + 1]):
         return None
-    comments = [text.lstrip(COMMENT).split() for number, text in lines if number < first]
-    names, above = (comments[-1], first - 1) if all(map(_is_number, rows[0][1])) and comments else (rows[0][1], first)
-    return Blanks(names, above) if len(names) == width and not any(map(_is_number, names)) else None
+    first = lines[start][0]
+    if not _holds_readings(rows[0]):
+        names, above = [cell.strip('"') for cell in rows[0]], first
+    else:
+        told = [text.lstrip(COMMENT).split() for _, text in lines[:start]]
+        wide = [words for words in told if len(words) == len(rows[1]) and not any(map(_is_number, words))]
+        names, above = wide[0] if len(wide) == 1 else [], first - 1
+    return Blanks(names, above) if len(names) == len(rows[1]) and not any(map(_is_number, names)) else None
 
 
 def table_in_blanks(path: Path, encoding: str, blanks: Blanks) -> pd.DataFrame:
-    """Return the table; raise `ValueError` for rows that have more or fewer cells than there are names."""
+    """Return the table, a row for each line; raise `ValueError` for rows with more or fewer cells than names."""
     about: dict[str, Any] = {"sep": r"\s+", "encoding": encoding, "header": None, "names": blanks.names}
-    about |= {"index_col": False, "skiprows": blanks.above}
-    written = pd.DataFrame(pd.read_csv(path, dtype=str, keep_default_na=False, **about))
-    lacks = (written == "").any(axis="columns").to_numpy()
+    about |= {"index_col": False, "skiprows": blanks.above, "skip_blank_lines": False}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", pd.errors.ParserWarning)
+        try:
+            written = pd.DataFrame(pd.read_csv(path, dtype=str, keep_default_na=False, **about))
+        except pd.errors.ParserWarning as error:
+            raise ValueError("rows have more cells than there are names") from error
+    is_empty = written == ""
+    lacks = (is_empty.any(axis="columns") & ~is_empty.all(axis="columns")).to_numpy()
     if lacks.any():
         line = blanks.above + int(lacks.argmax()) + 1
         raise ValueError(f"a cell is missing in line {line}, and blanks do not tell which")
-    return pd.DataFrame(pd.read_csv(path, na_values=MISSING, low_memory=False, **about))
+    table = pd.DataFrame(pd.read_csv(path, na_values=MISSING, low_memory=False, **about))
+    return table[~is_empty.all(axis="columns")]
+
+
+def _holds_readings(row: list[str]) -> bool:
+    """Whether a row has numbers, and else nothing but words for what is missing."""
+    return any(map(_is_number, row)) and all(_is_number(cell) or cell.lower() in NOTHING for cell in row)
 
 
 def _is_number(cell: str) -> bool:
     if NUMBER.fullmatch(cell):
         return True
     try:
-        float(cell)  # 1.5e-03, nan
+        return float(cell) == float(cell)  # 1.5e-03; nan is none
     except ValueError:
         return False
-    return True

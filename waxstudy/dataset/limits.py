@@ -7,7 +7,11 @@ was derived from records of others. What is not known of a room's drives stands 
 from waxstudy.dataset.channels import Quantity
 
 # --- a file as a table
-LOOKED_AT = 200  # lines in which the decimal mark is looked for
+LOOKED_AT = 200  # lines in which the decimal mark and names of columns are looked for
+LEAST_ROWS, TOLD_BY = (
+    3,
+    10,
+)  # lines of a table that blanks part, at least; rows that tell it: a bad one below has a line
 TITLES = 10  # lines above the names of the columns at most
 UNREADABLE_SHARE = 0.5  # of the cells of a column that are no numbers: beyond, it is another column
 LARGEST = 1e12  # no channel has a number beyond; squares of those within are finite

@@ -45,11 +45,11 @@ def counted(written: pd.Series, unit: str, begin: pd.Timestamp | None, where: st
     step_s = float(written.diff().where(lambda x: x > 0.0).median()) * seconds
     if not unit and step_s <= LEAST_STEP_S:
         wrong = f"counts time in steps of {step_s:.3g}, which are hardly seconds"
-        raise refusal(where, wrong, "say what it counts in: --time-format h, or min, d", key=name)
+        raise refusal(where, wrong, "say what it counts in: --time-format h, or min, d; s if it is seconds", key=name)
     if begin is None:
         first = f"{written.iloc[0]:g}, {written.iloc[1]:g}"
         raise refusal(where, f"no column holds stamps: '{name}' counts from a begin ({first}, ...)", NO_BEGIN, key=name)
-    digits = 3 if seconds == 1.0 else 0  # hours are written to some milliseconds
+    digits = 3 if seconds == 1.0 else 0  # of hours and days there are too few to tell milliseconds
     return begin + pd.to_timedelta((written * seconds).round(digits), unit="s")
 
 

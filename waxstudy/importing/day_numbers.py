@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from waxstudy.importing.limits import LOOKED_AT, MATLAB_DAYS, SPREADSHEET_DAYS
+from waxstudy.importing.limits import LONGEST_STEP_D, LOOKED_AT, MATLAB_DAYS, SPREADSHEET_DAYS
 
 
 class Counting(NamedTuple):
@@ -25,14 +25,17 @@ COUNTINGS = (
 
 
 def counting_of(written: pd.Series) -> Counting | None:
-    """Return how a column counts days; None where it does not, or where its steps are whole days and may be others."""
+    """Return how a column counts days; None where it does not, or in steps that are rather hours or seconds."""
     first = written.dropna().iloc[:LOOKED_AT]
-    if not pd.api.types.is_float_dtype(first) or not (first % 1.0 != 0.0).any():
+    if not pd.api.types.is_float_dtype(first) or len(first) < 2:
+        return None
+    steps = first.diff().abs()
+    if not 0.0 < steps[steps > 0.0].median() <= LONGEST_STEP_D:
         return None
     return next((each for each in COUNTINGS if first.between(*each.days).all()), None)
 
 
 def times_of(written: pd.Series, counting: Counting) -> pd.Series:
-    """Return the times of day numbers, to a second: few programs write more digits."""
-    days = written - counting.number_0
-    return (counting.day_0 + pd.to_timedelta(days, unit="D")).dt.round("s")
+    """Return the times of day numbers, to a second: few programs write more digits; NaT for what is none."""
+    since = pd.to_timedelta(written - counting.number_0, unit="D", errors="coerce")
+    return (counting.day_0 + since).dt.round("s")

@@ -12,6 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 from waxstudy.dataset.columns import named
+from waxstudy.importing.begin import UNITS as UNITS_OF_TIME
 from waxstudy.importing.headers import is_value, parted, units_row
 from waxstudy.importing.limits import AGAIN, LOOKED_AT, MIXED, MOST_ENTITIES, REPEATED, TWICE
 from waxstudy.importing.reading import Readings, Table, refusal
@@ -48,6 +49,7 @@ def readings_of(
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
     frame, bad = without_status(frame)
     entity = _entity_column(frame, time)
+    time_format = None if time_format in UNITS_OF_TIME else time_format
     frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or "", *_units(frame)))
     split = _long if entity else _wide
     said = tuple(filter(None, (zone_told(frame[time], time_format, table.where), counting, lost)))

@@ -67,6 +67,7 @@ LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
 TRIED = 2000  # stamps that tell the format of a column
 SPREADSHEET_DAYS = (20_000, 80_000)  # what a spreadsheet counts from 1954 to 2119
 MATLAB_DAYS = (700_000, 780_000)  # what MATLAB counts from 1916 to 2135
+LONGEST_STEP_D = 0.05  # of day numbers: a bit more than an hour; what counts hours or seconds mostly has longer ones
 LEAST_STEP_S = 1.0  # steps of numbers without a unit are longer if they are seconds; those of hours or days are not
 FIRST_STEPS = 2.0  # longest steps from 0 at which the time of a simulation begins
 FAR_DAYS = 1.0  # between the first stamp and a begin that is stated: beyond, one of them is wrong

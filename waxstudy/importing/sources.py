@@ -27,7 +27,7 @@ from waxstudy.results.atomic import scratch_folder
 from waxstudy.study.problems import StudyError
 
 ENDINGS = (
-    ".csv", ".csv.gz", ".tsv", ".txt", ".prn", ".log", ".xlsx", ".xls", ".ods", ".parquet", ".db", ".sqlite",
+    ".csv", ".csv.gz", ".tsv", ".txt", ".log", ".xlsx", ".xls", ".ods", ".parquet", ".db", ".sqlite",
     ".sqlite3", ".epw",
 )  # fmt: skip
 ZIP, OLE, GZIP, SQLITE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"SQLite"

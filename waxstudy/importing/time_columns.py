@@ -37,28 +37,30 @@ def dated(
 ) -> tuple[pd.DataFrame, str]:
     """Return a table with dates where its times are day numbers, or have no date or no year, and what is assumed.
 
-    Nothing assumed is "".
-
-    A table of which another column has stamps stays as it is.
+    Where nothing is assumed the sentence is "". A format without `%` is the unit of times that count from the begin. A
+    table of which another column has stamps stays as it is.
     """
     frame = table.frame
     named_so = [str(name) for name in frame.columns if parted(str(name))[0].lower() in TIME]
-    name = next((name for name in named_so if _is_undated(frame[name])), None)
+    stated = time_format if time_format and "%" not in time_format else ""
+    counts_in = {name: units.get(name) or parted(name)[1] or stated for name in named_so}
+    countings = {name: counting_of(frame[name]) for name in named_so if begin is None and not counts_in[name]}
+    name = next((name for name in named_so if countings.get(name) or _is_undated(frame[name])), None)
     if name is None or any(is_stamps(frame[each]) for each in frame.columns if _may_be_stamps(frame[each])):
         return frame, ""
-    if counting := counting_of(frame[name]):
+    if counting := countings.get(name):
         times = times_of(frame[name], counting)
         said = f"{name} counts days as {counting.program} does: {frame[name].iloc[0]:.10g} is {times.iloc[0]}."
         return frame.assign(**{name: times}), said
     if has_no_year(frame[name]):
         return frame.assign(**{name: with_year(frame[name], begin, table.where)}), ""
-    unit = units.get(name) or parted(name)[1] or time_format or ""
+    unit = counts_in[name]
     said = f"{name} counts {unit or 'seconds'} from {begin}" + ("." if unit else ", as no unit is told.")
     return frame.assign(**{name: counted(frame[name], unit, begin, table.where)}), said
 
 
 def _is_undated(written: pd.Series) -> bool:
-    return has_no_year(written) or counts_from_begin(written) or counting_of(written) is not None
+    return has_no_year(written) or counts_from_begin(written)
 
 
 def _may_be_stamps(written: pd.Series) -> bool:

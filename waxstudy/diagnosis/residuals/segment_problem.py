@@ -60,11 +60,12 @@ class SegmentProblem:
         self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
         self.prior = self._prior()
-        # what departures are added to, and what those are applied to that a loop was built with
-        self._built, self._undeparted = np.zeros(len(self.sd)), self.belief
+        # what departures are added to, what both are applied to, and what is edited after them
+        self._built, self._undeparted, self._after = np.zeros(len(self.sd)), self.belief, list[tuple[Nuisance, float]]()
         if known_loop and segment.with_room:
             self._built[: len(known_loop.knobs)] = known_loop.departures
-            self._undeparted = known_loop.with_chain(belief)
+            self._undeparted = belief
+            self._after = [(Nuisance("chain", 0.0, lambda room, _: known_loop.with_chain(room)), 0.0)]
         self.events: Sequence[int] = [place for place, nuisance in enumerate(self.nuisances) if nuisance.is_event]
         self.clock_h = record.clock_h
         self.is_smooth = not all(channel in record.binary for channel in segment.judged)
@@ -129,7 +130,7 @@ class SegmentProblem:
         """
         pairs = zip(self.nuisances, self._built.tolist(), departures.tolist(), strict=True)
         values = [(each, built + (0.0 if each.name in absorbed else departure)) for each, built, departure in pairs]
-        of_room = [pair for pair in values if not pair[0].is_of_inputs]
+        of_room = [*(pair for pair in values if not pair[0].is_of_inputs), *self._after]
         # slopes change one nuisance at a time: what was edited before it stays
         same = sum(1 for _ in takewhile(lambda pair: pair[0][1] == pair[1][0], zip(of_room, self._edits, strict=False)))
         del self._edits[same:]
