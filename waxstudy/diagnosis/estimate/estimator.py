@@ -254,6 +254,10 @@ class Estimator(Generic[P]):
             columns.append((there - whole)[:, None] / step)
         return np.hstack(columns)
 
+    def nearest(self, effects: Edits, starts: Sequence[FloatArray], convention: Convention) -> FloatArray:
+        """Return the departures of several (nuisances,) with which effects miss least of the first part."""
+        return min(starts, key=lambda each: self.score(self.problem.at(effects, each, convention), (FIT,)))
+
     def refined(
         self,
         effects: Edits,

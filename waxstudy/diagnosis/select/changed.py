@@ -115,7 +115,9 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
     current, found = search.under_convention(search.estimator.base, best.fitted.convention), []
     for group in choice.groups:
         edits = (*current.effects, values[group[0]])
-        fitted = search.estimator.refined(edits, current.departures, current.convention) or current
+        # far from what is believed a fit may end elsewhere: it begins where less is missed, here or as weighed
+        start = search.estimator.nearest(edits, (current.departures, best.fitted.departures), current.convention)
+        fitted = search.estimator.refined(edits, start, current.convention) or current
         candidate = search.judged(current, [(values[group[0]][0], fitted)])[0]
         others = [_alone(search, weighed, name) for name in group[1:]]
         often = sum(p for name, p in beliefs.items() if set(group) & set(name.split("+")))
