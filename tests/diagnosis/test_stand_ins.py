@@ -85,7 +85,7 @@ def test_a_healthy_record_tells_the_next_one_of_the_hours_at_which_people_heat_a
 
 
 def test_a_later_record_departs_from_the_documents_and_not_on_top_of_how_a_room_was_built() -> None:
-    """An edit on top of another is not both at once: of what lies above the pipes already little is left to move."""
+    """An edit on top of another is not both at once: above the pipes lies most already, and little is left to move."""
     seen = record_of(dataset(rows("REAL", DAYS), "REAL"))
     documented = with_pipes(belief("REAL", seen))
     room = next(each for each in segments(seen, documented) if each.with_room and not each.is_supply)

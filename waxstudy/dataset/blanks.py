@@ -12,7 +12,7 @@ import pandas as pd
 
 from waxstudy.dataset.limits import LEAST_ROWS, LOOKED_AT, TOLD_BY
 
-SEPARATORS = (",", ";", "\t", "|")  # with one of them a text is no such table
+SEPARATORS = (",", ";", "\t", "|")  # between cells; blanks part none where one of them is
 COMMENT = "#"  # begins the lines above a header that are passed over
 MISSING = ("-", "--", "---")  # besides what pandas takes for missing: "", "NA", "NaN", "null", ...
 NOTHING = (*MISSING, "na", "n/a", "nan", "null", "none")

@@ -8,10 +8,8 @@ from waxstudy.dataset.channels import Quantity
 
 # --- a file as a table
 LOOKED_AT = 200  # lines in which the decimal mark and names of columns are looked for
-LEAST_ROWS, TOLD_BY = (
-    3,
-    10,
-)  # lines of a table that blanks part, at least; rows that tell it: a bad one below has a line
+LEAST_ROWS = 3  # of a table that blanks part, with its names: fewer lines may be a text
+TOLD_BY = 10  # rows that tell that blanks part cells: a bad one below them is told with its line
 TITLES = 10  # lines above the names of the columns at most
 UNREADABLE_SHARE = 0.5  # of the cells of a column that are no numbers: beyond, it is another column
 LARGEST = 1e12  # no channel has a number beyond; squares of those within are finite

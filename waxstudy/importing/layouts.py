@@ -46,10 +46,10 @@ def readings_of(
     _refuse_turned(table)
     units, frame = units_row(frame)
     frame, counting = dated(Table(table.where, frame), units, time_format, begin)
+    time_format = None if time_format in UNITS_OF_TIME else time_format
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
     frame, bad = without_status(frame)
     entity = _entity_column(frame, time)
-    time_format = None if time_format in UNITS_OF_TIME else time_format
     frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or "", *_units(frame)))
     split = _long if entity else _wide
     said = tuple(filter(None, (zone_told(frame[time], time_format, table.where), counting, lost)))

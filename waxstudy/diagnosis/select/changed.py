@@ -115,7 +115,7 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
     current, found = search.under_convention(search.estimator.base, best.fitted.convention), []
     for group in choice.groups:
         edits = (*current.effects, values[group[0]])
-        # far from what is believed a fit may end elsewhere: it begins where less is missed, here or as weighed
+        # a fit may end at another optimum: it begins where less is missed, as without the effect or as weighed
         start = search.estimator.nearest(edits, (current.departures, best.fitted.departures), current.convention)
         fitted = search.estimator.refined(edits, start, current.convention) or current
         candidate = search.judged(current, [(values[group[0]][0], fitted)])[0]
