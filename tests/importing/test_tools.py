@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -20,6 +21,7 @@ FLOW = "flow_L_h"
 TEMPERATURES = tuple(name for name in CHANNELS if name.endswith("_C"))
 NAMES = ("living_temperature", "living_setpoint", "heating_valve", "flow", "supply", "return", "outdoor")
 SHORT = dict(zip(CHANNELS, NAMES, strict=True))
+SHORT_OF = {name: channel for channel, name in SHORT.items()}
 Maker = Callable[[pd.DataFrame, Path], tuple[Path, tuple[str, ...]]]
 
 
@@ -172,7 +174,26 @@ def ida_ice(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
     return written(folder / "room.prn", head, *rows), ("--begin", f"{begin:%Y-%m-%d}", "--time-format", "h")
 
 
-MAKERS: list[Maker] = [fhem, niagara, metasys, iobroker, emoncms, thingsboard, hobo, energyplus, modelica, ida_ice]
+def mqtt(record: pd.DataFrame, folder: Path) -> tuple[Path, tuple[str, ...]]:
+    """A line for each message: an object with the readings of a thermostat, one within another, and plain values."""
+    rows = []
+    for at, row in lines(record):
+        readings = {"Time": f"{at:%H:%M}", "Living": {"Temperature": round(row["sensor_temperature_C"], 4)}}
+        thermostat = {**readings, "desired": round(row["setpoint_C"], 4), "battery_low": False, "days": [1, 2]}
+        messages = {
+            "house/living/thermostat": json.dumps(thermostat),
+            "house/living/valve": "ON" if row["heating_signal"] else "OFF",
+            "house/loop": json.dumps({name: round(row[SHORT_OF[name]], 4) for name in ("flow", "supply", "return")}),
+            "house/garden/outdoor": f"{row['outdoor_temperature_C']:.4f} °C",
+        }
+        rows += [f"{at:%Y-%m-%dT%H:%M:%S}+0200 {topic} {message}" for topic, message in messages.items()]
+    stated = ("--map", "setpoint_C=house/living/thermostat desired")
+    return written(folder / "house.log", *rows), (*ZONE, *stated)
+
+
+MAKERS: list[Maker] = [
+    fhem, niagara, metasys, iobroker, emoncms, thingsboard, hobo, energyplus, modelica, ida_ice, mqtt
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
@@ -191,6 +212,37 @@ def test_what_a_tool_exports_is_the_record_that_it_logged(
     for channel in CHANNELS:
         assert found[channel].sub(hours[channel]).abs().max() < 1e-3, channel
         assert found[channel].notna().all(), channel
+
+
+def messages(frame: pd.DataFrame) -> list[str]:
+    return [f"{at.timestamp():.3f} house/{name} {value}" for at, row in frame.iterrows() for name, value in row.items()]
+
+
+OF_MESSAGES = ("--timezone", "UTC", "--map", "air_temperature_C=house/room_temperature", "--yes", "--out", "living")
+
+
+def test_messages_may_be_stamped_in_seconds_since_1970(entry: Entry) -> None:
+    frame = house()
+    written(Path("house.log"), *messages(frame))
+    done = entry("import", "house.log", *OF_MESSAGES)
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["outdoor_temperature_C"] - frame["outdoor_temperature"]).abs().max() < 1e-3
+
+
+def test_a_line_that_is_no_message_is_told(entry: Entry) -> None:
+    lines = messages(house())
+    written(Path("house.log"), *lines[:500], "17680", *lines[500:])
+    refused(entry("import", "house.log", *OF_MESSAGES), "house.log:501: ", "17680")
+
+
+def test_a_reading_that_is_not_there_is_no_topic(entry: Entry) -> None:
+    """A table whose cells blanks part may begin like a message."""
+    frame = house()
+    rows = [f"{at:%Y-%m-%d %H:%M:%S} " + " ".join(f"{value:g}" for value in row) for at, row in frame.iterrows()]
+    rows[0] = f"{frame.index[0]:%Y-%m-%d %H:%M:%S} " + " ".join(["n/a"] * len(frame.columns))
+    Path("house.txt").write_text("\n".join([" ".join(["# date", "clock", *frame.columns]), *rows]))
+    done = entry("import", "house.txt", "--out", "living")
+    assert done.code == 0, done.stderr
 
 
 def test_devices_that_report_in_turn_are_told_apart(entry: Entry) -> None:

@@ -7,7 +7,7 @@ import gzip
 import re
 import shutil
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -18,6 +18,8 @@ from waxstudy.dataset.text import encoding_of, read_table
 from waxstudy.importing.file_log import BEGINNING as OF_LOG
 from waxstudy.importing.file_log import read_file_log
 from waxstudy.importing.history import read_history
+from waxstudy.importing.message_log import BEGINNING as OF_MESSAGES
+from waxstudy.importing.message_log import read_message_log
 from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps
 from waxstudy.importing.weather_file import BEGINNING, read_weather
@@ -49,7 +51,7 @@ def files_of(sources: Sequence[Path]) -> list[Path]:
 def _is_record(path: Path) -> bool:
     name = path.name.lower()
     is_named = path.is_file() and name.endswith(ENDINGS) and not name.startswith(".")
-    return is_named and (not name.endswith(".log") or _is_file_log(_beginning(path)))  # other programs write logs too
+    return is_named and (not name.endswith(".log") or _log_reader(_beginning(path)) is not None)  # others log too
 
 
 def _beginning(path: Path) -> bytes:
@@ -57,8 +59,11 @@ def _beginning(path: Path) -> bytes:
         return file.read(BEGINS)
 
 
-def _is_file_log(beginning: bytes) -> bool:
-    return OF_LOG.match(beginning.removeprefix(codecs.BOM_UTF8).lstrip()) is not None
+def _log_reader(beginning: bytes) -> Callable[[str, str], Table] | None:
+    """Return what reads a log that begins so, None for what is no log of readings."""
+    start = beginning.removeprefix(codecs.BOM_UTF8).lstrip()
+    readers = ((OF_LOG, read_file_log), (OF_MESSAGES, read_message_log))
+    return next((read for begin, read in readers if begin.match(start)), None)
 
 
 def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
@@ -75,8 +80,8 @@ def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
             yield from read_history(path, shown)
         elif beginning.startswith(BEGINNING):
             yield from read_weather(path, shown)
-        elif _is_file_log(beginning):
-            yield read_file_log(path.read_text(encoding=encoding_of(path)), shown)
+        elif read_log := _log_reader(beginning):
+            yield read_log(path.read_text(encoding=encoding_of(path)), shown)
         else:
             yield _text(path, shown)
     except OSError as error:

@@ -26,7 +26,8 @@ OFF = (
 WORDS = {**STATES, **dict.fromkeys(ON, 1.0), **dict.fromkeys(OFF, 0.0)}
 # from here on nothing is known: what was read before is not held
 NOTHING = ("unavailable", "unknown", "none", "nan", "null", "n/a", "na", "error", "fault", "offline", "-", "--", "")
-NUMBER = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s.,].*)?")
+# no unit: what goes on as a date or a time of day does
+NUMBER = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>(?![:-]\d)[^\d\s.,].*)?")
 # of thousands: a second group, or another mark behind, tells that this is none of decimals; of these it is known
 GROUPED = re.compile(
     r"[-+]?\d{1,3}(?P<mark>[,. ])(?:\d{3}(?P=mark))*\d{3}(?P<decimals>(?!(?P=mark))[.,]\d+)?(?![\d.,]).*"
