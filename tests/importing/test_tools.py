@@ -343,11 +343,62 @@ def test_what_is_said_of_a_later_file_is_said_of_the_whole(entry: Entry) -> None
     assert "a.2026-02.csv: 11 rows are bad by their status" in done.stdout
 
 
-def test_files_that_overlap_are_told_apart_by_their_whole_names(entry: Entry) -> None:
-    frame, half = house(), len(house()) // 2
+def overlapping(frame: pd.DataFrame, mend: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
+    """Write two files that have ten readings in common, of which the second may tell otherwise."""
+    half = len(frame) // 2
     Path("export").mkdir()
     frame.iloc[: half + 10].to_csv("export/house_2026-01.csv")
-    frame.iloc[half:].to_csv("export/house_2026-02.csv")
+    mend(frame.iloc[half:].copy()).to_csv("export/house_2026-02.csv")
+
+
+def test_files_that_tell_the_same_where_they_overlap_are_one_record(entry: Entry) -> None:
+    frame = house()
+    overlapping(frame, lambda later: later)
+    done = entry("import", "export", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert "house_2026-02.csv tells again what export/house_2026-01.csv tells: read once." in done.stdout
+    found = read(Path("living"))
+    assert len(found) >= len(frame) - 1
+    assert (found["outdoor_temperature_C"] - frame["outdoor_temperature"]).abs().max() < 1e-3
+
+
+def test_a_later_file_may_begin_with_the_states_at_its_begin(entry: Entry) -> None:
+    frame = house()
+    state = frame["heating_valve"]
+    frame["heating_valve"] = state.where(state.diff() != 0.0)  # logged on change
+
+    def with_its_state(later: pd.DataFrame) -> pd.DataFrame:
+        later.loc[later.index[0], "heating_valve"] = state[later.index[0]]
+        return later
+
+    overlapping(frame, with_its_state)
+    done = entry("import", "export", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["heating_signal"] == state).mean() > 0.95
+
+
+def other_room(later: pd.DataFrame) -> pd.DataFrame:
+    return later.assign(room_temperature=later["room_temperature"] + 0.3)
+
+
+def other_stamps(later: pd.DataFrame) -> pd.DataFrame:
+    return later.set_axis(later.index + pd.Timedelta(seconds=90))
+
+
+def stands_still(later: pd.DataFrame) -> pd.DataFrame:
+    """Both files tell one value where they overlap, as those of two rooms may."""
+    return later
+
+
+@pytest.mark.parametrize("mend", [other_room, other_stamps, stands_still])
+def test_files_that_may_tell_of_others_where_they_overlap_are_told_apart_by_their_whole_names(
+    entry: Entry, mend: Callable[[pd.DataFrame], pd.DataFrame]
+) -> None:
+    frame = house()
+    if mend is stands_still:
+        half = len(frame) // 2
+        frame.iloc[half : half + 10] = frame.iloc[half].to_numpy()
+    overlapping(frame, mend)
     refused(entry("import", "export", "--yes", "--out", "living"), "house_2026-01/", "house_2026-02/", "equally well")
 
 

@@ -13,7 +13,8 @@ from waxstudy.dataset.zones import zone_hint
 from waxstudy.importing import units
 from waxstudy.importing.asking import NONE, Ask, Question
 from waxstudy.importing.channels import channels_of
-from waxstudy.importing.layouts import joined, readings_of
+from waxstudy.importing.joining import joined
+from waxstudy.importing.layouts import readings_of
 from waxstudy.importing.limits import FRACTION
 from waxstudy.importing.matching import Match, matched
 from waxstudy.importing.names import CHANNEL_NAMES, OTHERS, is_of_room, plain, rooms_of, says

@@ -6,7 +6,6 @@ import re
 from collections import Counter
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import pandas as pd
@@ -211,42 +210,10 @@ def _at_ends(times: pd.DatetimeIndex, frame: pd.DataFrame, time: str) -> pd.Date
 
 def _named_after(file: Path) -> str:
     """Return what a file is named after, without its ending and the days that stand behind it."""
-    name = _without_ending(file)
+    name = without_ending(file)
     return DATED.sub("", name).strip() or name
 
 
-def _without_ending(file: Path) -> str:
+def without_ending(file: Path) -> str:
     name = file.name.removesuffix(".gz")
     return name.rpartition(".")[0] or name
-
-
-def joined(found: Sequence[Readings]) -> list[Readings]:
-    """Return readings of one entity in several files as one; what overlaps in time is told apart by the file's name."""
-    by_entity: dict[str, list[Readings]] = {}
-    for each in found:
-        by_entity.setdefault(each.entity, []).append(each)
-    whole: list[Readings] = []
-    for entity, parts in by_entity.items():
-        parts = [each for each in parts if len(each.times)]
-        whole += _in_turn(entity, parts) if len(parts) > 1 else parts
-    return whole
-
-
-def _in_turn(entity: str, parts: list[Readings]) -> list[Readings]:
-    parts = sorted(parts, key=lambda each: each.times.min())
-    if any(later.times.min() < former.times.max() for former, later in pairwise(parts)):
-        return [replace(each, entity=f"{_stem(each.where)}/{entity}") for each in parts]
-    if len(names := {each.unit for each in parts}) > 1:
-        units = ", ".join(f"'{each.unit}' in {each.where}" for each in parts)
-        raise refusal(parts[0].where, f"{entity} has {len(names)} units: {units}", "import what has one unit")
-    times = pd.DatetimeIndex(parts[0].times.append([each.times for each in parts[1:]]))
-    written = pd.concat([each.written.astype(object) for each in parts])
-    once = ~times.duplicated(keep="last")  # a file may begin with the last row of the one before
-    notes = tuple(dict.fromkeys(note for each in parts for note in each.notes))
-    return [replace(parts[0], times=times[once], written=written[once], notes=notes)]
-
-
-def _stem(where: str) -> str:
-    """Return a file's name without its ending, and its sheet or table."""
-    path, _, part = where.partition(", ")
-    return _without_ending(Path(path)) + (f" ({part})" if part else "")
