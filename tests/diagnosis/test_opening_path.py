@@ -34,6 +34,15 @@ def test_a_motor_that_moves_evenly_is_followed_between_its_samples(late_s: float
     np.testing.assert_allclose(path(true[3::4], 60.0), true, atol=1e-9)
 
 
+@given(st.floats(0.0, 119.0))
+def test_a_move_that_takes_no_whole_interval_is_as_fast_as_the_fastest_of_the_record(late_s: float) -> None:
+    """A stroke of 140 s takes one of 120 s whole only if it begins shortly before, as the second one does."""
+    at_s = 15.0 * np.arange(1, 401)
+    moves = [(600.0 + late_s, 2400.0 + late_s), (3590.0, 4790.0)]
+    true = sum(np.clip((at_s - on) / 140.0, 0.0, 1.0) - np.clip((at_s - off) / 140.0, 0.0, 1.0) for on, off in moves)
+    np.testing.assert_allclose(path(true[7::8], 120.0), true, atol=1e-9)
+
+
 @pytest.mark.parametrize("interval_s", [60.0, 300.0, 900.0])
 def test_what_is_believed_and_true_is_missed_by_noise_alone_however_coarse_the_samples(interval_s: float) -> None:
     seen = record("WAX", days=7, interval_s=interval_s, **PERFECT)

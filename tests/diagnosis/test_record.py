@@ -91,6 +91,15 @@ def test_a_displacement_at_rest_is_put_back_to_its_end(seed: int) -> None:
     assert np.mean(snapped(probe(opening, seed=seed), 0.01) == opening) > 0.98
 
 
+def test_the_first_sample_behind_a_move_rests_where_noise_alone_keeps_it_from_its_end() -> None:
+    shown = probe(on_for(1200, (300, 600)))
+    shown[299:303] = 0.4, 0.982, 1.0, 1.0
+    shown[600:603] = 0.37, 0.018, 0.0
+    np.testing.assert_array_equal(snapped(shown, 0.01)[[299, 300, 600, 601]], [0.4, 1.0, 0.37, 0.0])
+    shown[601] = 0.06  # which noise does not reach
+    assert snapped(shown, 0.01)[601] == 0.06
+
+
 @pytest.mark.parametrize("rest", [0.06, 0.5, 0.93])
 def test_a_displacement_that_rests_elsewhere_stays_there(rest: float) -> None:
     shown = probe(np.full(1200, rest))

@@ -8,6 +8,8 @@ from waxstudy.dataset.resolution import step
 from waxstudy.plugin import FloatArray
 
 ON = 0.5  # of full scale
+# chosen, in standard deviations of noise: of samples at rest some go so far; a motor that moves is seldom seen so near
+NEAR, BESIDE = 5.0, 3.0
 
 
 def measured(values: FloatArray) -> FloatArray:
@@ -48,13 +50,16 @@ def snapped(opening: FloatArray, noise: float) -> FloatArray:
     """Return a displacement that rests at its ends where noise alone keeps it from them.
 
     A probe that shows 0 at least once in a few samples, and never far from it, rests there: the noise is cut off at 0.
+    So does a sample beside these, as the first behind a move.
     """
-    from scipy.ndimage import minimum_filter1d, uniform_filter1d
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
     out = np.array(opening, dtype=float)
     for end in (0.0, 1.0):
         away = np.abs(out - end)
-        near = minimum_filter1d((away < 5.0 * noise).astype(float), 3) > 0
+        near = minimum_filter1d((away < NEAR * noise).astype(float), 3) > 0
         at_end = uniform_filter1d((near & (away <= 1e-9)).astype(float), 31)
-        out[near & (at_end >= 0.2 * uniform_filter1d(near.astype(float), 31))] = end
+        rests = near & (at_end >= 0.2 * uniform_filter1d(near.astype(float), 31))
+        is_beside = maximum_filter1d(rests.astype(float), 3) > 0
+        out[rests | is_beside & (away < BESIDE * noise)] = end
     return out
