@@ -31,7 +31,7 @@ class Superposed:
     @property
     def kept(self) -> FloatArray | None:
         """Slopes of the nuisances where nothing changed, for the first fits of a quick look; None in a thorough one."""
-        return self.looks.slopes if self.estimator.is_quick else None
+        return self.estimator.base_slopes if self.estimator.is_quick else None
 
     def fits(
         self, effects: Sequence[EffectType], given: Hypothesis, tick: Callable[[str], None]
