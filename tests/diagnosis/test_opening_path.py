@@ -43,6 +43,13 @@ def test_a_move_that_takes_no_whole_interval_is_as_fast_as_the_fastest_of_the_re
     np.testing.assert_allclose(path(true[7::8], 120.0), true, atol=1e-9)
 
 
+def test_a_motor_that_turns_back_is_followed_from_sample_to_sample() -> None:
+    opening = np.array([0.0, 0.3, 0.0, 0.0, 0.9, 1.0, 0.7, 1.0])
+    straight = np.interp(np.arange(1.0, 8.01, 0.25) - 1.0, np.arange(8.0), opening)
+    np.testing.assert_allclose(path(opening, 60.0)[3:12], straight[:9])
+    np.testing.assert_allclose(path(opening, 60.0)[23:], straight[20:])
+
+
 @pytest.mark.parametrize("interval_s", [60.0, 300.0, 900.0])
 def test_what_is_believed_and_true_is_missed_by_noise_alone_however_coarse_the_samples(interval_s: float) -> None:
     seen = record("WAX", days=7, interval_s=interval_s, **PERFECT)

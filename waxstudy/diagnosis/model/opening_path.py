@@ -18,7 +18,7 @@ def path(opening: FloatArray, interval_s: float) -> FloatArray:
     """Return an opening (n,) at the ends of all cells (n * cells,), straight but for where it leaves or reaches 0 or 1.
 
     There the motor is taken to move as fast as in the next, or the last, interval, and to stand still for the rest. A
-    move that takes no whole interval is taken to be as fast as the fastest of the record.
+    move from end to end that takes no whole interval is taken to be as fast as the fastest of the record.
     """
     parts, at = cells(interval_s), np.arange(len(opening), dtype=float)
     move = np.diff(opening)
@@ -26,8 +26,8 @@ def path(opening: FloatArray, interval_s: float) -> FloatArray:
     after, before = np.append(move[1:], 0.0), np.insert(move[:-1], 0, 0.0)
     leaves, reaches = is_end[:-1] & ~is_end[1:], ~is_end[:-1] & is_end[1:]
     fastest = np.where(move > 0.0, move.max(initial=0.0), move.min(initial=0.0))
-    after = np.where(np.append(reaches[1:], False), fastest, after)
-    before = np.where(np.insert(leaves[:-1], 0, False), fastest, before)
+    in_two = leaves & np.append(reaches[1:], False) & (move * after > 0.0)
+    after, before = np.where(in_two, fastest, after), np.where(np.insert(in_two[:-1], 0, False), fastest, before)
     late, early = leaves & _is_faster(after, move), reaches & _is_faster(before, move)
     with np.errstate(divide="ignore", invalid="ignore"):
         corners = np.concatenate((at[1:][late] - (move / after)[late], at[:-1][early] + (move / before)[early]))
