@@ -183,15 +183,26 @@ def test_what_is_known_of_a_room_is_wider_along_what_errors_of_hours_move_togeth
     ("before", "after", "gains"), [(0.9, 0.6, 0.0), (2.0, 0.6, 0.5 * 3.0), (2.0, 1.5, 0.5 * 7 / 9)]
 )
 def test_to_leave_less_than_noise_of_a_healthy_record_is_no_gain(before: float, after: float, gains: float) -> None:
-    """A slower sensor or a weaker controller smooths the noise of what it reads."""
-    samples, together = 1000, 4.0
-    every, zero = np.ones(samples, dtype=bool), np.zeros(samples, dtype=int)
-    one, other = (
-        Residual("sensor_temperature_C", "K", missed, missed, every, zero, zero, np.arange(samples))
-        for missed in (np.full(samples, before), np.full(samples, after))
-    )
-    pair = (Hypothesis((), PLAIN, np.zeros(0), [each]) for each in (one, other))
-    assert _gain(*pair, {"sensor_temperature_C": together}) == pytest.approx(gains * samples / together)
+    """A slower sensor or a weaker controller smooths the noise of what it reads. One of ten cycles is left out."""
+    gained = _gain(of_cycles(np.full(1000, before)), of_cycles(np.full(1000, after)), {"sensor_temperature_C": 4.0})
+    assert gained == pytest.approx(0.9 * gains * 1000 / 4.0)
+
+
+def test_what_a_single_cycle_of_a_healthy_record_says_is_no_gain() -> None:
+    """A switch that slips by hours is one that the room hardly decided, and a dead band that suits it is chance."""
+    slipped = np.where(np.arange(1000) // 100 == 3, 20.0, 2.0)
+    share = {"sensor_temperature_C": 1.0}
+    assert _gain(of_cycles(slipped), of_cycles(np.full(1000, 2.0)), share) == pytest.approx(0.0, abs=1e-9)
+    assert _gain(of_cycles(slipped), of_cycles(np.full(1000, 2.1)), share) < 0.0
+    assert _gain(of_cycles(np.full(1000, 20.0)), of_cycles(np.full(1000, 2.0)), share) > 1000.0
+
+
+def of_cycles(missed: np.ndarray) -> Hypothesis:
+    """What is missed of a sensor (1000,) in ten cycles."""
+    every, fit = np.ones(1000, dtype=bool), np.zeros(1000, dtype=int)
+    cycle = np.arange(1000) // 100
+    residual = Residual("sensor_temperature_C", "K", missed, missed, every, cycle, fit, np.arange(1000))
+    return Hypothesis((), PLAIN, np.zeros(0), [residual])
 
 
 @pytest.mark.slow

@@ -117,13 +117,23 @@ def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> 
     """Return the log likelihood that another hypothesis gains, of samples of which so many count as one.
 
     Errors are weighed by what the other one leaves, but at least by noise; those of a motor or valve that moves, by the
-    chosen scale. To leave less than noise is no gain: a smoothed reading of a controller does that as well.
+    chosen scale. To leave less than noise is no gain: a smoothed reading of a controller does that as well. The share
+    of the cycle of most is left out: what happened once may be chance.
     """
-    gain = 0.0
+    gain, by_cycle = 0.0, np.zeros(1 + max(int(each.block.max(initial=0)) for each in other.by_motion))
     for old, new in zip(fitted.by_motion, other.by_motion, strict=True):
-        noise, left = float(new.judged.sum()), max(1.0, _left(new).whitened ** 2)
-        gain += 0.5 * (max(noise, old.loss()) - max(noise, new.loss())) / share[old.channel] / left
-    return gain
+        noise, scale = float(new.judged.sum()), share[old.channel] * max(1.0, _left(new).whitened ** 2)
+        gain += 0.5 * (max(noise, old.loss()) - max(noise, new.loss())) / scale
+        for residual, sign in ((old, 0.5), (new, -0.5)):
+            by_cycle += sign * _squares(residual, len(by_cycle)) / scale
+    most, whole = float(by_cycle.max()), float(by_cycle.sum())
+    return gain * (1.0 - most / whole) if whole > 0.0 else gain
+
+
+def _squares(residual: Residual, cycles: int) -> FloatArray:
+    """Return the squares that are missed of each cycle (cycles,)."""
+    judged = residual.judged
+    return np.asarray(np.bincount(residual.block[judged], residual.whitened[judged] ** 2, minlength=cycles))
 
 
 def _left_of(fitted: Hypothesis) -> dict[str, Left]:
