@@ -41,6 +41,8 @@ def test_a_move_that_takes_no_whole_interval_is_as_fast_as_the_fastest_of_the_re
     moves = [(600.0 + late_s, 2400.0 + late_s), (3590.0, 4790.0)]
     true = sum(np.clip((at_s - on) / 140.0, 0.0, 1.0) - np.clip((at_s - off) / 140.0, 0.0, 1.0) for on, off in moves)
     np.testing.assert_allclose(path(true[7::8], 120.0), true, atol=1e-9)
+    lost = np.append(true, np.repeat([1.0, 0.0, 1.0], 8) if true[-1] else np.repeat([0.0, 1.0, 0.0], 8))
+    np.testing.assert_allclose(path(lost[7::8], 120.0)[:400], true, atol=1e-9)
 
 
 def test_a_motor_that_turns_back_is_followed_from_sample_to_sample() -> None:

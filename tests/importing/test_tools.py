@@ -15,6 +15,7 @@ from tests.importing.conftest import read
 from tests.importing.exports import CHANNELS
 from tests.importing.test_bad_input import house, refused
 from waxstudy.importing.headers import parted
+from waxstudy.importing.sources import log_reader
 
 ZONE = ("--timezone", "Europe/Tallinn")
 FLOW = "flow_L_h"
@@ -214,8 +215,11 @@ def test_what_a_tool_exports_is_the_record_that_it_logged(
         assert found[channel].notna().all(), channel
 
 
-def messages(frame: pd.DataFrame) -> list[str]:
-    return [f"{at.timestamp():.3f} house/{name} {value}" for at, row in frame.iterrows() for name, value in row.items()]
+def messages(frame: pd.DataFrame, topic: str = "house/{}") -> list[str]:
+    names = {name: topic.format(name) for name in map(str, frame)}
+    return [
+        f"{at.timestamp():.3f} {names[name]} {value}" for at, row in frame.iterrows() for name, value in row.items()
+    ]
 
 
 OF_MESSAGES = ("--timezone", "UTC", "--map", "air_temperature_C=house/room_temperature", "--yes", "--out", "living")
@@ -229,20 +233,70 @@ def test_messages_may_be_stamped_in_seconds_since_1970(entry: Entry) -> None:
     assert (read(Path("living"))["outdoor_temperature_C"] - frame["outdoor_temperature"]).abs().max() < 1e-3
 
 
-def test_a_line_that_is_no_message_is_told(entry: Entry) -> None:
-    lines = messages(house())
-    written(Path("house.log"), *lines[:500], "17680", *lines[500:])
-    refused(entry("import", "house.log", *OF_MESSAGES), "house.log:501: ", "17680")
+NO_MESSAGES = (
+    "17680",
+    "1768003500.000 house/announce",  # a message that was cleared is empty
+    "1768003500.000 house/room 2 21.5",  # of a topic with a blank, or of one without
+    "1768003500.000 house/x " + '{"a":' * 5000,
+    '1768003500.000 house/x {"a": 21.5',
+)
 
 
-def test_a_reading_that_is_not_there_is_no_topic(entry: Entry) -> None:
-    """A table whose cells blanks part may begin like a message."""
+@pytest.mark.parametrize("line", NO_MESSAGES, ids=range(len(NO_MESSAGES)))
+def test_a_line_that_is_no_message_is_left_out_and_told(entry: Entry, line: str) -> None:
     frame = house()
-    rows = [f"{at:%Y-%m-%d %H:%M:%S} " + " ".join(f"{value:g}" for value in row) for at, row in frame.iterrows()]
-    rows[0] = f"{frame.index[0]:%Y-%m-%d %H:%M:%S} " + " ".join(["n/a"] * len(frame.columns))
-    Path("house.txt").write_text("\n".join([" ".join(["# date", "clock", *frame.columns]), *rows]))
-    done = entry("import", "house.txt", "--out", "living")
+    lines = messages(frame)
+    written(Path("house.log"), *lines[:500], line, *lines[500:])
+    done = entry("import", "house.log", *OF_MESSAGES)
     assert done.code == 0, done.stderr
+    told = " ".join(done.stdout.split())
+    assert f"house.log: 1 line is no message and left out, the first of them line 501: '{line[:60]}'." in told
+    assert (read(Path("living"))["outdoor_temperature_C"] - frame["outdoor_temperature"]).abs().max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        '1768003500.000 house/living/config {"name": "x", "expire_after": 3600}',
+        '1768003500.000 house/living {"large": ' + 400 * "9" + ', "list": [1, 2], "none": null, "on": NaN}',
+        "1768003500.000 2/light on",
+        "1768003500.000 house/camera \xff\xd8\x81",
+    ],
+    ids=range(4),
+)
+def test_other_messages_change_no_reading(entry: Entry, line: str) -> None:
+    """Settings of devices, large numbers, topics that begin with a digit, pictures."""
+    frame = house()
+    Path("house.log").write_bytes("\n".join([line, *messages(frame)]).encode("latin-1"))
+    done = entry("import", "house.log", *OF_MESSAGES)
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["outdoor_temperature_C"] - frame["outdoor_temperature"]).abs().max() < 1e-3
+
+
+def test_group_addresses_are_names_although_they_begin_with_a_number(entry: Entry) -> None:
+    frame = house()
+    columns = dict(zip(frame, ("1/2/3", "1/2/4", "1/2/5", "1/2/6", "1/2/7"), strict=True))
+    written(Path("house.log"), *messages(frame.rename(columns=columns), "{}"))
+    named = {"air_temperature_C": "1/2/3", "outdoor_temperature_C": "1/2/7", "supply_temperature_C": "1/2/6"}
+    stated = [word for channel, name in named.items() for word in ("--map", f"{channel}={name}")]
+    done = entry("import", "house.log", "--timezone", "UTC", "--yes", "--out", "living", *stated)
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["air_temperature_C"] - frame["room_temperature"]).abs().max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"2026-01-10 00:00:00 n/a 20.5",
+        b"2026-01-10 00:00:00 21.5 20.5",
+        b"2026-01-10 00:00:00\tHouse/Temp\t20.5",
+        b"2026-01-10 00:00:00 +0100;House/Temp;20.5",
+        b"2026-01-10 00:00:00 UTC,House/Temp,20.5",
+        b"time,name,value",
+    ],
+)
+def test_a_table_that_begins_with_stamps_is_no_log_of_messages(line: bytes) -> None:
+    assert log_reader(line + b"\n" + line) is None
 
 
 def test_devices_that_report_in_turn_are_told_apart(entry: Entry) -> None:
@@ -343,6 +397,39 @@ def test_what_is_said_of_a_later_file_is_said_of_the_whole(entry: Entry) -> None
     assert "a.2026-02.csv: 11 rows are bad by their status" in done.stdout
 
 
+def test_files_of_two_rooms_are_told_apart_whichever_of_their_readings_begins_first(entry: Entry) -> None:
+    """What differs in one order of the files is not the same in the other."""
+    living = house().drop(columns=["heating_valve", "flow", "supply_temperature"], errors="ignore")
+    living["setpoint"] = 21.0
+    kitchen = living.assign(room_temperature=living["room_temperature"] + 1.0)
+    living.iloc[:3, list(living).index("outdoor_temperature")] = np.nan
+    living.iloc[:3, list(living).index("setpoint")] = np.nan
+    kitchen.iloc[:3, list(living).index("room_temperature")] = np.nan
+    Path("export").mkdir()
+    living.to_csv("export/living.csv")
+    kitchen.to_csv("export/kitchen.csv")
+    done = entry("import", "export", "--yes", "--out", "house")
+    assert "tells again" not in done.stdout + done.stderr
+    refused(done, "several rooms")
+
+
+@pytest.mark.parametrize("is_over", [True, False])
+def test_a_sensor_that_stands_still_is_one_in_files_of_its_name_and_other_days(entry: Entry, is_over: bool) -> None:
+    """The last mean of an export may be of an interval that was not over."""
+    frame = house()
+    half = len(frame) // 2
+    frame["supply_temperature"] = 30.0
+    Path("export").mkdir()
+    for name, column in frame.items():
+        former = column.iloc[: half + 10].rename("value").copy()
+        former.iloc[-1] += 0.0 if is_over else 0.7
+        former.to_csv(f"export/{name}_2026-01.csv")
+        column.iloc[half:].rename("value").to_csv(f"export/{name}_2026-02.csv")
+    done = entry("import", "export", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["outdoor_temperature_C"] - frame["outdoor_temperature"]).abs().max() < 1e-3
+
+
 def overlapping(frame: pd.DataFrame, mend: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
     """Write two files that have ten readings in common, of which the second may tell otherwise."""
     half = len(frame) // 2
@@ -399,7 +486,10 @@ def test_files_that_may_tell_of_others_where_they_overlap_are_told_apart_by_thei
         half = len(frame) // 2
         frame.iloc[half : half + 10] = frame.iloc[half].to_numpy()
     overlapping(frame, mend)
-    refused(entry("import", "export", "--yes", "--out", "living"), "house_2026-01/", "house_2026-02/", "equally well")
+    later = Path("export/house_2026-02.csv")
+    if mend is stands_still:
+        later = later.rename("export/house_east.csv")
+    refused(entry("import", "export", "--yes", "--out", "living"), "house_2026-01/", f"{later.stem}/", "equally well")
 
 
 def test_of_codes_for_how_good_a_reading_is_zero_is_good_in_any_writing(entry: Entry) -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pandas as pd
 
+from waxstudy.dataset.text import encoding_of
 from waxstudy.importing.reading import Table
 
 DAY_AND_CLOCK = r"\d{4}-\d\d-\d\d_\d\d:\d\d:\d\d(?:\.\d+)?"
@@ -13,9 +15,9 @@ BEGINNING = re.compile(rb"\d{4}-\d\d-\d\d_\d\d:\d\d:\d\d(?:\.\d+)? \S+ \S")
 LINE = rf"^(?P<time>{DAY_AND_CLOCK}) (?P<device>\S+) (?:(?P<reading>[^\s:]+): )?(?P<value>.*)$"  # a state has no name
 
 
-def read_file_log(text: str, where: str) -> Table:
+def read_file_log(path: Path, where: str) -> Table:
     """Return a table with a row for each line; one that is no reading has its text where a stamp should be."""
-    lines = pd.Series(text.splitlines(), dtype="str")
+    lines = pd.Series(path.read_text(encoding=encoding_of(path)).splitlines(), dtype="str")
     lines.index += 1
     lines = lines[lines.str.strip() != ""]
     parts = lines.str.extract(LINE)

@@ -4,22 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from waxstudy.importing.layouts import without_ending
+from waxstudy.importing.layouts import DATED, without_ending
 from waxstudy.importing.limits import TOLD_TWICE
 from waxstudy.importing.reading import Readings, refusal
 
-Files = tuple[str, str]  # the one that begins first, and another
+Files = frozenset[str]
 
 
 class Overlap(NamedTuple):
-    """What two files tell of an entity where they overlap in time."""
+    """Readings of one entity in two files, which overlap in time."""
+
+    former: Readings
+    later: Readings
+
+    @property
+    def files(self) -> Files:
+        return frozenset((self.former.where, self.later.where))
+
+
+class Told(NamedTuple):
+    """What two files tell of an entity where they overlap."""
 
     is_same: bool  # nearly all stamps are in both, and no reading differs
     varies: bool
@@ -34,57 +44,63 @@ def joined(found: Sequence[Readings]) -> list[Readings]:
     by_entity: dict[str, list[Readings]] = {}
     for each in found:
         by_entity.setdefault(each.entity, []).append(each)
-    parts = [sorted(filter(lambda each: len(each.times), each), key=_begin) for each in by_entity.values()]
-    twice = _told_twice(parts)
-    return [whole for each in parts for whole in (_in_turn(each, twice) if len(each) > 1 else each)]
+    entities = [sorted(filter(lambda each: len(each.times), each), key=_begin) for each in by_entity.values()]
+    twice = _told_twice(entities)
+    return [whole for parts in entities for whole in (_in_turn(parts, twice) if len(parts) > 1 else parts)]
 
 
 def _begin(readings: Readings) -> pd.Timestamp:
     return readings.times.min()
 
 
-def _overlapping(parts: Sequence[Readings]) -> Iterator[tuple[Files, Readings, Readings]]:
-    """Yield readings of one entity, in the order of their begins, that overlap in time."""
-    for former, later in combinations(parts, 2):
-        if _begin(later) < former.times.max():
-            yield (former.where, later.where), former, later
+def _overlaps(parts: Sequence[Readings]) -> Iterator[Overlap]:
+    """Yield what overlaps in time among readings of one entity, which are in the order of their begins."""
+    for place, former in enumerate(parts):
+        end = former.times.max()
+        for later in parts[place + 1 :]:
+            if _begin(later) >= end:
+                break
+            yield Overlap(former, later)
 
 
 def _told_twice(entities: Iterable[Sequence[Readings]]) -> set[Files]:
-    """Return files that tell the same where they overlap; what never varies there tells nothing."""
-    found: dict[Files, list[Overlap]] = {}
-    for parts in entities:
-        for files, former, later in _overlapping(parts):
-            found.setdefault(files, []).append(_overlap(former, later))
-    return {
-        files
-        for files, overlaps in found.items()
-        if all(each.is_same for each in overlaps) and any(each.varies for each in overlaps)
-    }
+    """Return files that tell the same where they overlap.
+
+    What never varies there tells nothing, unless the files have one name but for their days.
+    """
+    same: dict[Files, bool] = {}
+    differ: set[Files] = set()
+    for overlap in (each for parts in entities for each in _overlaps(parts)):
+        if overlap.files not in differ:
+            told = _told(overlap)
+            are_of_one = len({_without_days(each) for each in overlap.files}) == 1
+            same[overlap.files] = same.get(overlap.files, False) or told.varies or are_of_one
+            differ |= set() if told.is_same else {overlap.files}
+    return {files for files, is_same in same.items() if is_same and files not in differ}
 
 
-def _overlap(former: Readings, later: Readings) -> Overlap:
-    begin, end = _begin(later), min(former.times.max(), later.times.max())
-    one, other = (_between(each, begin, end) for each in (former, later))
+def _told(overlap: Overlap) -> Told:
+    """Return what is told where two files overlap; the last reading of the former may be a mean that was not over."""
+    begin, end = _begin(overlap.later), overlap.former.times.max()
+    one, other = (_between(each, begin, end) for each in overlap)
     both = one.index.intersection(other.index)
-    one_told, other_told = one[both], other[both]
-    numbers = [pd.to_numeric(each, errors="coerce") for each in (one_told, other_told)]
-    is_equal = (numbers[0] == numbers[1]) | (one_told.astype(str) == other_told.astype(str))
     most = max(len(one), len(other)) - 1  # an export begins with the state at its begin, which no other file has
-    is_same = len(both) >= TOLD_TWICE * most and bool(is_equal.all())
-    return Overlap(is_same, one_told.nunique() > 1)
+    one, other = one[both], other[both]
+    unlike = pd.to_numeric(one, errors="coerce") != pd.to_numeric(other, errors="coerce")
+    is_same = len(both) >= TOLD_TWICE * most and bool((one[unlike].astype(str) == other[unlike].astype(str)).all())
+    return Told(is_same, len(one) > 1 and bool((one.astype(str) != str(one.iloc[0])).any()))
 
 
 def _between(readings: Readings, begin: pd.Timestamp, end: pd.Timestamp) -> pd.Series:
-    """Return what is written from one time to another, by stamps; of several at one stamp the last."""
-    written = pd.Series(readings.written.to_numpy(dtype=object), readings.times)
-    chosen = written[(written.index >= begin) & (written.index <= end)]
+    """Return what is written from one time until before another, by stamps; of several at one stamp the last."""
+    written = pd.Series(readings.written.to_numpy(dtype=object), readings.times).dropna()
+    chosen = written[(written.index >= begin) & (written.index < end)]
     return chosen[~chosen.index.duplicated(keep="last")]
 
 
-def _in_turn(parts: Sequence[Readings], twice: set[Files]) -> list[Readings]:
-    entity, overlaps = parts[0].entity, [files for files, _, _ in _overlapping(parts)]
-    if any(files not in twice for files in overlaps):
+def _in_turn(parts: list[Readings], twice: set[Files]) -> list[Readings]:
+    entity, overlaps = parts[0].entity, list(_overlaps(parts))
+    if any(each.files not in twice for each in overlaps):
         return [replace(each, entity=f"{_stem(each.where)}/{entity}") for each in parts]
     if len(names := {each.unit for each in parts}) > 1:
         units = ", ".join(f"'{each.unit}' in {each.where}" for each in parts)
@@ -94,9 +110,21 @@ def _in_turn(parts: Sequence[Readings], twice: set[Files]) -> list[Readings]:
     order = np.argsort(times, kind="stable")
     times, written = times[order], written.iloc[order]
     once = ~times.duplicated(keep="last")  # a file may begin with the last row of the one before
-    said = [f"{later} tells again what {former} tells: read once." for former, later in overlaps]
-    notes = tuple(dict.fromkeys([*(note for each in parts for note in each.notes), *said]))
+    notes = tuple(dict.fromkeys([*(note for each in parts for note in each.notes), *_said(overlaps)]))
     return [replace(parts[0], times=times[once], written=written[once], notes=notes)]
+
+
+def _said(overlaps: Sequence[Overlap]) -> Iterator[str]:
+    if overlaps:
+        first = overlaps[0]
+        others = f", as do {len(overlaps) - 1} other pairs of files" if len(overlaps) > 1 else ""
+        yield f"{first.later.where} tells again what {first.former.where} tells{others}: read once."
+
+
+def _without_days(where: str) -> tuple[Path, str]:
+    """Return the folder and name of a source without the days that it is of."""
+    path, _, part = where.partition(", ")
+    return Path(path).parent, DATED.sub("", without_ending(Path(path))) + part
 
 
 def _stem(where: str) -> str:

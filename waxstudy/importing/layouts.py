@@ -51,7 +51,7 @@ def readings_of(
     entity = _entity_column(frame, time)
     frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or "", *_units(frame)))
     split = _long if entity else _wide
-    said = tuple(filter(None, (zone_told(frame[time], time_format, table.where), counting, lost)))
+    said = tuple(filter(None, (zone_told(frame[time], time_format, table.where), counting, lost, *table.notes)))
     for each in split(Table(table.where, frame), file, time, units, time_format, entity or ""):
         yield replace(each, notes=(*each.notes, *said)) if said else each
 
@@ -86,14 +86,21 @@ def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
     if FIELD in rest and frame[FIELD].nunique() > 1:
         return FIELD
     texts = [name for name in rest if _holds_names(frame[name])]
-    lower = {str(name).strip().lower(): str(name) for name in texts}
-    by_name = next((lower[name] for name in ENTITY if name in lower), None)
+    by_name = _named(ENTITY, texts)
+    if not by_name and _named(VALUE, rest):  # names may look like numbers, as 1/2/3
+        by_name = _named(ENTITY, [name for name in rest if not pd.api.types.is_numeric_dtype(frame[name])])
     if by_name:
         return by_name
     texts = [name for name in texts if str(name).strip().lower() not in UNIT]
     if len(texts) == 1 and len(rest) - len(texts) <= 2:
         return str(texts[0])
     return _telling(frame, time, texts)
+
+
+def _named(words: Sequence[str], columns: Sequence[Hashable]) -> str | None:
+    """Return the column that is called by the first of some words, in lower case, that one is called by."""
+    lower = {str(name).strip().lower(): str(name) for name in columns}
+    return next((lower[word] for word in words if word in lower), None)
 
 
 def _telling(frame: pd.DataFrame, time: str, texts: Sequence[Hashable]) -> str | None:
@@ -164,8 +171,7 @@ def _long(
 def _value_columns(table: Table, time: str, entity: str) -> list[str]:
     """Return the column of readings, or several of which each names what it holds."""
     rest = [str(name) for name in table.frame.columns if name not in (time, entity)]
-    lower = {name.strip().lower(): name for name in rest}
-    by_name = next((lower[name] for name in VALUE if name in lower), None)
+    by_name = _named(VALUE, rest)
     others = [name for name in rest if name not in _units(table.frame)]
     if by_name or len(others) == 1:
         return [by_name or others[0]]

@@ -6,56 +6,96 @@ import json
 import re
 from collections.abc import Iterator
 from datetime import UTC, datetime
-from typing import NamedTuple
+from pathlib import Path
 
 import pandas as pd
 
 from waxstudy.importing.reading import Table
+from waxstudy.importing.words import is_reading
 
-TIME = r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d[\d.:Z+-]*|\d{10}(?:\.\d+)?"
-TOPIC = r"(?![Nn]/[Aa]\s)[^\s/]*(?:/[^\s/]*)+"  # it has levels
-LINE = re.compile(rf"(?P<time>{TIME})\s+(?P<topic>{TOPIC})\s+(?P<value>\S.*)")
-BEGINNING = re.compile(LINE.pattern.encode())
-
-
-class Message(NamedTuple):
-    """A value of a message: a key of its object names it behind the topic."""
-
-    time: str
-    name: str
-    value: object
+TIME = r"(?P<time>\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d[\d.,:Z+-]*(?: [+-]\d\d:?\d\d)?|\d{10}(?:\.\d+)?|\d{13}) +"
+BEGIN = re.compile(TIME)
+# the first message has a topic of several levels; a table with stamps may have anything else behind them
+BEGINNING = re.compile(rf"{TIME}(?!#?[Nn]/[Aa] )[^\s/,;]*(?:/[^\s/,;]*)+ +\S[^\t\r\n]*(?:[\r\n]|$)".encode())
+TWO_NUMBERS = re.compile(r"[-+]?\d\S* +[-+]?\d")  # the topic may have a blank and a number behind it: nobody knows
+SETTINGS = "/config"  # behind the topic by which a device tells home automation what it is
 
 
-def read_message_log(text: str, where: str) -> Table:
-    """Return a table with a row for each value; a line that is no message has its text where a stamp should be."""
-    rows, places = [], []
-    for place, line in enumerate(text.splitlines(), start=1):
-        if line.strip():
-            values = list(_messages(line))
-            rows += values
-            places += [place] * len(values)
-    return Table(where, pd.DataFrame(rows, index=places, columns=list(Message._fields)))
+def read_message_log(path: Path, where: str) -> Table:
+    """Return a table with a row for each value of a message; a key of its object names it behind the topic.
+
+    Names that never hold a number or a state are left out. What is no message is left out and told.
+    """
+    log = _Log()
+    with path.open("rb") as file:
+        for place, line in enumerate(file, start=1):
+            log.take(place, line.decode("utf-8-sig", errors="replace").strip())
+    return Table(where, log.frame(), tuple(log.left_out(where)))
 
 
-def _messages(line: str) -> Iterator[Message]:
-    found = LINE.fullmatch(line.strip())
+class _Log:
+    """The readings of a log so far, and its lines that hold none."""
+
+    def __init__(self) -> None:
+        self.places: list[int] = []
+        self.times: list[str] = []
+        self.names: list[str] = []
+        self.values: list[object] = []
+        self.known: dict[str, bool] = {}  # by name: whether it ever held a number or a state
+        self.bad: list[tuple[int, str]] = []
+
+    def take(self, place: int, line: str) -> None:
+        if not line:
+            return
+        try:
+            time, topic, value = _parts(line)
+            if not topic.endswith(SETTINGS):
+                self._add(place, time, list(_values(topic, _read(value))))
+        except (ValueError, RecursionError):  # a message may hold anything
+            self.bad.append((place, line))
+
+    def _add(self, place: int, time: str, values: list[tuple[str, object]]) -> None:
+        for name, value in values:
+            is_known = self.known.setdefault(name, False)
+            self.known[name] = is_known or (value is not None and is_reading(str(value)))
+            self.places.append(place)
+            self.times.append(time)
+            self.names.append(name)
+            self.values.append(value)
+
+    def frame(self) -> pd.DataFrame:
+        names = pd.Categorical(self.names)
+        whole = pd.DataFrame({"time": self.times, "name": names, "value": self.values}, index=self.places)
+        return whole[whole["name"].map(self.known).astype(bool)].astype({"name": str})
+
+    def left_out(self, where: str) -> Iterator[str]:
+        if self.bad:
+            place, line = self.bad[0]
+            count = f"{len(self.bad)} lines are" if len(self.bad) > 1 else "1 line is"
+            yield f"{where}: {count} no message and left out, the first of them line {place}: '{line[:60]}'."
+
+
+def _parts(line: str) -> tuple[str, str, str]:
+    """Return the time, topic and value of a message; raise `ValueError` where they cannot be told apart."""
+    found = BEGIN.match(line)
     if not found:
-        yield Message(f"? {line.strip()}", "", None)  # a stamp that was cut off may be a day
-        return
-    time, topic, value = found.groups()
-    time = datetime.fromtimestamp(float(time), UTC).isoformat() if "-" not in time else time
-    for name, each in _values(topic, _object_of(value)):
-        yield Message(time, name, each)
+        raise ValueError("no stamp")
+    time, rest = found["time"].replace(",", "."), line[found.end() :]
+    start = rest.find(" {")  # a topic may have blanks
+    topic, value = (rest[:start], rest[start + 1 :]) if start > 0 else rest.partition(" ")[::2]
+    if not value.strip() or TWO_NUMBERS.match(value):
+        raise ValueError("no topic and value")
+    if "-" not in time:
+        seconds = float(time) / (1000.0 if len(time.partition(".")[0]) > 10 else 1.0)
+        time = datetime.fromtimestamp(seconds, UTC).isoformat()
+    return time, topic.strip(), value.strip()
 
 
-def _object_of(value: str) -> object:
-    """Return an object of JSON as such, any other value as it is written."""
-    if not value.startswith("{"):
+def _read(value: str) -> object:
+    """Return an object or a text of JSON as such, any other value as it is written."""
+    if not value.startswith(("{", '"')):
         return value
-    try:
-        return json.loads(value)
-    except ValueError:
-        return value
+    return json.loads(value, parse_int=float)  # an integer may be larger than any number
 
 
 def _values(name: str, value: object) -> Iterator[tuple[str, object]]:

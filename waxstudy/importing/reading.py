@@ -17,6 +17,7 @@ class Table(NamedTuple):
 
     where: str  # the file, with the sheet or table of it
     frame: pd.DataFrame
+    notes: tuple[str, ...] = ()  # what was left out of it
 
 
 class Place(NamedTuple):

@@ -14,7 +14,7 @@ import pandas as pd
 
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
-from waxstudy.dataset.text import encoding_of, read_table
+from waxstudy.dataset.text import read_table
 from waxstudy.importing.file_log import BEGINNING as OF_LOG
 from waxstudy.importing.file_log import read_file_log
 from waxstudy.importing.history import read_history
@@ -33,7 +33,7 @@ ENDINGS = (
     ".sqlite3", ".epw",
 )  # fmt: skip
 ZIP, OLE, GZIP, SQLITE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"SQLite"
-BEGINS = 100  # bytes that tell what a file is
+BEGINS = 1000  # bytes that tell what a file is: a topic may be long
 SCRATCH = "waxstudy-import-"
 
 
@@ -51,7 +51,7 @@ def files_of(sources: Sequence[Path]) -> list[Path]:
 def _is_record(path: Path) -> bool:
     name = path.name.lower()
     is_named = path.is_file() and name.endswith(ENDINGS) and not name.startswith(".")
-    return is_named and (not name.endswith(".log") or _log_reader(_beginning(path)) is not None)  # others log too
+    return is_named and (not name.endswith(".log") or log_reader(_beginning(path)) is not None)  # others log too
 
 
 def _beginning(path: Path) -> bytes:
@@ -59,7 +59,7 @@ def _beginning(path: Path) -> bytes:
         return file.read(BEGINS)
 
 
-def _log_reader(beginning: bytes) -> Callable[[str, str], Table] | None:
+def log_reader(beginning: bytes) -> Callable[[Path, str], Table] | None:
     """Return what reads a log that begins so, None for what is no log of readings."""
     start = beginning.removeprefix(codecs.BOM_UTF8).lstrip()
     readers = ((OF_LOG, read_file_log), (OF_MESSAGES, read_message_log))
@@ -80,8 +80,8 @@ def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
             yield from read_history(path, shown)
         elif beginning.startswith(BEGINNING):
             yield from read_weather(path, shown)
-        elif read_log := _log_reader(beginning):
-            yield read_log(path.read_text(encoding=encoding_of(path)), shown)
+        elif read_log := log_reader(beginning):
+            yield read_log(path, shown)
         else:
             yield _text(path, shown)
     except OSError as error:

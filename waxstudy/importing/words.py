@@ -26,8 +26,10 @@ OFF = (
 WORDS = {**STATES, **dict.fromkeys(ON, 1.0), **dict.fromkeys(OFF, 0.0)}
 # from here on nothing is known: what was read before is not held
 NOTHING = ("unavailable", "unknown", "none", "nan", "null", "n/a", "na", "error", "fault", "offline", "-", "--", "")
-# no unit: what goes on as a date or a time of day does
-NUMBER = re.compile(r"(?P<number>[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>(?![:-]\d)[^\d\s.,].*)?")
+# what goes on as a date, a time of day or a range has no unit
+NUMBER = re.compile(
+    r"(?P<number>[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>(?![:/-]\s*\d|-[A-Za-z])[^\d\s.,].*)?"
+)
 # of thousands: a second group, or another mark behind, tells that this is none of decimals; of these it is known
 GROUPED = re.compile(
     r"[-+]?\d{1,3}(?P<mark>[,. ])(?:\d{3}(?P=mark))*\d{3}(?P<decimals>(?!(?P=mark))[.,]\d+)?(?![\d.,]).*"
@@ -52,6 +54,11 @@ class Numbers(NamedTuple):
 
 def is_told_in_words(cell: str) -> bool:
     return cell.strip().lower() in WORDS or cell.strip().lower() in NOTHING
+
+
+def is_reading(cell: str) -> bool:
+    """Whether a cell is a number, with a unit or without, or a state, or says that nothing was read."""
+    return is_told_in_words(cell) or NUMBER.fullmatch(cell.strip()) is not None
 
 
 def numbers_of(written: pd.Series) -> Numbers:

@@ -25,7 +25,8 @@ def path(opening: FloatArray, interval_s: float) -> FloatArray:
     is_end = (opening <= 0.0) | (opening >= 1.0)
     after, before = np.append(move[1:], 0.0), np.insert(move[:-1], 0, 0.0)
     leaves, reaches = is_end[:-1] & ~is_end[1:], ~is_end[:-1] & is_end[1:]
-    fastest = np.where(move > 0.0, move.max(initial=0.0), move.min(initial=0.0))
+    lasting = np.where((move * after < 0.0) | (move * before < 0.0), 0.0, move)  # a lost sample moves and comes back
+    fastest = np.where(move > 0.0, lasting.max(initial=0.0), lasting.min(initial=0.0))
     in_two = leaves & np.append(reaches[1:], False) & (move * after > 0.0)
     after, before = np.where(in_two, fastest, after), np.where(np.insert(in_two[:-1], 0, False), fastest, before)
     late, early = leaves & _is_faster(after, move), reaches & _is_faster(before, move)

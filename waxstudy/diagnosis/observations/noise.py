@@ -50,7 +50,7 @@ def snapped(opening: FloatArray, noise: float) -> FloatArray:
     """Return a displacement that rests at its ends where noise alone keeps it from them.
 
     A probe that shows 0 at least once in a few samples, and never far from it, rests there: the noise is cut off at 0.
-    So does a sample beside these, as the first behind a move.
+    So does a sample beside these: the last before a move, and the first behind it.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
