@@ -37,6 +37,8 @@ class Weights:
     least_off: float
     ordinary: float
     surely_off: float
+    near_rest: float
+    beside_rest: float
     sure: float
     beyond_doubt: float
     alike: float

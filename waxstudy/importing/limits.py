@@ -28,6 +28,9 @@ FOREVER_S = 100 * 366 * 86_400.0  # that a setpoint is held: nobody turns the di
 DIGITS = 4  # of values, beyond what any instrument shows
 LOW_FLOW = 5.0  # a flow that never exceeds it is in no L/h
 
+# --- files
+BEGINS = 1000  # bytes that tell what a file is: a topic of MQTT may be long
+
 # --- tables of readings
 MOST_ENTITIES = 2000  # a table with more is none of readings: each of them would become a column
 REPEATED = 2.0  # rows to an entity, at least

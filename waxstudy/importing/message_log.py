@@ -17,7 +17,7 @@ TIME = r"(?P<time>\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d[\d.,:Z+-]*(?: [+-]\d\d:?\d\d
 BEGIN = re.compile(TIME)
 # the first message has a topic of several levels; a table with stamps may have anything else behind them
 BEGINNING = re.compile(rf"{TIME}(?!#?[Nn]/[Aa] )[^\s/,;]*(?:/[^\s/,;]*)+ +\S[^\t\r\n]*(?:[\r\n]|$)".encode())
-TWO_NUMBERS = re.compile(r"[-+]?\d\S* +[-+]?\d")  # the topic may have a blank and a number behind it: nobody knows
+TWO_NUMBERS = re.compile(r"[-+]?\d\S* +[-+]?\d")  # the first may belong to the topic, or not
 SETTINGS = "/config"  # behind the topic by which a device tells home automation what it is
 
 
@@ -42,7 +42,7 @@ class _Log:
         self.names: list[str] = []
         self.values: list[object] = []
         self.known: dict[str, bool] = {}  # by name: whether it ever held a number or a state
-        self.bad: list[tuple[int, str]] = []
+        self.bad_count, self.first_bad = 0, ""
 
     def take(self, place: int, line: str) -> None:
         if not line:
@@ -52,7 +52,8 @@ class _Log:
             if not topic.endswith(SETTINGS):
                 self._add(place, time, list(_values(topic, _read(value))))
         except (ValueError, RecursionError):  # a message may hold anything
-            self.bad.append((place, line))
+            self.first_bad = self.first_bad or f"line {place}: '{line[:60]}'"
+            self.bad_count += 1
 
     def _add(self, place: int, time: str, values: list[tuple[str, object]]) -> None:
         for name, value in values:
@@ -64,15 +65,13 @@ class _Log:
             self.values.append(value)
 
     def frame(self) -> pd.DataFrame:
-        names = pd.Categorical(self.names)
-        whole = pd.DataFrame({"time": self.times, "name": names, "value": self.values}, index=self.places)
-        return whole[whole["name"].map(self.known).astype(bool)].astype({"name": str})
+        whole = pd.DataFrame({"time": self.times, "name": self.names, "value": self.values}, index=self.places)
+        return whole[[self.known[name] for name in self.names]]
 
     def left_out(self, where: str) -> Iterator[str]:
-        if self.bad:
-            place, line = self.bad[0]
-            count = f"{len(self.bad)} lines are" if len(self.bad) > 1 else "1 line is"
-            yield f"{where}: {count} no message and left out, the first of them line {place}: '{line[:60]}'."
+        if self.bad_count:
+            count = f"{self.bad_count} lines are" if self.bad_count > 1 else "1 line is"
+            yield f"{where}: {count} no message and left out, the first of them {self.first_bad}."
 
 
 def _parts(line: str) -> tuple[str, str, str]:

@@ -18,6 +18,7 @@ from waxstudy.dataset.text import read_table
 from waxstudy.importing.file_log import BEGINNING as OF_LOG
 from waxstudy.importing.file_log import read_file_log
 from waxstudy.importing.history import read_history
+from waxstudy.importing.limits import BEGINS
 from waxstudy.importing.message_log import BEGINNING as OF_MESSAGES
 from waxstudy.importing.message_log import read_message_log
 from waxstudy.importing.reading import Readings, Table, refusal
@@ -33,7 +34,6 @@ ENDINGS = (
     ".sqlite3", ".epw",
 )  # fmt: skip
 ZIP, OLE, GZIP, SQLITE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"SQLite"
-BEGINS = 1000  # bytes that tell what a file is: a topic may be long
 SCRATCH = "waxstudy-import-"
 
 

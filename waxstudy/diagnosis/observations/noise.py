@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from waxstudy.dataset.resolution import step
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 ON = 0.5  # of full scale
-# chosen, in standard deviations of noise: of samples at rest some go so far; a motor that moves is seldom seen so near
-NEAR, BESIDE = 5.0, 3.0
 
 
 def measured(values: FloatArray) -> FloatArray:
@@ -57,9 +56,9 @@ def snapped(opening: FloatArray, noise: float) -> FloatArray:
     out = np.array(opening, dtype=float)
     for end in (0.0, 1.0):
         away = np.abs(out - end)
-        near = minimum_filter1d((away < NEAR * noise).astype(float), 3) > 0
+        near = minimum_filter1d((away < WEIGHTS.near_rest * noise).astype(float), 3) > 0
         at_end = uniform_filter1d((near & (away <= 1e-9)).astype(float), 31)
         rests = near & (at_end >= 0.2 * uniform_filter1d(near.astype(float), 31))
         is_beside = maximum_filter1d(rests.astype(float), 3) > 0
-        out[rests | is_beside & (away < BESIDE * noise)] = end
+        out[rests | is_beside & (away < WEIGHTS.beside_rest * noise)] = end
     return out
