@@ -12,6 +12,7 @@ from typing import Any, Generic, TypeVar
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -143,7 +144,8 @@ def _svg(figure: Figure, prefix: str) -> str:
         words.set_parse_math("$" not in words.get_text())
     out = io.StringIO()
     with rc_context(RC), _any_script():
-        figure.savefig(out, format="svg", metadata={"Date": None})
+        # `savefig` would draw once more, to lay the panels out
+        FigureCanvasSVG(figure).print_svg(out, metadata={"Date": None})  # type: ignore[no-untyped-call]
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", out.getvalue(), flags=re.S)
     element = re.sub(r"\sxmlns(:\w+)?=\"[^\"]*\"", "", text[text.index("<svg") :])
     element = element.replace("<svg ", '<svg id="whole" ', 1)
