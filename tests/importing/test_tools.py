@@ -273,6 +273,16 @@ def test_other_messages_change_no_reading(entry: Entry, line: str) -> None:
     assert (read(Path("living"))["outdoor_temperature_C"] - frame["outdoor_temperature"]).abs().max() < 1e-3
 
 
+def test_names_that_never_hold_a_number_are_left_out_and_told(entry: Entry) -> None:
+    boiler = '1768003500.000 house/boiler {"mode": "eco", "days": [1, 2], "water": "55.0"}'
+    written(Path("house.log"), boiler, "1768003501.000 house/tune la", *messages(house()))
+    done = entry("import", "house.log", *OF_MESSAGES)
+    assert done.code == 0, done.stderr
+    told = " ".join(done.stdout.split())
+    left_out = "house/boiler mode, house/boiler days, house/tune"
+    assert f"house.log: {left_out} never hold a number or a state, and are left out." in told
+
+
 def test_group_addresses_are_names_although_they_begin_with_a_number(entry: Entry) -> None:
     frame = house()
     columns = dict(zip(frame, ("1/2/3", "1/2/4", "1/2/5", "1/2/6", "1/2/7"), strict=True))

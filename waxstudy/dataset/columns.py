@@ -155,5 +155,4 @@ def _tell_shared(table: pd.DataFrame, read: Mapping[str, Sequence[str]], time: s
 
 def named(table: pd.DataFrame) -> str:
     """Return the names of a file's columns as a message lists them."""
-    names = [str(name) for name in table.columns]
-    return listed(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+    return listed((str(name) for name in table.columns), NAMED)

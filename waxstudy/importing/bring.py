@@ -15,7 +15,7 @@ from waxstudy.importing.asking import NONE, Ask, Question
 from waxstudy.importing.channels import channels_of
 from waxstudy.importing.joining import joined
 from waxstudy.importing.layouts import readings_of
-from waxstudy.importing.limits import FRACTION
+from waxstudy.importing.limits import FRACTION, NAMED
 from waxstudy.importing.matching import Match, matched
 from waxstudy.importing.names import CHANNEL_NAMES, OTHERS, is_of_room, plain, rooms_of, says
 from waxstudy.importing.reading import Logged, Readings, Table, problem, refusal
@@ -29,7 +29,6 @@ from waxstudy.study.problems import StudyError, listed
 
 OUTDOORS = "outdoor_temperature_C"
 LONGEST_WORD = 20  # letters of a reading that a message shows
-NAMED = 12  # entities that a message lists
 NO_OUTDOORS = (
     "no outdoor temperature was found: without it nothing can be said of a room. A history of a weather service does "
     "as well, or a weather file (EPW) that was measured on those days, as one more SOURCE"
@@ -52,7 +51,7 @@ def bring(request: Request, ask: Ask) -> Imported:
     logged = [found for each in readings if (found := _logged(each, notes, worded)) is not None]
     del readings
     if worded:
-        notes.warn(f"not used, because the readings are unknown words: {_some(worded)}")
+        notes.warn(f"not used, because the readings are unknown words: {listed(worded, NAMED)}")
     request, logged = _of_room(request, logged, ask)
     entities = seen(logged, dict(request.units))
     _refuse_unknown(request, entities)
@@ -140,7 +139,7 @@ def _of_room(request: Request, logged: list[Logged], ask: Ask) -> tuple[Request,
     if room is None:
         return request, logged
     if not any(is_of_room(each.entity, room) for each in logged):
-        near = f"rooms: {listed(names)}" if names else f"names: {_some([each.entity for each in logged])}"
+        near = f"rooms: {listed(names)}" if names else f"names: {listed([each.entity for each in logged], NAMED)}"
         raise refusal(logged[0].where, f"no name says that it is of the room '{room}'{hint(room, names)}", near)
     stated = set(request.entities.values())
 
@@ -165,7 +164,7 @@ def _refuse_unknown(request: Request, entities: Sequence[Seen]) -> None:
             problem(
                 str(request.sources[0]),
                 "no such name with readings in it",
-                f"names: {_some(names)}",
+                f"names: {listed(names, NAMED)}",
                 key=option,
                 value=entity,
             ),
@@ -175,10 +174,6 @@ def _refuse_unknown(request: Request, entities: Sequence[Seen]) -> None:
         if entity not in names
     ]:
         raise StudyError(wrong)
-
-
-def _some(names: Sequence[str]) -> str:
-    return listed(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
 
 
 # --- channels -----------------------------------------------------------------------------------------
@@ -204,11 +199,12 @@ def _answered(match: Match, entities: Sequence[Seen], ask: Ask, notes: Notes) ->
     option = f"--map {match.channel}="
     if match.rivals and match.why.startswith("values alone"):
         notes.warn(
-            f"{match.channel} may be any of {_some(fitting)}, by their values alone: none is taken; say {option}NAME"
+            f"{match.channel} may be any of {listed(fitting, NAMED)}, by their values alone: none is taken; "
+            f"say {option}NAME"
         )
         return ""
     if match.rivals:
-        text = f"{_some(fitting)} fit {match.channel} equally well. Which one"
+        text = f"{listed(fitting, NAMED)} fit {match.channel} equally well. Which one"
     else:
         text = f"Is {match.seen.entity} {match.channel}? Sure by {match.confidence:.0%}: {match.why}. Which one"
         text += _or_output(match)
@@ -243,7 +239,7 @@ def _or_output(match: Match) -> str:
 def _no_outdoors(request: Request, entities: Sequence[Seen], matches: Mapping[str, Match]) -> StudyError:
     used = {match.seen.entity for match in matches.values()}
     temperatures = [each.entity for each in entities if each.entity not in used and _may_be_outdoors(each)]
-    others = f"may it be {_some(temperatures)}? then say --map {OUTDOORS}=NAME; " if temperatures else ""
+    others = f"may it be {listed(temperatures, NAMED)}? then say --map {OUTDOORS}=NAME; " if temperatures else ""
     mend = f"{others}--map {OUTDOORS}= says that there is none"
     return refusal(str(request.sources[0]), NO_OUTDOORS, mend)
 

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from waxstudy.importing.limits import NAMED
 from waxstudy.importing.reading import Table
 from waxstudy.importing.words import is_reading
+from waxstudy.study.problems import listed
 
 TIME = r"(?P<time>\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d[\d.,:Z+-]*(?: [+-]\d\d:?\d\d)?|\d{10}(?:\.\d+)?|\d{13}) +"
 BEGIN = re.compile(TIME)
@@ -24,7 +26,7 @@ SETTINGS = "/config"  # behind the topic by which a device tells home automation
 def read_message_log(path: Path, where: str) -> Table:
     """Return a table with a row for each value of a message; a key of its object names it behind the topic.
 
-    Names that never hold a number or a state are left out. What is no message is left out and told.
+    Names that never hold a number or a state, and what is no message, are left out and told.
     """
     log = _Log()
     with path.open("rb") as file:
@@ -72,6 +74,8 @@ class _Log:
         if self.bad_count:
             count = f"{self.bad_count} lines are" if self.bad_count > 1 else "1 line is"
             yield f"{where}: {count} no message and left out, the first of them {self.first_bad}."
+        if worded := [name for name, is_known in self.known.items() if not is_known]:
+            yield f"{where}: {listed(worded, NAMED)} never hold a number or a state, and are left out."
 
 
 def _parts(line: str) -> tuple[str, str, str]:
@@ -98,9 +102,11 @@ def _read(value: str) -> object:
 
 
 def _values(name: str, value: object) -> Iterator[tuple[str, object]]:
-    """Yield each value of an object, named by the keys that lead to it; lists hold no readings."""
+    """Yield each value of an object, named by the keys that lead to it; a list holds no reading."""
     if isinstance(value, dict):
         for key, each in value.items():
             yield from _values(f"{name} {key}", each)
-    elif not isinstance(value, list):
+    elif isinstance(value, list):
+        yield name, None
+    else:
         yield name, str(value).lower() if isinstance(value, bool) else value

@@ -65,5 +65,9 @@ def shown(value: object) -> str:
     return text if len(text) <= LONGEST_VALUE else f"{text[:LONGEST_VALUE]}..."
 
 
-def listed(words: Iterable[str]) -> str:
-    return ", ".join(words) or "none"
+def listed(words: Iterable[str], most: int | None = None) -> str:
+    """Return words as a message lists them, how many there are beyond the `most` first ones."""
+    every = list(words)
+    shown = every[:most]
+    more = f" and {len(every) - len(shown)} more" if len(every) > len(shown) else ""
+    return (", ".join(shown) or "none") + more
