@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, belief, effects, estimator, planted, record
+from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.estimate.parameter_space import Space
+from waxstudy.diagnosis.model.as_built import AsBuilt
+from waxstudy.diagnosis.model.nuisance import nuisances
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval
 from waxstudy.diagnosis.select.intervals import CLOCK_S, _Local, _reaching, parameter_intervals, shrink
 from waxstudy.plugin import FloatArray, Prior
@@ -148,6 +153,25 @@ def test_a_motor_s_times_are_known_no_better_than_its_switches_nor_than_when_it_
         if name.endswith("_s") and not prior.is_log:
             open_s = _Local(fitter.problem, fitted)._timing(motor, place) * (prior.high - prior.low)
             assert open_s == pytest.approx(max(CLOCK_S, interval_s / 6.0))
+
+
+def test_a_mass_is_known_as_well_as_days_tell_it_from_that_of_the_air() -> None:
+    """Whatever a healthy record left unknown of the air's: its whole spread is not added."""
+    seen = record("REAL", days=6)
+    believed = belief("REAL", seen)
+    room = next(each for each in segments(seen, believed) if each.with_room and not each.is_supply)
+    of_air = next(each for each in nuisances(believed, seen, room.driven_by) if each.name == "air-capacity")
+    effect, made = EFFECTS["thermal-mass"], planted(room, seen, believed, effects(thermal_mass={"factor": 1.5}))
+    widths = []
+    for sd in (0.01, 1.0):
+        as_built = AsBuilt((replace(of_air, sd=sd),), np.zeros(1), np.array([[sd**2]]))
+        fitter = Estimator(SegmentProblem(room, made, believed, as_built=as_built))
+        fitted = fitter.fit(effect, fitter.base, (FIT, SELECT))
+        assert fitted
+        interval = parameter_intervals(fitter, fitted)[effect]["factor"]
+        assert interval.low <= 1.5 <= interval.high
+        widths.append(math.log(interval.high / interval.low))
+    assert widths[0] < widths[1] < 1.5 * widths[0]
 
 
 def test_an_effect_of_a_model_without_parameters_has_no_intervals() -> None:

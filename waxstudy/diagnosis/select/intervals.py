@@ -35,8 +35,9 @@ def parameter_intervals(estimator: Estimator[SegmentProblem], fitted: Hypothesis
     """Return the parameters of each effect with 95 % intervals from the scatter of blocks.
 
     That is a sandwich estimate (Huber 1967, White 1980, doi:10.2307/1912934). Where an effect takes the place of an
-    uncertainty of the room, that uncertainty's spread is added to its factor. Where another convention of the record
-    fits as well, the intervals reach to what it gives.
+    uncertainty of the room, that is unknown beside it all the same: a healthy record tells how it hangs together with
+    all others; without one its spread is added to the effect's factor. Where another convention of the record fits as
+    well, the intervals reach to what it gives.
     """
     others = [dict(other.effects) for other in _as_good(estimator, fitted)]
     return {
@@ -136,13 +137,19 @@ class _Local:
 
     def _slopes(self) -> FloatArray:
         """Return the change of the whitened residuals with each departure and parameter (m, k)."""
-        columns = []
-        for place, sd in enumerate(self.problem.sd):
-            departures = self.fitted.departures.copy()
-            departures[place] += 0.1 * sd
-            other = self.problem.at(self.fitted.effects, departures, self.fitted.convention)
-            columns.append((other.whitened - self.now) / 0.1 if other else np.zeros(len(self.now)))
-        return np.column_stack([*columns, *(self._slope(*row) for row in self.rows)])
+        departed = [self._departed(place, sd) for place, sd in enumerate(self.problem.sd)]
+        return np.column_stack([*departed, *(self._slope(*row) for row in self.rows)])
+
+    def _departed(self, place: int, sd: float) -> FloatArray:
+        """Return the change with a departure; beside a healthy record without the effect that takes its place."""
+        name, effects = self.problem.nuisances[place].name, self.fitted.effects
+        if self.problem.as_built is not None:
+            effects = tuple(each for each in effects if name not in each[0].absorbs)
+        before = self.problem.at(effects, self.fitted.departures, self.fitted.convention)
+        departures = self.fitted.departures.copy()
+        departures[place] += 0.1 * sd
+        after = self.problem.at(effects, departures, self.fitted.convention)
+        return (after.whitened - before.whitened) / 0.1 if before and after else np.zeros(len(self.now))
 
     def _slope(self, effect: EffectType, place: int) -> FloatArray:
         """Return the change over the range of one parameter, from both sides where both are possible."""
@@ -166,7 +173,7 @@ class _Local:
         """Return half the width of an interval, as a share of the range, with what the scatter of blocks leaves out."""
         prior = self.spaces[effect].priors[place]
         half = float(np.hypot(half, 2.0 * self._timing(effect, place)))
-        if not (prior.is_log and effect.absorbs):
+        if not (prior.is_log and effect.absorbs) or self.problem.as_built is not None:
             return half
         sds = [nuisance.sd for nuisance in self.problem.nuisances if nuisance.name in effect.absorbs]
         spread = sum(sd**2 for sd in sds) ** 0.5
