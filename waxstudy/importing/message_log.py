@@ -20,6 +20,7 @@ BEGIN = re.compile(TIME)
 # the first message has a topic of several levels; a table with stamps may have anything else behind them
 BEGINNING = re.compile(rf"{TIME}(?!#?[Nn]/[Aa] )[^\s/,;]*(?:/[^\s/,;]*)+ +\S[^\t\r\n]*(?:[\r\n]|$)".encode())
 TWO_NUMBERS = re.compile(r"[-+]?\d\S* +[-+]?\d")  # the first may belong to the topic, or not
+LONGEST = 60  # characters of a line or name that a message shows
 SETTINGS = "/config"  # behind the topic by which a device tells home automation what it is
 
 
@@ -54,12 +55,14 @@ class _Log:
             if not topic.endswith(SETTINGS):
                 self._add(place, time, list(_values(topic, _read(value))))
         except (ValueError, RecursionError):  # a message may hold anything
-            self.first_bad = self.first_bad or f"line {place}: '{line[:60]}'"
+            self.first_bad = self.first_bad or f"line {place}: '{line[:LONGEST]}'"
             self.bad_count += 1
 
     def _add(self, place: int, time: str, values: list[tuple[str, object]]) -> None:
         for name, value in values:
             is_known = self.known.setdefault(name, False)
+            if isinstance(value, list):
+                continue
             self.known[name] = is_known or (value is not None and is_reading(str(value)))
             self.places.append(place)
             self.times.append(time)
@@ -74,8 +77,9 @@ class _Log:
         if self.bad_count:
             count = f"{self.bad_count} lines are" if self.bad_count > 1 else "1 line is"
             yield f"{where}: {count} no message and left out, the first of them {self.first_bad}."
-        if worded := [name for name, is_known in self.known.items() if not is_known]:
-            yield f"{where}: {listed(worded, NAMED)} never hold a number or a state, and are left out."
+        if worded := [name[:LONGEST] for name, is_known in self.known.items() if not is_known]:
+            hold, are = ("hold", "are") if len(worded) > 1 else ("holds", "is")
+            yield f"{where}: {listed(worded, NAMED)} never {hold} a number or a state, and {are} left out."
 
 
 def _parts(line: str) -> tuple[str, str, str]:
@@ -102,11 +106,9 @@ def _read(value: str) -> object:
 
 
 def _values(name: str, value: object) -> Iterator[tuple[str, object]]:
-    """Yield each value of an object, named by the keys that lead to it; a list holds no reading."""
+    """Yield each value of an object, named by the keys that lead to it."""
     if isinstance(value, dict):
         for key, each in value.items():
             yield from _values(f"{name} {key}", each)
-    elif isinstance(value, list):
-        yield name, None
     else:
         yield name, str(value).lower() if isinstance(value, bool) else value

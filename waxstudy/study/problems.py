@@ -66,8 +66,8 @@ def shown(value: object) -> str:
 
 
 def listed(words: Iterable[str], most: int | None = None) -> str:
-    """Return words as a message lists them, how many there are beyond the `most` first ones."""
+    """Return words as a message lists them: the first `most`, and how many more there are."""
     every = list(words)
-    shown = every[:most]
-    more = f" and {len(every) - len(shown)} more" if len(every) > len(shown) else ""
-    return (", ".join(shown) or "none") + more
+    first = every[:most]
+    more = f" and {len(every) - len(first)} more" if len(every) > len(first) else ""
+    return (", ".join(first) or "none") + more

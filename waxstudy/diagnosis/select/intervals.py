@@ -34,10 +34,10 @@ Intervals = Mapping[EffectType, Mapping[str, Interval]]
 def parameter_intervals(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Intervals:
     """Return the parameters of each effect with 95 % intervals from the scatter of blocks.
 
-    That is a sandwich estimate (Huber 1967, White 1980, doi:10.2307/1912934). Where an effect takes the place of an
-    uncertainty of the room, that is unknown beside it all the same: a healthy record tells how it hangs together with
-    all others; without one its spread is added to the effect's factor. Where another convention of the record fits as
-    well, the intervals reach to what it gives.
+    That is a sandwich estimate (Huber 1967, White 1980, doi:10.2307/1912934). An effect may take the place of an
+    uncertainty of the room. That uncertainty still widens the effect's interval: beside a healthy record by its
+    covariance with all others, without one by its spread, added to the factor. Where another convention of the record
+    fits as well, the intervals reach to what it gives.
     """
     others = [dict(other.effects) for other in _as_good(estimator, fitted)]
     return {
@@ -137,19 +137,23 @@ class _Local:
 
     def _slopes(self) -> FloatArray:
         """Return the change of the whitened residuals with each departure and parameter (m, k)."""
-        departed = [self._departed(place, sd) for place, sd in enumerate(self.problem.sd)]
+        departed = [self._departure_slope(place, sd) for place, sd in enumerate(self.problem.sd)]
         return np.column_stack([*departed, *(self._slope(*row) for row in self.rows)])
 
-    def _departed(self, place: int, sd: float) -> FloatArray:
-        """Return the change with a departure; beside a healthy record without the effect that takes its place."""
-        name, effects = self.problem.nuisances[place].name, self.fitted.effects
-        if self.problem.as_built is not None:
-            effects = tuple(each for each in effects if name not in each[0].absorbs)
-        before = self.problem.at(effects, self.fitted.departures, self.fitted.convention)
+    def _departure_slope(self, place: int, sd: float) -> FloatArray:
+        """Return the change of the whitened residuals with a departure, over its standard deviation.
+
+        Beside a healthy record an effect that takes its place is left out, as it would hide the departure.
+        """
+        name, effects, before = self.problem.nuisances[place].name, self.fitted.effects, self.fitted
+        hides = [each for each in effects if name in each[0].absorbs]
+        if hides and self.problem.as_built is not None:
+            effects = tuple(each for each in effects if each not in hides)
+            before = self.problem.at(effects, self.fitted.departures, self.fitted.convention) or self.fitted
         departures = self.fitted.departures.copy()
         departures[place] += 0.1 * sd
         after = self.problem.at(effects, departures, self.fitted.convention)
-        return (after.whitened - before.whitened) / 0.1 if before and after else np.zeros(len(self.now))
+        return (after.whitened - before.whitened) / 0.1 if after else np.zeros(len(self.now))
 
     def _slope(self, effect: EffectType, place: int) -> FloatArray:
         """Return the change over the range of one parameter, from both sides where both are possible."""

@@ -144,7 +144,7 @@ def _svg(figure: Figure, prefix: str) -> str:
         words.set_parse_math("$" not in words.get_text())
     out = io.StringIO()
     with rc_context(RC), _any_script():
-        # `savefig` would draw once more, to lay the panels out
+        # `savefig` would draw once more, for the layout alone; this leaves the figure at 72 dpi
         FigureCanvasSVG(figure).print_svg(out, metadata={"Date": None})  # type: ignore[no-untyped-call]
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", out.getvalue(), flags=re.S)
     element = re.sub(r"\sxmlns(:\w+)?=\"[^\"]*\"", "", text[text.index("<svg") :])
