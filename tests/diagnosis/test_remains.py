@@ -31,6 +31,7 @@ from waxstudy.diagnosis.criteria import Question, limit, meets
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.model.travel import opening, tolerated_s, travel
+from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.diagnosis.result import FoundEffect, Interval, Lack, Untestable
@@ -205,6 +206,23 @@ def test_a_controller_that_asks_for_nothing_shows_nothing_of_it() -> None:
     seen, believed, cut = ready()
     off = replace(seen, values={**seen.values, "control_output": np.zeros(len(seen))})
     assert too_short(segment_at("controller", cut), off, believed) == "control_output never changes in this record"
+
+
+def test_a_sensor_shows_also_beside_a_controller_that_asks_for_nothing() -> None:
+    """A room that is too warm all week: its sensor reads 0.3 K more than the air is."""
+    seen, believed, _ = ready()
+    warm = {"control_output": np.zeros(len(seen)), "sensor_temperature_C": seen.values["sensor_temperature_C"] + 0.3}
+    off = replace(seen, values={**seen.values, **warm})
+    link = segment_at("sensor", segments(off, believed))
+    assert link.judged == ("sensor_temperature_C",)
+    assert too_short(link, off, believed) == ""
+    still = dict.fromkeys(("heating_signal", "displacement", "flow_L_h"), np.zeros(len(seen)))
+    dead = replace(off, values={**off.values, **still})  # shows no loop
+    assert "never changes" in too_short(segment_at("sensor", segments(dead, believed)), dead, believed)
+    fitter, effect = estimator(link, off, believed), EFFECTS["sensor-bias"]
+    fitted = fitter.fit(effect, fitter.base, BOTH)
+    assert fitted
+    assert dict(fitted.effects)[effect]["bias_K"] == pytest.approx(0.3, abs=0.01)
 
 
 def test_a_link_of_a_few_cycles_or_days_cannot_be_judged() -> None:

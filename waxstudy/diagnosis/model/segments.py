@@ -250,11 +250,19 @@ def _is_driven(record: Record, belief: Belief) -> bool:
 def _segment(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str) -> Segment:
     if stages[0] != "sensor":
         return Segment(stages, driven_by, judged)
+    if driven_by == "sensor_temperature_C" and record.has("air_temperature_C"):
+        # an output that never changes shows nothing of its controller, and hides nothing of the sensor
+        is_alone = len(judged) == 1 and record.is_still(judged[0]) and _moves(record)
+        judged = ("sensor_temperature_C", *(() if is_alone else judged))
     late = (LATE,) if judged[-1] in record.binary else ()  # what runs on moves too little in a sample to tell
     if driven_by != "sensor_temperature_C":
         return Segment(stages, driven_by, judged, conventions=(PLAIN, *late))
-    seen = ("sensor_temperature_C",) if record.has("air_temperature_C") else ()
-    return Segment(stages, driven_by, (*seen, *judged), conventions=(AFTER, BEFORE, RAW, *late))
+    return Segment(stages, driven_by, judged, conventions=(AFTER, BEFORE, RAW, *late))
+
+
+def _moves(record: Record) -> bool:
+    """Whether anything of the chain ever moves: a record in which nothing does shows no loop."""
+    return any(record.has(SHOWN[kind]) and not record.is_still(SHOWN[kind]) for kind in CHAIN[1:])
 
 
 def _after(kind: str) -> str | None:

@@ -63,6 +63,10 @@ class Record:
         """Whether a channel is there and holds at least a few samples."""
         return channel in self.values and bool(np.isfinite(self.values[channel]).sum() > FEW)
 
+    def is_still(self, channel: str) -> bool:
+        """Whether a channel never changes."""
+        return bool(np.nanmax(self.values[channel]) - np.nanmin(self.values[channel]) <= 1e-9)
+
     @cached_property
     def binary(self) -> frozenset[str]:
         """Channels that are only ever 0 or 1."""

@@ -35,10 +35,10 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
         found = f"1 {one} of {channel} is" if len(blocks) == 1 else f"{len(blocks)} {one}s of {channel} are"
         return f"only {found} recorded, {least_blocks:g} are needed"
     # what stands although it should move shows a dead motor, a signal that is always on one that stands elsewhere
-    if _is_constant(record, channel):
+    if record.is_still(channel):
         if not _should_move(segment, record, belief, channel):
             return f"{channel} never changes in this record"
-    elif _is_constant(record, segment.driven_by) and not _stands(record, channel, segment.driven_by):
+    elif record.is_still(segment.driven_by) and not _stands(record, channel, segment.driven_by):
         return f"{segment.driven_by} never changes in this record"
     share = float(_known(record, channel).mean())
     if share < least_share:
@@ -48,10 +48,6 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     lost = "outdoor air, supply or flow" if segment.with_room else segment.driven_by
     is_lost = judged < limit(Question.JUDGE, "driven_share")
     return f"{100 * (1 - judged):.0f} % is lost in gaps of {lost}" if is_lost else ""
-
-
-def _is_constant(record: Record, channel: str) -> bool:
-    return bool(np.nanmax(record.values[channel]) - np.nanmin(record.values[channel]) <= 1e-9)
 
 
 def _should_move(segment: Segment, record: Record, belief: Belief, channel: str) -> bool:

@@ -120,7 +120,7 @@ def _p(residual: Residual, threshold: float, random: np.random.Generator) -> flo
 def stage_of(selection: Selection, channel: str) -> str:
     """Return the merged stages that lie behind a channel of a segment."""
     segment = selection.segment
-    if channel == "sensor_temperature_C" and len(segment.judged) > 1:
+    if channel == "sensor_temperature_C":
         return "sensor"
     if segment.with_room:
         return "room" if segment.stages[0] == "emitter" else segment.name
