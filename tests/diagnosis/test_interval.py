@@ -156,7 +156,7 @@ def test_a_motor_s_times_are_known_no_better_than_its_switches_nor_than_when_it_
 
 
 def test_a_mass_is_known_as_well_as_days_tell_it_from_that_of_the_air() -> None:
-    """Whatever a healthy record left unknown of the air's: its whole spread is not added."""
+    """However little a healthy record told of the air's capacity, its whole spread is not added."""
     seen = record("REAL", days=6)
     believed = belief("REAL", seen)
     room = next(each for each in segments(seen, believed) if each.with_room and not each.is_supply)

@@ -30,7 +30,10 @@ LOW_FLOW = 5.0  # a flow that never exceeds it is in no L/h
 
 # --- files
 BEGINS = 1000  # bytes that tell what a file is: a topic of MQTT may be long
-NAMED = 12  # entities that a message lists
+
+# --- what a message shows: a few lines, enough to find the place
+NAMED = 12  # names that are listed
+LONGEST = 60  # characters of a line or name of a log
 
 # --- tables of readings
 MOST_ENTITIES = 2000  # a table with more is none of readings: each of them would become a column

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from waxstudy.importing.limits import NAMED
+from waxstudy.importing.limits import LONGEST, NAMED
 from waxstudy.importing.reading import Table
 from waxstudy.importing.words import is_reading
 from waxstudy.study.problems import listed
@@ -20,7 +20,6 @@ BEGIN = re.compile(TIME)
 # the first message has a topic of several levels; a table with stamps may have anything else behind them
 BEGINNING = re.compile(rf"{TIME}(?!#?[Nn]/[Aa] )[^\s/,;]*(?:/[^\s/,;]*)+ +\S[^\t\r\n]*(?:[\r\n]|$)".encode())
 TWO_NUMBERS = re.compile(r"[-+]?\d\S* +[-+]?\d")  # the first may belong to the topic, or not
-LONGEST = 60  # characters of a line or name that a message shows
 SETTINGS = "/config"  # behind the topic by which a device tells home automation what it is
 
 

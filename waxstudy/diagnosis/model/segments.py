@@ -250,14 +250,14 @@ def _is_driven(record: Record, belief: Belief) -> bool:
 def _segment(record: Record, stages: tuple[str, ...], driven_by: str, *judged: str) -> Segment:
     if stages[0] != "sensor":
         return Segment(stages, driven_by, judged)
-    if driven_by == "sensor_temperature_C" and record.has("air_temperature_C"):
+    is_logged = driven_by == SHOWN["sensor"]
+    if is_logged and record.has("air_temperature_C"):
         # an output that never changes shows nothing of its controller, and hides nothing of the sensor
         is_alone = len(judged) == 1 and record.is_still(judged[0]) and _moves(record)
-        judged = ("sensor_temperature_C", *(() if is_alone else judged))
+        judged = (SHOWN["sensor"],) if is_alone else (SHOWN["sensor"], *judged)
     late = (LATE,) if judged[-1] in record.binary else ()  # what runs on moves too little in a sample to tell
-    if driven_by != "sensor_temperature_C":
-        return Segment(stages, driven_by, judged, conventions=(PLAIN, *late))
-    return Segment(stages, driven_by, judged, conventions=(AFTER, BEFORE, RAW, *late))
+    ways = (AFTER, BEFORE, RAW) if is_logged else (PLAIN,)
+    return Segment(stages, driven_by, judged, conventions=(*ways, *late))
 
 
 def _moves(record: Record) -> bool:

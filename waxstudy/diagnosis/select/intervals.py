@@ -143,7 +143,7 @@ class _Local:
     def _departure_slope(self, place: int, sd: float) -> FloatArray:
         """Return the change of the whitened residuals with a departure, over its standard deviation.
 
-        Beside a healthy record an effect that takes its place is left out, as it would hide the departure.
+        Beside a healthy record, effects that take the place of what departs are left out: they would hide it.
         """
         name, effects, before = self.problem.nuisances[place].name, self.fitted.effects, self.fitted
         hides = [each for each in effects if name in each[0].absorbs]
