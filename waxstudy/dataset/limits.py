@@ -34,6 +34,18 @@ MOST_BETWEEN = 0.35  # share of a signal's samples that may fall upon its switch
 FEW_BETWEEN, FEWEST_BETWEEN = 0.1, 3  # share of those, and count, that may be faults; more are pulses within a sample
 BEYOND_END = 1e-3  # from which it is worth a word
 
+# --- a flow that was counted in pulses
+WHOLE_PULSE = 0.02  # of a pulse, by which a value may be off a whole number of them: it was rounded when written
+MOST_PULSES, RARE_PULSES = 3.0, 0.99  # in so many samples with any: of more the next sample makes up for the rounding
+OPEN_FOR_PULSES = 0.5  # of the largest opening, from which on water flows
+# of neighbouring samples with an open valve, those that differ by whole pulses: what flows evenly is the same in both
+PULSES_CHANGE = 0.05
+SPAN_SAMPLES = 8  # from pulse to pulse: nobody knows when in its sample a pulse came, a twentieth of so long a span
+WHOLLY_OPEN = (
+    0.75  # of the largest mean, from which on a span has no pause: means of so long spans scatter by an eighth
+)
+NEVER_OPEN = 0.1  # of full scale, up to which a valve is closed by its record: what flows then flows all the time
+
 # --- how much of a record is looked at, and at which interval
 MOST_DAYS = 28  # twice the two weeks in which nearly all that shows in a loop shows
 FINEST_S = 5.0  # the paper's step: a controller looks every ten seconds or so, and a motor takes minutes

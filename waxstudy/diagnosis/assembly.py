@@ -362,7 +362,7 @@ def _traces(work: Work, selections: Sequence[Selection]) -> pd.DataFrame:
             belief = problem.edited(model.effects, model.departures)
             predicted = problem.predicted(belief, model.convention)
             for channel, values in predicted.items():
-                columns[f"{channel}_measured"] = work.record.values[channel]
+                columns[f"{channel}_measured"] = work.record.metered(channel, work.record.values[channel])
                 columns[f"{channel}_{name}"] = _spread(values, count)
     return pd.DataFrame(columns, index=work.dataset.time)
 

@@ -24,6 +24,7 @@ from waxstudy.diagnosis.ladder_effects import ladder_effects
 from waxstudy.diagnosis.model.room_response import OF_ROOM, built
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.neighbours.judge import judged
+from waxstudy.diagnosis.observations.counted import with_pulses
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -187,7 +188,7 @@ def record_of(dataset: Dataset) -> Record:
     first = dataset.time[0]
     start_s = (first - first.normalize()).total_seconds() - dataset.interval_s
     about = dataset.interval_s, start_s, values, dataset.noise, dataset.assumed
-    record = Record(*about, first_weekday=first.day_of_week, spreads=dataset.spreads)
+    record = with_pulses(Record(*about, first_weekday=first.day_of_week, spreads=dataset.spreads))
     lacking = [channel for channel in (SUN, GAINS) if not record.has(channel)]
     if dataset.room is None or not record.has_inputs or not lacking:
         return record

@@ -25,7 +25,7 @@ from waxstudy.diagnosis.model.room_response import (
     response_to_heat,
     room_response,
 )
-from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
+from waxstudy.diagnosis.observations.record import CONTINUOUS, FLOW, Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, Room, SimulationError
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.recorded import believed_supply_C
@@ -132,8 +132,9 @@ class Segment:
         shown.update(self._logged_as_means(record, ends, averages))
         if "valve" in chain:
             full_L_h = full_flow_L_h(record, belief)
-            shown["flow_L_h"] = averages["valve"] * full_L_h
-            shifted = {**shifted, "valve": shifted["valve"] * full_L_h} if "valve" in shifted else shifted
+            shown[FLOW] = record.metered(FLOW, averages["valve"] * full_L_h)
+            if "valve" in shifted:
+                shifted = {**shifted, "valve": record.metered(FLOW, shifted["valve"] * full_L_h)}
         if convention.is_raw and "controller" in chain and SHOWN["controller"] not in record.binary:
             shown[SHOWN["controller"]] = record.smooth(shown[SHOWN["controller"]])
         shown.shifted = {SHOWN[kind]: each for kind, each in shifted.items()}

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from waxstudy.dataset.pulses import Pulses
 from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN, StandIn
 from waxstudy.diagnosis.observations.noise import ON, estimated, measured, of_rounding, snapped
 from waxstudy.plugin import FloatArray, Inputs
@@ -25,6 +26,7 @@ SPARSE_S = 900.0  # interval from which on a pulse may lie within a sample
 FLOWS, FLOWS_ON = 0.2, 0.9  # chosen: of the largest flow, for a return to count; of the usual one, for it to flow on
 DAY_S = 86_400.0
 REMEMBERED = 2_000_000  # samples that a slot holds of what was made before
+FLOW = "flow_L_h"
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
 
@@ -55,6 +57,7 @@ class Record:
     stand_ins: Mapping[str, StandIn] = field(default_factory=dict)  # for what drove the room and was not recorded
     first_weekday: int | None = None  # of day 0, Monday is 0; None where nobody knows
     spreads: Mapping[str, float] = field(default_factory=dict)  # of heat that is assumed, where somebody stated it
+    pulses: Pulses | None = None  # in which its flow was counted
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
@@ -108,6 +111,10 @@ class Record:
     def filled(self, channel: str) -> FloatArray:
         """Return a channel with its gaps filled: straight for what runs on, held for what switches; read-only."""
         return self.remembered(("filled", channel), "", lambda: _read_only(self._filled(channel)))
+
+    def metered(self, channel: str, values: FloatArray) -> FloatArray:
+        """Return values of a channel (..., n) as its meter tells them: of a counted flow its means between pulses."""
+        return self.pulses.means(values) if self.pulses and channel == FLOW else values
 
     def filled_or_zero(self, channel: str) -> FloatArray:
         """Return a filled channel, zeros where there is none: for what then has no part in the result."""
@@ -199,6 +206,8 @@ class Record:
     def usual_flow_L_h(self) -> float:
         """The usual one of the largest flows, with the valve open; 0 where nothing flows."""
         flow = self.values["flow_L_h"]
+        if self.pulses:
+            return self.pulses.usual_L_h(flow)
         large = flow[flow > 0.8 * np.nanquantile(flow, 0.99)]
         return float(np.median(large)) if len(large) else 0.0
 

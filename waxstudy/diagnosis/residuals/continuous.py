@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.diagnosis.estimate.hypothesis import MOTIONS, Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
-from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.observations.record import FLOW, Record
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -18,14 +18,15 @@ CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4  # of an opening within a sample: nobody knows when, nor what flowed meanwhile
 RESTS, LONE = 0.05, 0.1  # of full scale: a drive that does not move, a sample that stands alone
-MOVED = ("control_output", "flow_L_h")  # which noise of the drive moves
+MOVED = ("control_output", FLOW)  # which noise of the drive moves
 SMOOTHED = ("sensor_temperature_C", "control_output")  # as the segment's drive: what is linear misses nothing by it
 RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
 STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it went on between them
-STROKES = ("displacement", "flow_L_h")  # that move for minutes and rest for hours
+STROKES = ("displacement", FLOW)  # that move for minutes and rest for hours
 MOVES_SD = 3.0  # standard deviations of noise within which a sample rests where the last one was
 MOVES_S = 60.0  # within which it does: a stroke takes minutes
-UNITS = {"flow_L_h": "L/h", "displacement": "1", "control_output": "1", "heating_signal": "1"}
+FEW_LOST = 0.1  # chosen: share of a span between pulses in which its drive may be lost
+UNITS = {FLOW: "L/h", "displacement": "1", "control_output": "1", "heating_signal": "1"}
 
 
 class Continuous:
@@ -45,7 +46,8 @@ class Continuous:
         self.still, self.more, self.left = still, more, left
         filled = record.filled(channel)
         self.sample = np.arange(len(record))
-        self.measured = record.smooth(filled) if channel in SMOOTHED else filled
+        self.measured = record.smooth(filled) if channel in SMOOTHED else record.metered(channel, filled)
+        self.pulses = record.pulses if channel == FLOW else None
         self.known = self._known()
         self._squares, self._draws = np.zeros(len(record)), 0
 
@@ -81,6 +83,8 @@ class Continuous:
             moves = self._moves(self.channel, self.measured)
             if self.still:
                 moves |= self._moves(self.channel, self.still[self.channel])
+        if self.pulses:
+            moves = self.pulses.sums(moves) > 0.0
         return np.where(moves, MOTIONS.index("moving"), MOTIONS.index("resting"))
 
     def _moves(self, channel: str, values: FloatArray) -> np.ndarray:
@@ -98,7 +102,9 @@ class Continuous:
         record, noise = self.record, self.record.noise[self.channel]
         if self.channel in SMOOTHED:
             return np.full(len(record), noise * record.smoothed_noise)
-        if self.channel == "flow_L_h":
+        if self.pulses:
+            return self.pulses.noise(record.usual_flow_L_h)
+        if self.channel == FLOW:
             return np.where(stands(self.measured, float(np.nanmax(self.measured))), 0.0, noise)
         return np.full(len(record), noise * (CLIPPED if self.channel == "displacement" else 1.0))
 
@@ -116,6 +122,9 @@ class Continuous:
         """Return where it is judged (n,)."""
         record, driven_by = self.record, self.segment.driven_by
         known: np.ndarray = np.isfinite(record.values[self.channel]) & record.settled
+        if self.pulses:
+            lost = self.pulses.sums(record.is_gap(driven_by)) if driven_by in record.values else 0.0
+            return np.asarray(known & self.pulses.ends & (lost <= FEW_LOST * self.pulses.samples))
         # the air drives the sensor, which drives the controller of the same segment
         for drive in (driven_by, record.air_channel) if self.channel == "sensor_temperature_C" else (driven_by,):
             if drive in record.values:
@@ -133,7 +142,7 @@ class Continuous:
         if not self._draws:
             return np.zeros(len(self.record))
         moved = self._squares / self._draws
-        if self.channel == "flow_L_h":
+        if self.channel == FLOW:
             return np.asarray(np.sqrt(moved))
         width = max(1, round(3600.0 / self.record.interval_s))
         nearby = np.convolve(moved, np.full(width, 1.0 / width), mode="same")
@@ -141,8 +150,11 @@ class Continuous:
 
     def _scale(self, full: float) -> tuple[FloatArray, FloatArray]:
         """Return standard deviations to weigh errors by: of the noise, and of what a moving valve adds; both (n,)."""
+        if self.pulses:
+            within = self._within(full) if self.segment.driven_by == "displacement" else np.zeros(len(self.record))
+            return np.hypot(self.noise, self.driven), self.pulses.means(within)
         record, noise = self.record, self.record.noise[self.channel]
-        least = 0.1 * noise if self.channel == "flow_L_h" else noise
+        least = 0.1 * noise if self.channel == FLOW else noise
         resting = np.where(stands(record.filled(self.channel), full), max(least, 1e-3 * full), noise)
         resting[resting == 0.0] = 1e-3 * (full or 1.0)  # nobody knows a channel without noise better
         if self.segment.driven_by == "displacement":

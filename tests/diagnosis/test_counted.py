@@ -1,0 +1,60 @@
+"""Claims about a record whose flow was counted in pulses: it is judged by means between them, and hides no cause."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.dataset.test_pulses import counted
+from tests.diagnosis.realities import dataset, effects, rows
+from waxstudy.dataset.read import Dataset
+from waxstudy.diagnosis.diagnose import diagnose, record_of
+
+DAYS = 7
+
+
+def with_counted(data: pd.DataFrame, pulse_L: float) -> pd.DataFrame:
+    return data.assign(flow_L_h=counted(data["flow_L_h"].clip(lower=0.0).to_numpy(), pulse_L))
+
+
+def test_a_counted_flow_is_judged_where_a_span_ends_and_its_warning_says_so() -> None:
+    data = rows("REAL", days=4)
+    seen = record_of(dataset(with_counted(data, 10.0), "REAL"))
+    assert seen.pulses
+    assert record_of(dataset(data, "REAL")).pulses is None
+    true = record_of(dataset(data, "REAL")).filled("flow_L_h")
+    assert seen.filled("flow_L_h").mean() == pytest.approx(true.mean(), rel=0.02)
+    assert seen.usual_flow_L_h == pytest.approx(np.median(true[true > 0.8 * true.max()]), rel=0.01)
+    (said,) = (each for each in diagnose(chain(data), quick=True).warnings if "pulses" in each)
+    assert "flow_L_h was counted in pulses of 10 L" in said
+
+
+def chain(data: pd.DataFrame, pulse_L: float = 10.0) -> Dataset:
+    """Motor and valve of a record whose flow was counted."""
+    seen = with_counted(data, pulse_L)[["time", "heating_signal", "displacement", "flow_L_h"]]
+    return replace(dataset(seen, "REAL"), setpoint_C=None, room=None)
+
+
+@pytest.mark.parametrize("pulse_L", [3.0, 10.0])
+def test_a_healthy_valve_whose_flow_is_counted_shows_nothing(pulse_L: float) -> None:
+    diagnosis = diagnose(chain(rows("REAL", days=DAYS), pulse_L), quick=True)
+    assert diagnosis.verdict == "none"
+    assert {gap.stage for gap in diagnosis.stages} >= {"actuator", "valve"}
+
+
+@pytest.mark.parametrize("pulse_L", [3.0, 10.0])
+def test_a_valve_that_leaks_is_found_by_counts(pulse_L: float) -> None:
+    leaks = rows("REAL", days=DAYS, effects=effects(let_by={"fraction": 0.05}))
+    (found,) = diagnose(chain(leaks, pulse_L), quick=True).effects
+    assert found.group == ["let-by", "stuck-open"]
+    assert found.parameters["fraction"].value == pytest.approx(0.05, rel=0.03)
+
+
+def test_a_flow_that_never_stops_is_counted_though_no_valve_opens() -> None:
+    stuck = rows("REAL", days=4, effects=effects(stuck_open={"opening": 0.3}))
+    seen = record_of(chain(stuck))
+    assert seen.pulses
+    assert seen.usual_flow_L_h == pytest.approx(stuck["flow_L_h"].median(), rel=0.02)
