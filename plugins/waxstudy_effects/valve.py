@@ -11,6 +11,7 @@ from waxstudy_effects.description import changed_circuit, full_flow_L_h, room_hi
 from waxstudy_effects.wrapping import believed, wrapped
 from waxstudy_paper.valves import LinearValve, QuickOpeningValve
 
+JUST_OPEN = (0.003, 0.008, 0.015)  # of the travel beyond that at which a valve lifts
 AUTHORITY = Prior(0.02, 1.0, noticeable=1.25, is_log=True)
 
 
@@ -210,7 +211,9 @@ class StuckOpen(Effect):
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:
         # little flows at first: a point beside the opening at which the valve lifts shows nothing, or far too much
-        return [{"opening": percent / 100.0} for percent in (*range(2, 30, 2), 40, 60)]
+        lifts = belief.value("valve", "h_min") if belief.has("valve", "h_min") else 0.0
+        openings = [percent / 100.0 for percent in (*range(2, 30, 2), 40, 60)]
+        return [{"opening": opening} for opening in (*openings, *(lifts + beyond for beyond in JUST_OPEN))]
 
 
 class MaxFlowParameters(Parameters):

@@ -201,3 +201,16 @@ def test_an_effect_that_was_weighed_at_certain_hours_too_is_told_once_as_it_gain
     tried = [SimpleNamespace(effect=effect, evidence=each) for each in of]
     selection: Any = SimpleNamespace(tried=tried, posterior={"none": 1.0}, found=())
     assert [(each.name, each.gain) for each in _tried(selection, [])] == [("slow-actuator", 3.0)]
+
+
+@pytest.mark.parametrize("beyond", [0.003, 0.006, 0.02])
+def test_a_valve_that_sticks_just_beyond_its_lift_is_no_less_likely_than_a_leak(beyond: float) -> None:
+    """Both let the same flow through; a fit of the one must find so small an opening."""
+    seen = record_of(dataset(rows("REAL", 6)[["time", "displacement", "flow_L_h"]], "REAL"))
+    believed = belief("REAL", seen)
+    (valve,) = segments(seen, believed)
+    opening = believed.value("valve", "h_min") + beyond
+    stuck = planted(valve, seen, believed, effects(stuck_open={"opening": opening}))
+    told = posterior(as_believed(valve, stuck, believed, ["let-by", "stuck-open"], 0.35).weighed())
+    assert told["let-by"] + told["stuck-open"] > 0.8
+    assert told["stuck-open"] == pytest.approx(told["let-by"], rel=0.1)
