@@ -9,6 +9,10 @@ from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 ON = 0.5  # of full scale
+LEVELS = ("displacement", "flow_L_h")  # that rest where they are for long
+# chosen: changes that tell a logger on change of value, the share of samples that change at most, and how many times
+# the distances of what is written the least change is
+FEWEST, OFTEN, FINE = 20, 0.5, 5.0
 
 
 def measured(values: FloatArray) -> FloatArray:
@@ -20,7 +24,7 @@ def estimated(name: str, values: FloatArray) -> float:
     known = measured(values)
     if name in ("control_output", "heating_signal", "setpoint_C", "solar_gain_W", "internal_gain_W") or len(known) < 10:
         return 0.0
-    rounding = of_rounding(known)
+    rounding = left_out(name, known)
     if name == "displacement":
         return max(_resting_noise(known), rounding)
     if name == "flow_L_h":
@@ -38,6 +42,24 @@ def _resting_noise(known: FloatArray) -> float:
     high = 1.0 - known[(known < 1.0) & (known > 0.92)]
     rest = low if len(low) >= len(high) else high
     return float(np.sqrt(np.median(rest**2)) / 0.6745) if len(rest) > 20 else 0.01
+
+
+def left_out(name: str, known: FloatArray) -> float:
+    """Return the standard deviation of what a logger leaves out of a channel.
+
+    It rounds; and of an opening or a flow it may write only what has gone farther than a band from what it wrote last.
+    """
+    return max(of_rounding(known), of_change(known) if name in LEVELS else 0.0)
+
+
+def of_change(known: FloatArray) -> float:
+    """Return the standard deviation of what is held between changes, 0 where small changes are written too."""
+    changes = np.abs(np.diff(known))
+    changes = changes[changes > 1e-9]
+    if not FEWEST <= len(changes) <= OFTEN * len(known):
+        return 0.0
+    band, finest = float(np.min(changes)), step(known, FEWEST)
+    return band / float(np.sqrt(3.0)) if finest and band > FINE * finest else 0.0
 
 
 def of_rounding(known: FloatArray) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 
 from waxstudy.dataset.pulses import Pulses
 from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN, StandIn
-from waxstudy.diagnosis.observations.noise import ON, estimated, measured, of_rounding, snapped
+from waxstudy.diagnosis.observations.noise import ON, estimated, left_out, measured, snapped
 from waxstudy.plugin import FloatArray, Inputs
 
 T = TypeVar("T")
@@ -86,7 +86,9 @@ class Record:
 
     def _noise_of(self, name: str, values: FloatArray) -> float:
         stated = self.stated_noise.get(name)
-        return max(stated, of_rounding(measured(values))) if stated else estimated(name, values)
+        if self.pulses and name == FLOW:
+            return self.stated_noise[FLOW]  # what is spread over spans changes between them only
+        return max(stated, left_out(name, measured(values))) if stated else estimated(name, values)
 
     def between(self, channel: str) -> float:
         """Return what a straight line from sample to sample misses of a channel (root mean square).
