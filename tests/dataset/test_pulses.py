@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from waxstudy.dataset.checks import units
 from waxstudy.dataset.checks.check import Record, run
 from waxstudy.dataset.notes import Notes
-from waxstudy.dataset.pulses import Pulses
+from waxstudy.dataset.pulses import Pulses, opening_channel
 from waxstudy.plugin import FloatArray
 
 FULL_L_H = 120.0
@@ -28,59 +28,90 @@ def heated(on_min: int, pause_min: int, cycles: int = 40) -> FloatArray:
     return np.tile(np.repeat([1.0, 0.0], [on_min, pause_min]), cycles)
 
 
-@given(st.floats(2.1, 20.0), st.integers(12, 40), st.integers(5, 60), st.floats(60.0, 180.0))
-@settings(max_examples=60)
+@given(st.floats(2.1, 20.0), st.integers(12, 40), st.integers(5, 60), st.floats(60.0, 180.0), st.integers(0, 60))
+@settings(max_examples=80)
 def test_nothing_that_was_counted_is_lost_and_means_are_as_true_as_they_say(
-    pulse_L: float, on_min: int, pause_min: int, full_L_h: float
+    pulse_L: float, on_min: int, pause_min: int, full_L_h: float, cut: int
 ) -> None:
-    is_open = heated(on_min, pause_min)
-    true_L_h = full_L_h * is_open
+    opening = heated(on_min, pause_min)[: 40 * (on_min + pause_min) - cut]
+    true_L_h = full_L_h * opening
     seen = counted(true_L_h, pulse_L)
-    pulses = Pulses.of(seen, is_open)
-    if pulses is None:  # pulses come as evenly as flow does
+    pulses = Pulses.of(seen, opening)
+    if pulses is None:  # pulses come nearly as evenly as flow does
         per_sample = full_L_h / 60.0 / pulse_L
-        assert abs(per_sample - round(per_sample)) < 0.1
+        assert abs(per_sample - round(per_sample)) < 0.07
         return
-    read = pulses.spread(seen, is_open)
+    read = pulses.spread(seen, opening)
+    one_L_h = pulse_L * 60.0
+    assert abs(float(read.sum() - true_L_h.sum())) <= 1.5 * one_L_h
     whole = (pulses.span > 0) & (pulses.span < pulses.span[-1])
     assert read[whole].sum() == pytest.approx(seen[whole].sum())
-    assert not read[whole & (is_open == 0.0)].any()
-    off = (pulses.means(read) - pulses.means(true_L_h))[pulses.ends]
-    assert np.abs(off).max() <= (pulses.noise(full_L_h)[pulses.ends] * 6.0**0.5).max() + 1e-6
+    assert read.max() <= 1.8 * full_L_h
+    off = np.abs(pulses.means(read) - pulses.means(true_L_h))[pulses.ends]
+    assert np.all(off <= full_L_h / pulses.samples[pulses.ends] + 1e-6)
+    assert pulses.usual_L_h == pytest.approx(full_L_h, rel=0.1)
+    assert np.all(pulses.noise <= 0.46 * full_L_h / pulses.samples)
 
 
 @pytest.mark.parametrize("interval_s", [60.0, 300.0])
 def test_pulses_are_told_from_water_that_flows(interval_s: float) -> None:
     minutes = round(interval_s / 60.0)
-    is_open = heated(20, 40)[::minutes]
-    flowing, noise = FULL_L_H * is_open, np.random.default_rng(1).normal(0.0, 1.0, len(is_open))
-    assert Pulses.of(counted(flowing, 7.0, interval_s), is_open) is not None
-    assert Pulses.of(flowing, is_open) is None  # a valve without noise
-    assert Pulses.of(np.round(flowing + noise * is_open, 1), is_open) is None
-    assert Pulses.of(counted(flowing, 0.1, interval_s), is_open) is None  # so fine that a sample tells it
-    assert Pulses.of(np.zeros(len(is_open)), is_open) is None
+    opening = heated(20, 40)[::minutes]
+    flowing, noise = FULL_L_H * opening, np.random.default_rng(1).normal(0.0, 1.0, len(opening))
+    assert Pulses.of(counted(flowing, 7.0, interval_s), opening) is not None
+    assert Pulses.of(flowing, opening) is None  # a valve without noise
+    delayed = np.concatenate(([0.0], flowing[:-1]))
+    assert Pulses.of(delayed, opening) is None  # and its motor, a sample late
+    assert Pulses.of(np.round(flowing + noise * opening, 1), opening) is None
+    assert Pulses.of(counted(flowing, 0.1, interval_s), opening) is None  # so fine that a sample tells it
+    assert Pulses.of(np.zeros(len(opening)), opening) is None
 
 
 def test_a_lost_sample_loses_its_span_for_the_valve_and_nothing_for_the_room() -> None:
-    is_open = heated(20, 40)
-    seen = counted(FULL_L_H * is_open, 7.0)
+    opening = heated(20, 40)
+    seen = counted(FULL_L_H * opening, 7.0)
     seen[605] = np.nan
-    pulses = Pulses.of(seen, is_open)
+    pulses = Pulses.of(seen, opening)
     assert pulses
     of_span = pulses.span == pulses.span[605]
     assert not pulses.ends[of_span].any()
     assert int(pulses.ends.sum()) > 30
-    read = pulses.spread(seen, is_open)
+    read = pulses.spread(seen, opening)
     assert np.flatnonzero(np.isnan(read)).tolist() == [605]
 
 
 def test_what_a_pulse_is_written_as_is_no_unusual_flow() -> None:
-    is_open = heated(20, 40)
-    steady_L_h, notes = 5.0 * FULL_L_H * is_open, {}
-    for name, flow in (("counted", counted(FULL_L_H * is_open, 10.0)), ("flows", steady_L_h)):
-        values = pd.DataFrame({"displacement": is_open, "flow_L_h": flow})
+    opening = heated(20, 40)
+    pulsed, notes = counted(FULL_L_H * opening, 10.0), {}
+    for name, flow in (("counted", pulsed), ("flows", pulsed.max() * opening)):
+        values = pd.DataFrame({"displacement": opening, "flow_L_h": flow})
         notes[name] = Notes("data.csv")
         run([units.flow], Record(values, 60.0, full_flow_L_h=FULL_L_H), notes[name])
-    assert values["flow_L_h"].max() == counted(FULL_L_H * is_open, 10.0).max()
     assert not notes["counted"].warnings
     assert "unusual" in notes["flows"].warnings[0]
+
+
+def test_rare_pulses_and_a_few_odd_values_are_pulses_still() -> None:
+    opening = heated(50, 10)
+    assert Pulses.of(counted(FULL_L_H * opening, 60.0), opening) is not None  # one in half an hour
+    odd = counted(FULL_L_H * opening, 7.0)
+    odd[np.flatnonzero(odd)[::100]] *= 1.25  # a mean of the samples that a lost one left
+    assert Pulses.of(odd, opening) is not None
+
+
+def test_a_leak_that_is_counted_is_no_peak_when_the_valve_opens() -> None:
+    opening = heated(30, 90)
+    leaking = np.where(opening > 0.0, FULL_L_H, 6.0)
+    pulses = Pulses.of(counted(leaking, 10.0), opening)
+    assert pulses
+    read = pulses.spread(counted(leaking, 10.0), opening)
+    assert read.max() < 2.0 * FULL_L_H
+    assert 2.0 < read[opening == 0.0].mean() < 7.0
+
+
+def test_an_output_that_switches_tells_when_water_may_flow_and_one_that_runs_on_does_not() -> None:
+    switched = {"control_output": heated(20, 40)}
+    assert opening_channel(switched) == "control_output"
+    assert opening_channel({"control_output": 0.5 * heated(20, 40)}) == ""
+    assert opening_channel({**switched, "displacement": np.zeros(2400)}) == "control_output"
+    assert opening_channel({"displacement": np.full(10, np.nan)}) == ""

@@ -12,7 +12,7 @@ from tests.diagnosis.realities import PERFECT, belief, dataset, record, rows
 from waxstudy.diagnosis.diagnose import diagnose
 from waxstudy.diagnosis.model.opening_path import cells, path
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.residuals.continuous import is_lone
+from waxstudy.diagnosis.residuals.continuous import is_lone, of_unknown_length
 from waxstudy.diagnosis.residuals.judge import Judge
 
 
@@ -72,6 +72,14 @@ def test_a_pulse_between_two_samples_is_left_out_and_a_lasting_change_is_not(ful
     opening[8:] = 0.6
     assert not is_lone(full * opening, drive).any()
     assert not is_lone(drive, opening).any()
+
+
+def test_a_pulse_or_pause_that_one_sample_shows_is_left_out_with_what_follows_it() -> None:
+    """It lasted nothing to two intervals: a motor may have come half way, or all of it."""
+    drive = np.array([0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 1, 1, 1, 0, 0, 0], dtype=float)
+    assert np.flatnonzero(of_unknown_length(drive, 6)).tolist() == [2, 3, 4, 5, 9, 10, 11, 12]
+    assert np.flatnonzero(of_unknown_length(drive, 2)).tolist() == [2, 3, 4, 9, 10, 11]
+    assert not of_unknown_length(np.zeros(5), 6).any()
 
 
 @pytest.mark.parametrize("switch", range(5, 12))

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from tests.diagnosis.realities import plain, record
+from tests.diagnosis.realities import plain, record, rows
 from waxstudy.diagnosis.observations.noise import snapped
 from waxstudy.diagnosis.observations.record import AFTER_GAP_S, Memory, Record
 from waxstudy.plugin import FloatArray
@@ -44,6 +44,18 @@ def test_the_noise_of_a_temperature_is_found_whatever_its_size(sd: float, seed: 
 def test_rounding_is_noise_too(step: float) -> None:
     rounded = np.round(wave() / step) * step
     assert plain({"air_temperature_C": rounded}).noise["air_temperature_C"] >= step / np.sqrt(12.0) * 0.999
+
+
+@pytest.mark.parametrize("band", [3.0, 6.0])
+def test_a_flow_that_is_written_on_change_is_known_no_better_than_its_band(band: float) -> None:
+    true = rows("REAL", days=4)["flow_L_h"].to_numpy()
+    written = [true[0]]
+    for flow in true[1:]:
+        written.append(flow if abs(flow - written[-1]) >= band else written[-1])
+    seen = plain({"flow_L_h": written})
+    assert seen.noise["flow_L_h"] == pytest.approx(band * 3.0**-0.5, rel=0.15)
+    assert float(np.std(np.array(written) - true)) < 1.2 * seen.noise["flow_L_h"]
+    assert plain({"flow_L_h": true}).noise["flow_L_h"] < 1.2  # what the meter itself scatters
 
 
 def test_what_is_stated_of_the_noise_wins() -> None:

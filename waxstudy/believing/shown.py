@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from waxstudy.believing import typical
+from waxstudy.dataset.pulses import pulses_of
 from waxstudy.dataset.read import Dataset
 
 FLOW, SUPPLY, OUTDOORS = "flow_L_h", "supply_temperature_C", "outdoor_temperature_C"
@@ -18,6 +19,8 @@ def full_flow_L_h(record: Dataset) -> float | None:
     """Return the usual flow with the valve open."""
     if FLOW not in record.values:
         return None
+    if pulses := pulses_of({str(name): column for name, column in record.values.items()}):
+        return round(pulses.usual_L_h, 1)
     flow_L_h = record.values[FLOW].dropna().to_numpy(dtype=float)
     is_open = flow_L_h > OPEN * np.quantile(flow_L_h, 0.99) if len(flow_L_h) else flow_L_h > 0.0
     return round(float(np.median(flow_L_h[is_open])), 1) if np.count_nonzero(is_open) >= FEWEST else None

@@ -36,14 +36,17 @@ BEYOND_END = 1e-3  # from which it is worth a word
 
 # --- a flow that was counted in pulses
 WHOLE_PULSE = 0.02  # of a pulse, by which a value may be off a whole number of them: it was rounded when written
-MOST_PULSES, RARE_PULSES = 3.0, 0.99  # in so many samples with any: of more the next sample makes up for the rounding
+ODD_PULSES = 0.02  # of the samples with flow, those that may be odd: means over lost rows, two pulses at once
+MOST_PULSES = 3.0  # in a sample: of more the next sample makes up for the rounding
 OPEN_FOR_PULSES = 0.5  # of the largest opening, from which on water flows
-# of neighbouring samples with an open valve, those that differ by whole pulses: what flows evenly is the same in both
+# of neighbouring samples with an open valve and flow, those that differ by whole pulses: what flows evenly does not
 PULSES_CHANGE = 0.05
 SPAN_SAMPLES = 8  # from pulse to pulse: nobody knows when in its sample a pulse came, a twentieth of so long a span
-WHOLLY_OPEN = (
-    0.75  # of the largest mean, from which on a span has no pause: means of so long spans scatter by an eighth
-)
+WHOLLY_OPEN = 0.95  # of a span's samples, in which the valve is open where the span has no pause
+OPEN_SPANS = 30  # without a pause that tell the flow with the valve open: fewer are those that just fitted in
+FEWEST_SPANS = 3  # that are judged: fewer do not tell how they scatter
+# of the flow with the valve open, above which nothing is spread: means of so long spans scatter by an eighth at most
+PEAK_FLOW = 1.25
 NEVER_OPEN = 0.1  # of full scale, up to which a valve is closed by its record: what flows then flows all the time
 
 # --- how much of a record is looked at, and at which interval

@@ -10,51 +10,64 @@ from typing import Any
 import numpy as np
 
 from waxstudy.dataset.limits import (
+    FEWEST_SPANS,
     MOST_PULSES,
     NEVER_OPEN,
+    ODD_PULSES,
     OPEN_FOR_PULSES,
+    OPEN_SPANS,
+    PEAK_FLOW,
     PULSES_CHANGE,
-    RARE_PULSES,
     SPAN_SAMPLES,
     WHOLE_PULSE,
     WHOLLY_OPEN,
 )
 from waxstudy.plugin import FloatArray
 
-CAME = 6.0**-0.5  # samples: standard deviation of the time between two pulses, each anywhere in its sample
+# standard deviation [samples] of the time between two pulses, each of which came anywhere within its sample
+UNSURE_SAMPLES = 6.0**-0.5
 
 
 @dataclass(frozen=True)
 class Pulses:
     """Spans from pulse to pulse, so long that it matters little when within its sample a pulse came."""
 
-    step_L_h: float  # flow that one pulse in a sample is written as
-    span: np.ndarray  # number of the span of each sample (n,)
-    ends: np.ndarray  # whether a span ends there that a pulse began (n,)
+    pulse_L_h: float  # flow that one pulse in a sample is written as
+    usual_L_h: float  # flow with the valve open
+    span: np.ndarray  # number of the span of each sample (n,); the first and last may lack a pulse at one end
+    ends: np.ndarray  # samples (n,) with which a span ends that has a pulse at both ends, and no sample lost
 
     @classmethod
-    def of(cls, flow: FloatArray, is_open: FloatArray) -> Pulses | None:
+    def of(cls, flow: FloatArray, opening: FloatArray) -> Pulses | None:
         """Return the spans of a flow [L/h] (n,) through a valve that is so far open (n,).
 
         None where the flow was not counted in pulses, or in too few of them.
         """
-        step_L_h = pulse_L_h(flow, is_open)
-        if not step_L_h:
+        one_L_h = pulse_L_h(flow, opening)
+        if not one_L_h:
             return None
-        ends = np.zeros(len(flow), dtype=bool)
+        has_end = np.zeros(len(flow), dtype=bool)
         last = -SPAN_SAMPLES
         for at in np.flatnonzero(flow > 0.0).tolist():
             if at - last >= SPAN_SAMPLES:
-                ends[at], last = True, at
-        span: np.ndarray = np.concatenate(([0], np.cumsum(ends)[:-1]))
+                has_end[at], last = True, at
+        span: np.ndarray = np.concatenate(([0], np.cumsum(has_end)[:-1]))
         lost = np.bincount(span, ~np.isfinite(flow))[span] > 0
-        found = cls(step_L_h, span, ends & (span > 0) & ~lost)
-        return found if found.ends.any() else None
+        ends = has_end & (span > 0) & ~lost
+        if ends.sum() < FEWEST_SPANS:
+            return None
+        usual_L_h = _usual_L_h(flow, opening, span, ends)
+        return cls(one_L_h, usual_L_h, span, ends) if usual_L_h > 0.0 else None
 
     @cached_property
     def samples(self) -> np.ndarray:
         """How many samples the span of each sample has (n,)."""
-        return np.asarray(np.bincount(self.span)[self.span])
+        return self.sums(np.ones(len(self.span)))
+
+    @cached_property
+    def noise(self) -> FloatArray:
+        """Standard deviation of the mean flow over the span of each sample (n,): nobody knows when a pulse came."""
+        return np.asarray(self.usual_L_h * UNSURE_SAMPLES / self.samples)
 
     def sums(self, values: FloatArray) -> FloatArray:
         """Return the sum of values (n,) over the span of each sample."""
@@ -65,59 +78,73 @@ class Pulses:
         rows = values.reshape(-1, values.shape[-1])
         return np.array([self.sums(row) / self.samples for row in rows]).reshape(values.shape)
 
-    def spread(self, flow: FloatArray, is_open: FloatArray) -> FloatArray:
+    def spread(self, flow: FloatArray, opening: FloatArray) -> FloatArray:
         """Return a counted flow (n,) as what flowed between pulses, shared out by how far a valve is open (n,).
 
-        Before the first pulse and behind the last one there was less than one. NaN where samples are missing.
+        What is more than the valve lets through flowed evenly. Beyond the last pulse flowed half of one, which before
+        the first pulse does not count. NaN where samples are missing.
         """
         known = np.isfinite(flow)
-        at_end = (self.span == 0) | (self.span == self.span[-1])
-        flowed = np.where(at_end, 0.5 * self.step_L_h, self.sums(np.where(known, flow, 0.0)))
-        weight = np.where(known, is_open, 0.0)
+        weight = np.where(known, opening, 0.0)
         weight = np.where(self.sums(weight) > 0.0, weight, known)
-        whole = self.sums(weight)
-        return np.where(known, flowed * weight / np.where(known, whole, 1.0), np.nan)
-
-    def usual_L_h(self, flow: FloatArray) -> float:
-        """Return the mean flow [L/h] of spans in which the valve was open throughout; `flow` as it was spread."""
-        means, count = self.means(flow)[self.ends], self.samples[self.ends]
-        open_ = means > WHOLLY_OPEN * np.max(means, initial=0.0)
-        return float(np.average(means[open_], weights=count[open_])) if open_.any() else 0.0
-
-    def noise(self, flow_L_h: float) -> FloatArray:
-        """Return the standard deviation of each sample's mean (n,), where so much flows while pulses come."""
-        return np.asarray(flow_L_h * CAME / self.samples)
+        flowed, half = self.sums(np.where(known, flow, 0.0)), 0.5 * self.pulse_L_h
+        flowed = np.where(self.span == 0, np.maximum(flowed - half, 0.0), flowed)
+        is_open_ended = (self.span == self.span[-1]) & (not flow[-1] > 0.0)
+        flowed += np.where(is_open_ended, np.minimum(half, self.usual_L_h * self.sums(weight)), 0.0)
+        found = flowed * weight / np.maximum(self.sums(weight), 1e-9)
+        most = PEAK_FLOW * self.usual_L_h
+        rest = self.sums(np.maximum(found - most, 0.0)) / np.maximum(self.sums(known), 1.0)
+        return np.where(known, np.minimum(found, most) + rest, np.nan)
 
 
-def is_counted(values: Mapping[str, Any]) -> bool:
-    """Whether the flow of some channels (a column each) was counted in pulses."""
-    flow, told_by = np.asarray(values["flow_L_h"], dtype=float), shows_opening(values)
+def _usual_L_h(flow: FloatArray, opening: FloatArray, span: np.ndarray, ends: np.ndarray) -> float:
+    """Return the mean flow [L/h] with the valve open: of spans without a pause, else of all that flowed."""
+    is_open = opening > OPEN_FOR_PULSES * np.max(opening)
+    samples, open_ = np.bincount(span)[span], np.bincount(span, is_open)[span]
+    volume = np.bincount(span, np.nan_to_num(flow))[span]
+    whole = ends & (open_ >= WHOLLY_OPEN * samples)
+    if whole.sum() >= OPEN_SPANS:
+        return float(volume[whole].sum() / samples[whole].sum())
+    return float(volume[ends].sum() / max(1.0, float(open_[ends].sum())))
+
+
+def pulses_of(values: Mapping[str, Any]) -> Pulses | None:
+    """Return the pulses in which the flow of some channels (a column each) was counted, None where it was not."""
+    flow, told_by = np.asarray(values["flow_L_h"], dtype=float), opening_channel(values)
     opening = np.nan_to_num(np.asarray(values[told_by], dtype=float)) if told_by else np.ones(len(flow))
-    return pulse_L_h(flow, opening) > 0.0
+    return Pulses.of(flow, opening)
 
 
-def shows_opening(values: Mapping[str, Any]) -> str:
-    """Return the channel that tells when water may flow: how far a valve is open, else when its motor is told to open.
+def opening_channel(values: Mapping[str, Any]) -> str:
+    """Return the channel that tells when water may flow: how far a valve is open, else what its motor is told.
 
-    "" where no such channel is there, or none ever opens.
+    "" where no such channel is there, or none ever opens. An output that runs on tells nothing of when.
     """
-    channels = [name for name in ("displacement", "heating_signal") if name in values]
-    return next((name for name in channels if np.nanmax(np.asarray(values[name]), initial=0.0) > NEVER_OPEN), "")
+    for name in ("displacement", "heating_signal", "control_output"):
+        column = np.asarray(values[name], dtype=float) if name in values else np.zeros(1)
+        switches = name != "control_output" or bool(np.isin(column[np.isfinite(column)], (0.0, 1.0)).all())
+        if switches and np.nanmax(column, initial=0.0) > NEVER_OPEN:
+            return name
+    return ""
 
 
-def pulse_L_h(flow: FloatArray, is_open: FloatArray) -> float:
-    """Return the flow that one pulse in a sample is written as, 0 where flow was not counted so.
+def pulse_L_h(flow: FloatArray, opening: FloatArray) -> float:
+    """Return the flow that one pulse in a sample is written as, 0 where flow (n,) was not counted so.
 
-    Every value is a whole number of pulses, a small one, and it changes from sample to sample while the valve is open.
+    Nearly every value is a small whole number of pulses, and while the valve is open it changes from sample to sample,
+    more often than once each time that it opens.
     """
-    known = flow[np.isfinite(flow)]
-    if not (known > 0.0).any() or known.min() < 0.0:
+    flows = flow[flow > 0.0]
+    if not len(flows) or np.nanmin(flow) < 0.0:
         return 0.0
-    least = float(known[known > 0.0].min())
-    pulses, open_ = flow / least, is_open > OPEN_FOR_PULSES * np.max(is_open)
-    steady = open_[1:] & open_[:-1] & np.isfinite(np.diff(flow))
-    is_whole = bool(np.all(np.abs(known / least - np.round(known / least)) <= WHOLE_PULSE))
-    if not is_whole or not steady.any() or np.nanquantile(pulses[flow > 0.0], RARE_PULSES) > MOST_PULSES:
+    one_L_h = float(np.quantile(flows, ODD_PULSES, method="lower"))
+    pulses = flow / one_L_h
+    some = flows / one_L_h
+    is_odd = np.abs(some - np.round(some)) > WHOLE_PULSE
+    if np.mean(is_odd) > ODD_PULSES or np.quantile(some, 1.0 - ODD_PULSES) > MOST_PULSES:
         return 0.0
-    changes = float(np.mean(np.abs(np.diff(pulses)[steady]) > 0.5))
-    return least if changes > PULSES_CHANGE else 0.0
+    is_open = opening > OPEN_FOR_PULSES * np.max(opening)
+    pairs = is_open[1:] & is_open[:-1] & ((flow[1:] > 0.0) | (flow[:-1] > 0.0)) & np.isfinite(np.diff(flow))
+    opened = np.count_nonzero(is_open[1:] & ~is_open[:-1]) + 1
+    changes = np.count_nonzero(np.abs(np.diff(pulses)[pairs]) > 0.5) - opened
+    return one_L_h if changes > PULSES_CHANGE * np.count_nonzero(pairs) else 0.0

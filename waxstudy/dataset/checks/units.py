@@ -33,7 +33,7 @@ from waxstudy.dataset.limits import (
     VOLTS,
     WIDEST_K,
 )
-from waxstudy.dataset.pulses import is_counted
+from waxstudy.dataset.pulses import pulses_of
 
 
 class Typical(NamedTuple):
@@ -159,8 +159,8 @@ def light(record: Record, x: pd.Series) -> Findings:
 def flow(record: Record, x: pd.Series) -> Findings:
     """A flow that with the valve open is below {LEAST_FLOW_L_H:g} L/h, or agrees within a factor of {AGREES:g} with the
     full flow of the room if it is in m3/h, L/min or L/s. A warning is one below {LOW_FLOW_L_H:g} L/h, one off the
-    room's by a factor of {UNUSUAL:g}, and one below {NEGATIVE_L_H:g} L/h in over {NEGATIVE_FLOW_SHARE:.0%} of its
-    samples."""
+    room's by a factor of {UNUSUAL:g} (of one in pulses: between them), and one below {NEGATIVE_L_H:g} L/h in over
+    {NEGATIVE_FLOW_SHARE:.0%} of its samples."""
     negative = (x < NEGATIVE_L_H).mean()
     if negative > NEGATIVE_FLOW_SHARE:
         yield Warn(f"{x.name} is negative in {100 * negative:.0f} % of its samples")
@@ -178,10 +178,10 @@ def flow(record: Record, x: pd.Series) -> Findings:
 
 
 def _is_unusual(high_L_h: float, full_L_h: float, values: pd.DataFrame) -> bool:
-    """Whether a flow is far from the room's; what one pulse in a sample is written as may be."""
-    if high_L_h > full_L_h and is_counted({str(name): column for name, column in values.items()}):
-        return False
-    return not full_L_h / UNUSUAL < high_L_h < full_L_h * UNUSUAL
+    """Whether a flow is far from the room's; of one that was counted in pulses, that between them."""
+    pulses = pulses_of({str(name): column for name, column in values.items()})
+    usual_L_h = pulses.usual_L_h if pulses else high_L_h
+    return not full_L_h / UNUSUAL < usual_L_h < full_L_h * UNUSUAL
 
 
 def _with_valve_open(values: pd.DataFrame) -> pd.Series:

@@ -25,7 +25,8 @@ def impact(record: Record, belief: Belief, segment: Segment, modelled: FloatArra
     if belief.room is None or belief.inputs is None or channel not in BEHIND:
         return {}
     try:
-        measured = np.where(np.isnan(record.values[channel]), modelled, record.filled(channel))
+        measured = record.metered(channel, record.filled(channel))
+        measured = np.where(np.isnan(record.values[channel]), modelled, measured)
         heat, air = zip(*(_response(record, belief, channel, signal) for signal in (measured, modelled)), strict=True)
     except (SimulationError, ValueError):
         return {}

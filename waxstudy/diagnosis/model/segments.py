@@ -38,7 +38,7 @@ SHOWN = {
     "controller": "control_output",
     "modulator": "heating_signal",
     "actuator": "displacement",
-    "valve": "flow_L_h",
+    "valve": FLOW,
 }
 SUPPLY = "supply_temperature_C"
 STEP_S = 5.0
@@ -101,7 +101,7 @@ class Segment:
         """Return what the chain shows, and what flows through the room: as predicted, or as recorded."""
         chain = [stage for stage in self.stages if stage in CHAIN]
         shown = self._chain(record, belief, convention, perturbation, chain) if chain else Predicted()
-        return shown, shown.get("flow_L_h", record.filled_or_zero("flow_L_h"))
+        return shown, shown.get(FLOW, record.filled_or_zero(FLOW))
 
     def _chain(
         self, record: Record, belief: Belief, convention: Convention, perturbation: Perturbation, chain: list[str]
@@ -336,7 +336,7 @@ class Prediction:
         return found
 
     def _refinement(self, convention: Convention) -> Mapping[str, FloatArray]:
-        if not self.segment.with_room or self.segment.driven_by != "flow_L_h":
+        if not self.segment.with_room or self.segment.driven_by != FLOW:
             return {}
         if convention not in self._refinements:
             coarse, fine = (

@@ -9,10 +9,11 @@ from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 ON = 0.5  # of full scale
-LEVELS = ("displacement", "flow_L_h")  # that rest where they are for long
-# chosen: changes that tell a logger on change of value, the share of samples that change at most, and how many times
-# the distances of what is written the least change is
-FEWEST, OFTEN, FINE = 20, 0.5, 5.0
+STROKES = ("displacement", "flow_L_h")  # that move for minutes and rest for hours
+# chosen: changes that tell a logger on change of value, the share of samples that change at most, how many times the
+# distances of what is written the least change is, and its share of the range at most
+FEWEST, OFTEN, FINE, WIDE = 20, 0.5, 5.0, 0.1
+RARE = 0.02  # chosen: of the changes, those that may be smaller, as where a logger began anew
 
 
 def measured(values: FloatArray) -> FloatArray:
@@ -49,7 +50,7 @@ def left_out(name: str, known: FloatArray) -> float:
 
     It rounds; and of an opening or a flow it may write only what has gone farther than a band from what it wrote last.
     """
-    return max(of_rounding(known), of_change(known) if name in LEVELS else 0.0)
+    return max(of_rounding(known), of_change(known) if name in STROKES else 0.0)
 
 
 def of_change(known: FloatArray) -> float:
@@ -58,8 +59,9 @@ def of_change(known: FloatArray) -> float:
     changes = changes[changes > 1e-9]
     if not FEWEST <= len(changes) <= OFTEN * len(known):
         return 0.0
-    band, finest = float(np.min(changes)), step(known, FEWEST)
-    return band / float(np.sqrt(3.0)) if finest and band > FINE * finest else 0.0
+    band, finest = float(np.quantile(changes, RARE, method="lower")), step(known, FEWEST)
+    is_band = FINE * finest < band <= WIDE * float(np.ptp(known))
+    return band / float(np.sqrt(3.0)) if finest and is_band else 0.0
 
 
 def of_rounding(known: FloatArray) -> float:

@@ -20,13 +20,13 @@ SMOOTH_S = 1500.0  # window of the local parabola through a noisy temperature
 SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blocks
 AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
 LOST_S = 6 * 3600.0  # chosen: of a drive of the room, from which a straight line through a gap hides a day's course
-ROOM_DRIVES = ("outdoor_temperature_C", "supply_temperature_C", "flow_L_h")
+FLOW = "flow_L_h"
+ROOM_DRIVES = ("outdoor_temperature_C", "supply_temperature_C", FLOW)
 LONG_GAP_S, FEW_LOST = 600.0, 3  # up to which a channel that runs on is known between its samples
 SPARSE_S = 900.0  # interval from which on a pulse may lie within a sample
 FLOWS, FLOWS_ON = 0.2, 0.9  # chosen: of the largest flow, for a return to count; of the usual one, for it to flow on
 DAY_S = 86_400.0
 REMEMBERED = 2_000_000  # samples that a slot holds of what was made before
-FLOW = "flow_L_h"
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
 
@@ -81,13 +81,16 @@ class Record:
 
     @cached_property
     def noise(self) -> Mapping[str, float]:
-        """Standard deviation of each channel's noise, at least its rounding; stated, else from second differences."""
+        """Standard deviation of each channel's noise, at least its rounding; stated, else from second differences.
+
+        That of a flow that was counted in pulses is of its means between them, whatever was stated.
+        """
         return {name: self._noise_of(name, values) for name, values in self.values.items()}
 
     def _noise_of(self, name: str, values: FloatArray) -> float:
-        stated = self.stated_noise.get(name)
         if self.pulses and name == FLOW:
-            return self.stated_noise[FLOW]  # what is spread over spans changes between them only
+            return float(np.sqrt(np.mean(self.pulses.noise[self.pulses.ends] ** 2)))
+        stated = self.stated_noise.get(name)
         return max(stated, left_out(name, measured(values))) if stated else estimated(name, values)
 
     def between(self, channel: str) -> float:
@@ -196,8 +199,8 @@ class Record:
         after = round(SETTLING_S / self.interval_s)
         for channel in filter(self.has, ROOM_DRIVES):
             missing = ~np.isfinite(self.values[channel])
-            if channel == "supply_temperature_C" and self.has("flow_L_h"):
-                missing &= ~(self.values["flow_L_h"] <= 0.0)  # how warm water is that stands is of no account
+            if channel == "supply_temperature_C" and self.has(FLOW):
+                missing &= ~(self.values[FLOW] <= 0.0)  # how warm water is that stands is of no account
             lost = np.diff(np.concatenate(([False], missing, [False])).astype(int))
             for start, end in zip(np.flatnonzero(lost > 0).tolist(), np.flatnonzero(lost < 0).tolist(), strict=True):
                 if (end - start) * self.interval_s > LOST_S:
@@ -207,9 +210,9 @@ class Record:
     @cached_property
     def usual_flow_L_h(self) -> float:
         """The usual one of the largest flows, with the valve open; 0 where nothing flows."""
-        flow = self.values["flow_L_h"]
         if self.pulses:
-            return self.pulses.usual_L_h(flow)
+            return self.pulses.usual_L_h
+        flow = self.values[FLOW]
         large = flow[flow > 0.8 * np.nanquantile(flow, 0.99)]
         return float(np.median(large)) if len(large) else 0.0
 
@@ -219,7 +222,7 @@ class Record:
 
         Where samples are far apart it must flow throughout: otherwise they hold water that stood and cooled.
         """
-        flow = self.filled("flow_L_h")
+        flow = self.filled(FLOW)
         if self.interval_s < SPARSE_S:
             return np.asarray(flow > FLOWS * np.nanmax(flow))
         signal = self.values.get("heating_signal", np.ones(len(self)))  # lower, it was off for a part of the sample
@@ -228,7 +231,7 @@ class Record:
     @property
     def has_return(self) -> bool:
         """Whether a return temperature is there and of flowing water in at least a few samples."""
-        both = self.has("return_temperature_C") and self.has("flow_L_h")
+        both = self.has("return_temperature_C") and self.has(FLOW)
         return both and bool(
             (self.flowing & np.isfinite(self.values["return_temperature_C"]) & self.settled).sum() > FEW
         )
@@ -252,7 +255,7 @@ class Record:
     @cached_property
     def cycle(self) -> np.ndarray:
         """Number of the heating cycle of each sample, from the middle of a pause; the day where nothing switches."""
-        for channel in ("heating_signal", "control_output", "flow_L_h", "displacement"):
+        for channel in ("heating_signal", "control_output", FLOW, "displacement"):
             if self.has(channel):
                 values = self.filled(channel)
                 on: np.ndarray = values > ON * max(float(values.max()), 0.0)
@@ -284,7 +287,7 @@ class Record:
             gains_W=self._heat(GAINS),
             ventilation_C=self._optional("ventilation_supply_temperature_C"),
             air_C=air,
-            flow_L_h=self._optional("flow_L_h"),
+            flow_L_h=self._optional(FLOW),
             signal=self._optional("heating_signal"),
             neighbour_C=self._optional("neighbour_temperature_C"),
             stand_ins=frozenset(FIELDS[channel] for channel in self.stand_ins),

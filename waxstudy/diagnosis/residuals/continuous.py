@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.diagnosis.estimate.hypothesis import MOTIONS, Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
-from waxstudy.diagnosis.observations.record import FLOW, Record
+from waxstudy.diagnosis.observations.record import AFTER_GAP_S, FLOW, Record
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -22,10 +22,9 @@ MOVED = ("control_output", FLOW)  # which noise of the drive moves
 SMOOTHED = ("sensor_temperature_C", "control_output")  # as the segment's drive: what is linear misses nothing by it
 RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
 STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it went on between them
-STROKES = ("displacement", FLOW)  # that move for minutes and rest for hours
 MOVES_SD = 3.0  # standard deviations of noise within which a sample rests where the last one was
 MOVES_S = 60.0  # within which it does: a stroke takes minutes
-FEW_LOST = 0.1  # chosen: share of a span between pulses in which its drive may be lost
+MOST_LOST = 0.1  # chosen: share of a span between pulses in which its drive may be lost
 UNITS = {FLOW: "L/h", "displacement": "1", "control_output": "1", "heating_signal": "1"}
 
 
@@ -103,7 +102,7 @@ class Continuous:
         if self.channel in SMOOTHED:
             return np.full(len(record), noise * record.smoothed_noise)
         if self.pulses:
-            return self.pulses.noise(record.usual_flow_L_h)
+            return self.pulses.noise
         if self.channel == FLOW:
             return np.where(stands(self.measured, float(np.nanmax(self.measured))), 0.0, noise)
         return np.full(len(record), noise * (CLIPPED if self.channel == "displacement" else 1.0))
@@ -124,16 +123,19 @@ class Continuous:
         known: np.ndarray = np.isfinite(record.values[self.channel]) & record.settled
         if self.pulses:
             lost = self.pulses.sums(record.is_gap(driven_by)) if driven_by in record.values else 0.0
-            return np.asarray(known & self.pulses.ends & (lost <= FEW_LOST * self.pulses.samples))
+            is_settled = self.pulses.sums(~record.settled) == 0.0
+            return np.asarray(known & self.pulses.ends & is_settled & (lost <= MOST_LOST * self.pulses.samples))
         # the air drives the sensor, which drives the controller of the same segment
         for drive in (driven_by, record.air_channel) if self.channel == "sensor_temperature_C" else (driven_by,):
             if drive in record.values:
                 known &= ~record.is_gap(drive)
         if driven_by == "displacement":
             known &= np.abs(np.diff(record.filled("displacement"), prepend=0.0)) < JUMP
-        hides_pulses = driven_by == "displacement" and record.interval_s > WEIGHTS.pulse_s
-        if hides_pulses or (driven_by in record.binary and record.interval_s >= WEIGHTS.far_apart_s):
+        is_coarse = driven_by in record.binary and record.interval_s >= WEIGHTS.far_apart_s
+        if is_coarse or (driven_by == "displacement" and record.interval_s > WEIGHTS.pulse_s):
             known &= ~is_lone(record.filled(self.channel), record.filled(driven_by))
+        if is_coarse:
+            known &= ~of_unknown_length(record.filled(driven_by), round(AFTER_GAP_S / record.interval_s))
         return known
 
     @property
@@ -191,6 +193,18 @@ def stands(values: FloatArray, full: float) -> np.ndarray:
 
     zero = np.abs(values) <= STANDS * full
     return np.asarray(zero & (uniform_filter1d(zero.astype(float), 31) > 0.3))
+
+
+def of_unknown_length(drive: FloatArray, after: int) -> np.ndarray:
+    """Return samples (n,) of a pulse or pause that a single one shows, and some after it, up to the next switch.
+
+    It lasted anything up to two intervals: nobody knows how far a motor came meanwhile.
+    """
+    stretch = np.concatenate(([0], np.cumsum(np.diff(drive) != 0.0)))
+    lone = np.bincount(stretch) == 1
+    since = np.arange(len(drive)) - np.searchsorted(stretch, stretch)
+    follows = np.concatenate(([False], lone[:-1]))[stretch] & (since < after)
+    return np.asarray(lone[stretch] | follows)
 
 
 def is_lone(values: FloatArray, drive: FloatArray) -> np.ndarray:

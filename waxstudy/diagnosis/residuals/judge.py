@@ -12,9 +12,10 @@ from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
 from waxstudy.diagnosis.model.room_response import OF_ROOM, Predicted, error_of
 from waxstudy.diagnosis.model.segments import Segment
+from waxstudy.diagnosis.observations.noise import STROKES
 from waxstudy.diagnosis.observations.partition import parts_of
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.diagnosis.residuals.continuous import STROKES, Continuous
+from waxstudy.diagnosis.residuals.continuous import Continuous
 from waxstudy.diagnosis.residuals.room_means import RoomMeans
 from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.plugin import Belief, SimulationError

@@ -132,7 +132,10 @@ def travel_left(problem: SegmentProblem, fitted: Hypothesis, residual: Residual)
         return np.inf
     full = 1.0 if channel == "displacement" else float(np.nanmax(problem.record.values["flow_L_h"])) or 1.0
     beyond_noise = np.abs(residual.error) > WEIGHTS.surely_off * problem.record.noise[channel]
-    missed_s = opening_difference_s(problem.record, residual.error * beyond_noise / full)
+    error = residual.error * beyond_noise / full
+    if problem.record.pulses and channel == "flow_L_h":
+        error = error * problem.record.pulses.samples  # at the end of a span stands what all of it is missed by
+    missed_s = opening_difference_s(problem.record, error)
     return missed_s / tolerated_s(problem.record, problem.belief_of(fitted))
 
 
