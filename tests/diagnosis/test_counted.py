@@ -10,6 +10,7 @@ import pytest
 
 from tests.dataset.test_pulses import counted
 from tests.diagnosis.realities import dataset, effects, rows
+from waxstudy.believing.shown import full_flow_L_h
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import diagnose, record_of
 
@@ -58,3 +59,10 @@ def test_a_flow_that_never_stops_is_counted_though_no_valve_opens() -> None:
     seen = record_of(chain(stuck))
     assert seen.pulses
     assert seen.usual_flow_L_h == pytest.approx(stuck["flow_L_h"].median(), rel=0.02)
+
+
+def test_the_full_flow_of_a_room_is_read_between_pulses() -> None:
+    data = rows("REAL", days=4)
+    fine, counts = (full_flow_L_h(dataset(each, "REAL")) for each in (data, with_counted(data, 10.0)))
+    assert fine
+    assert counts == pytest.approx(fine, rel=0.03)

@@ -19,7 +19,7 @@ def full_flow_L_h(record: Dataset) -> float | None:
     """Return the usual flow with the valve open."""
     if FLOW not in record.values:
         return None
-    if pulses := pulses_of({str(name): column for name, column in record.values.items()}):
+    if pulses := pulses_of(record.values):
         return round(pulses.usual_L_h, 1)
     flow_L_h = record.values[FLOW].dropna().to_numpy(dtype=float)
     is_open = flow_L_h > OPEN * np.quantile(flow_L_h, 0.99) if len(flow_L_h) else flow_L_h > 0.0

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from waxstudy.dataset.limits import (
     FEWEST_SPANS,
@@ -108,14 +109,14 @@ def _usual_L_h(flow: FloatArray, opening: FloatArray, span: np.ndarray, ends: np
     return float(volume[ends].sum() / max(1.0, float(open_[ends].sum())))
 
 
-def pulses_of(values: Mapping[str, Any]) -> Pulses | None:
-    """Return the pulses in which the flow of some channels (a column each) was counted, None where it was not."""
+def pulses_of(values: pd.DataFrame) -> Pulses | None:
+    """Return the pulses in which the flow of a record (a column per channel) was counted, None where it was not."""
     flow, told_by = np.asarray(values["flow_L_h"], dtype=float), opening_channel(values)
     opening = np.nan_to_num(np.asarray(values[told_by], dtype=float)) if told_by else np.ones(len(flow))
     return Pulses.of(flow, opening)
 
 
-def opening_channel(values: Mapping[str, Any]) -> str:
+def opening_channel(values: Mapping[str, Any] | pd.DataFrame) -> str:
     """Return the channel that tells when water may flow: how far a valve is open, else what its motor is told.
 
     "" where no such channel is there, or none ever opens. An output that runs on tells nothing of when.

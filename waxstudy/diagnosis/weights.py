@@ -48,6 +48,7 @@ class Weights:
     open: float
     strongest: float
     notable: float
+    strays: float
     blurred: float
     always: float
     promised: float

@@ -179,7 +179,7 @@ def flow(record: Record, x: pd.Series) -> Findings:
 
 def _is_unusual(high_L_h: float, full_L_h: float, values: pd.DataFrame) -> bool:
     """Whether a flow is far from the room's; of one that was counted in pulses, that between them."""
-    pulses = pulses_of({str(name): column for name, column in values.items()})
+    pulses = pulses_of(values)
     usual_L_h = pulses.usual_L_h if pulses else high_L_h
     return not full_L_h / UNUSUAL < usual_L_h < full_L_h * UNUSUAL
 

@@ -245,9 +245,10 @@ class Appraisal:
     def _strays(self, without: Belief, rest: Edits, fitted: Hypothesis) -> bool:
         """Whether a motor differs from that without an effect by no more than real ones stray; `rest`: the others.
 
-        From itself it strays in its strokes only: a healthy record has no pauses and pulses of all lengths.
+        From itself it strays less, and in its strokes only: a healthy record has no pauses and pulses of all lengths.
         """
-        strays = travel(self.problem.record, without, self.problem.belief_of(fitted)) <= limits()["tolerated"].value
+        most = limits()["tolerated"].value if self.healthy.tolerated_travel else WEIGHTS.strays
+        strays = travel(self.problem.record, without, self.problem.belief_of(fitted)) <= most
         return strays and not self._shows_at_rest(fitted, self.problem.at(rest, fitted.departures, fitted.convention))
 
     def _shows_at_rest(self, fitted: Hypothesis, without: Hypothesis | None) -> bool:
