@@ -11,7 +11,7 @@ from waxstudy_effects.description import changed_circuit, full_flow_L_h, room_hi
 from waxstudy_effects.wrapping import believed, wrapped
 from waxstudy_paper.valves import LinearValve, QuickOpeningValve
 
-JUST_OPEN = (0.003, 0.008, 0.015)  # of the travel beyond that at which a valve lifts
+JUST_OPEN = (0.003, 0.008, 0.015)  # chosen: beyond the opening at which a valve lifts, within the 2 % between points
 AUTHORITY = Prior(0.02, 1.0, noticeable=1.25, is_log=True)
 
 

@@ -82,8 +82,8 @@ class Pulses:
     def spread(self, flow: FloatArray, opening: FloatArray) -> FloatArray:
         """Return a counted flow (n,) as what flowed between pulses, shared out by how far a valve is open (n,).
 
-        What is more than the valve lets through flowed evenly. Beyond the last pulse flowed half of one, which before
-        the first pulse does not count. NaN where samples are missing.
+        What would be more than the open valve lets through flowed all over its span. Half of the first pulse is taken
+        to have flowed before the record, and half of one more behind the last pulse. NaN where samples are missing.
         """
         known = np.isfinite(flow)
         weight = np.where(known, opening, 0.0)
@@ -139,13 +139,12 @@ def pulse_L_h(flow: FloatArray, opening: FloatArray) -> float:
     if not len(flows) or np.nanmin(flow) < 0.0:
         return 0.0
     one_L_h = float(np.quantile(flows, ODD_PULSES, method="lower"))
-    pulses = flow / one_L_h
-    some = flows / one_L_h
-    is_odd = np.abs(some - np.round(some)) > WHOLE_PULSE
-    if np.mean(is_odd) > ODD_PULSES or np.quantile(some, 1.0 - ODD_PULSES) > MOST_PULSES:
+    pulses = flows / one_L_h
+    is_odd = np.abs(pulses - np.round(pulses)) > WHOLE_PULSE
+    if np.mean(is_odd) > ODD_PULSES or np.quantile(pulses, 1.0 - ODD_PULSES) > MOST_PULSES:
         return 0.0
     is_open = opening > OPEN_FOR_PULSES * np.max(opening)
     pairs = is_open[1:] & is_open[:-1] & ((flow[1:] > 0.0) | (flow[:-1] > 0.0)) & np.isfinite(np.diff(flow))
     opened = np.count_nonzero(is_open[1:] & ~is_open[:-1]) + 1
-    changes = np.count_nonzero(np.abs(np.diff(pulses)[pairs]) > 0.5) - opened
+    changes = np.count_nonzero(np.abs(np.diff(flow)[pairs]) > 0.5 * one_L_h) - opened
     return one_L_h if changes > PULSES_CHANGE * np.count_nonzero(pairs) else 0.0
