@@ -49,6 +49,13 @@ FEWEST_SPANS = 3  # that are judged: fewer do not tell how they scatter
 PEAK_FLOW = 1.25
 NEVER_OPEN = 0.1  # of full scale, up to which a valve is closed by its record: what flows then flows all the time
 
+# --- an opening or flow that is logged on change of value
+FEWEST_CHANGES = 20  # that tell such a logger: fewer may all be large by chance
+OFTEN_CHANGED = 0.5  # of the samples: what changes more often is logged as it is
+FINE_CHANGE = 5.0  # times the distances of what is written, from which the least change is a band, and no rounding
+WIDEST_BAND = 0.1  # of the range: nobody sets a wider one, but a valve without noise jumps so far
+RARE_CHANGES = 0.02  # of the changes, those that may be smaller, as where a logger began anew
+
 # --- how much of a record is looked at, and at which interval
 MOST_DAYS = 28  # twice the two weeks in which nearly all that shows in a loop shows
 FINEST_S = 5.0  # the paper's step: a controller looks every ten seconds or so, and a motor takes minutes

@@ -53,7 +53,7 @@ class Pulses:
             if at - last >= SPAN_SAMPLES:
                 has_end[at], last = True, at
         span: np.ndarray = np.concatenate(([0], np.cumsum(has_end)[:-1]))
-        lost = np.bincount(span, ~np.isfinite(flow))[span] > 0
+        lost = _sums(span, ~np.isfinite(flow)) > 0
         ends = has_end & (span > 0) & ~lost
         if ends.sum() < FEWEST_SPANS:
             return None
@@ -72,7 +72,7 @@ class Pulses:
 
     def sums(self, values: FloatArray) -> FloatArray:
         """Return the sum of values (n,) over the span of each sample."""
-        return np.asarray(np.bincount(self.span, values)[self.span])
+        return _sums(self.span, values)
 
     def means(self, values: FloatArray) -> FloatArray:
         """Return the mean of each row of values (..., n) over the span of each sample."""
@@ -98,11 +98,17 @@ class Pulses:
         return np.where(known, np.minimum(found, most) + rest, np.nan)
 
 
+def _sums(span: np.ndarray, values: np.ndarray) -> FloatArray:
+    return np.asarray(np.bincount(span, values)[span])
+
+
 def _usual_L_h(flow: FloatArray, opening: FloatArray, span: np.ndarray, ends: np.ndarray) -> float:
     """Return the mean flow [L/h] with the valve open: of spans without a pause, else of all that flowed."""
     is_open = opening > OPEN_FOR_PULSES * np.max(opening)
-    samples, open_ = np.bincount(span)[span], np.bincount(span, is_open)[span]
-    volume = np.bincount(span, np.nan_to_num(flow))[span]
+    samples, open_ = _sums(span, np.ones(len(span))), _sums(span, is_open)
+    volume = _sums(
+        span, np.where(np.isfinite(flow), flow, 0.0)
+    )  # spans that lost a sample have no end, and do not count
     whole = ends & (open_ >= WHOLLY_OPEN * samples)
     if whole.sum() >= OPEN_SPANS:
         return float(volume[whole].sum() / samples[whole].sum())
@@ -112,7 +118,7 @@ def _usual_L_h(flow: FloatArray, opening: FloatArray, span: np.ndarray, ends: np
 def pulses_of(values: pd.DataFrame) -> Pulses | None:
     """Return the pulses in which the flow of a record (a column per channel) was counted, None where it was not."""
     flow, told_by = np.asarray(values["flow_L_h"], dtype=float), opening_channel(values)
-    opening = np.nan_to_num(np.asarray(values[told_by], dtype=float)) if told_by else np.ones(len(flow))
+    opening = values[told_by].ffill().bfill().to_numpy(dtype=float) if told_by else np.ones(len(flow))
     return Pulses.of(flow, opening)
 
 

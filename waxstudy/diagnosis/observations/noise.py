@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from waxstudy.dataset.limits import FEWEST_CHANGES, FINE_CHANGE, OFTEN_CHANGED, RARE_CHANGES, WIDEST_BAND
 from waxstudy.dataset.resolution import step
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 ON = 0.5  # of full scale
 STROKES = ("displacement", "flow_L_h")  # that move for minutes and rest for hours
-# chosen: changes that tell a logger on change of value, the share of samples that change at most, how many times the
-# distances of what is written the least change is, and its share of the range at most
-FEWEST, OFTEN, FINE, WIDE = 20, 0.5, 5.0, 0.1
-RARE = 0.02  # chosen: of the changes, those that may be smaller, as where a logger began anew
 
 
 def measured(values: FloatArray) -> FloatArray:
@@ -57,10 +54,10 @@ def of_change(known: FloatArray) -> float:
     """Return the standard deviation of what is held between changes, 0 where small changes are written too."""
     changes = np.abs(np.diff(known))
     changes = changes[changes > 1e-9]
-    if not FEWEST <= len(changes) <= OFTEN * len(known):
+    if not FEWEST_CHANGES <= len(changes) <= OFTEN_CHANGED * len(known):
         return 0.0
-    band, finest = float(np.quantile(changes, RARE, method="lower")), step(known, FEWEST)
-    is_band = FINE * finest < band <= WIDE * float(np.ptp(known))
+    band, finest = float(np.quantile(changes, RARE_CHANGES, method="lower")), step(known, FEWEST_CHANGES)
+    is_band = FINE_CHANGE * finest < band <= WIDEST_BAND * float(np.ptp(known))
     return band / float(np.sqrt(3.0)) if finest and is_band else 0.0
 
 
