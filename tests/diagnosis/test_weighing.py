@@ -528,16 +528,17 @@ def test_nothing_is_fitted_again_from_where_the_best_three_effects_led_the_room(
     def nuisance_fit(
         effects: Any, departures: FloatArray, convention: Any, parts: Any, known: Any
     ) -> Hypothesis | None:
-        assert known is weighing._superposed.kept
+        assert known is weighing.estimator.base_slopes
         asked.append(float(departures[0]))
         return None if departures[0] == 4.0 else at(-float(departures[0]))
 
     def at(place: float) -> Hypothesis:
         return leaving(departures=np.array([place]))
 
-    weighing.estimator = SimpleNamespace(strain=lambda fitted: 0.0, nuisance_fit=nuisance_fit)
+    weighing.estimator = SimpleNamespace(
+        strain=lambda fitted: 0.0, nuisance_fit=nuisance_fit, base_slopes=np.ones((1, 1))
+    )
     weighing.healthy = SimpleNamespace(room_loss=lambda fitted: losses[float(fitted.departures[0])])
-    weighing._superposed = SimpleNamespace(kept=np.ones((1, 1)))
     weighing.none = at(0.0)
     weighing._settle([at(each) for each in (1.0, 2.0, 3.0, 4.0)])
     assert asked == [2.0, 4.0, 3.0]
@@ -583,22 +584,24 @@ def test_nothing_is_weighed_as_its_best_fit_leaves_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("is_room", "misfit", "pattern", "may_be"),
+    ("stage", "misfit", "pattern", "may_be"),
     [
-        (False, 1.1, None, True),
-        (False, 0.9, None, False),
-        (False, 1.1, "always", False),
-        (True, 0.9, None, True),
-        (True, 1.1, "always", False),
+        ("valve", 1.1, None, True),
+        ("valve", 0.9, None, False),
+        ("valve", 1.1, "always", False),
+        ("actuator", 0.9, None, True),
+        ("actuator", 0.9, "always", False),
+        ("room", 0.9, None, True),
+        ("room", 1.1, "always", False),
     ],
 )
-def test_an_effect_is_blurred_away_in_a_room_and_in_a_chain_where_it_leaves_something_amiss(
-    is_room: bool, misfit: float, pattern: str | None, may_be: bool
+def test_an_effect_is_blurred_away_in_a_room_or_a_motor_and_elsewhere_where_it_leaves_something_amiss(
+    stage: str, misfit: float, pattern: str | None, may_be: bool
 ) -> None:
-    search: Any = SimpleNamespace(problem=SimpleNamespace(segment=SimpleNamespace(with_room=is_room)))
-    numbers = {"gain": 9.0, "ease": 0.0, "always": 0.0, "price": 5.9, "spread": 1.0, "most": np.inf, "unlike": 0.0}
-    weighed: Any = SimpleNamespace(names=("a",), misfit=misfit, pattern=pattern, stands=np.inf, left=0.03, **numbers)
-    assert _may_be_blurred(search, [weighed], Choice((("a",),))) == may_be
+    search: Any = SimpleNamespace(problem=SimpleNamespace(segment=SimpleNamespace(with_room=stage == "room")))
+    weighed: Any = SimpleNamespace(misfit=misfit, pattern=pattern)
+    found: Any = SimpleNamespace(effect=SimpleNamespace(stage=stage))
+    assert _may_be_blurred(search, weighed, found) == may_be
 
 
 @pytest.mark.parametrize(("kept", "named"), [(0.0, 0.0), (0.5, 0.45)])

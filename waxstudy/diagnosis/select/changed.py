@@ -28,22 +28,24 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         choice = Choice.of(beliefs)
         found = _found(search, weighed, choice, beliefs)
         selection = search.selection(found, tried)
-        blurred = [each for each in found if search.distinct(each, selection.after) <= WEIGHTS.notable]
-        if not blurred or not _may_be_blurred(search, weighed, choice):
+        best = best_of(weighed, [group[0] for group in choice.groups])
+        loose = [each for each in found if _may_be_blurred(search, best, each)]
+        blurred = [each for each in loose if search.distinct(each, selection.after) <= WEIGHTS.notable]
+        if not blurred:
             return replace(selection, posterior=beliefs)
         kept = WEIGHTS.blurred if search.problem.segment.with_room else 0.0
         beliefs = _without(beliefs, {name for each in blurred for name in each.group}, kept)
 
 
-def _may_be_blurred(search: Search, weighed: Sequence[Weighed], choice: Choice) -> bool:
-    """Return whether an effect may be nothing where its interval holds what is believed.
+def _may_be_blurred(search: Search, best: Weighed, found: Found) -> bool:
+    """Return whether an effect may be nothing where its interval holds what is believed; `best`: what names it.
 
     A controller of another form looks as if it were tuned otherwise each time, which leaves much; what leaves nothing
-    amiss in a chain is there, however far its interval reaches. A room is never as its model: there the interval
-    counts. What comes and goes is blurred by the days without it.
+    amiss in a chain is there, however far its interval reaches. A room is never as its model, nor is a motor in each
+    pause: there the interval counts. What comes and goes is blurred by the days without it.
     """
-    best = best_of(weighed, [group[0] for group in choice.groups])
-    return best.pattern is None and (search.problem.segment.with_room or best.misfit > WEIGHTS.open)
+    is_of_loose_form = search.problem.segment.with_room or found.effect.stage == "actuator"
+    return best.pattern is None and (is_of_loose_form or best.misfit > WEIGHTS.open)
 
 
 def _without(beliefs: Mapping[str, float], blurred: set[str], kept: float) -> dict[str, float]:

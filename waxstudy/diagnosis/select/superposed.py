@@ -28,11 +28,6 @@ class Superposed:
         self.estimator, self.problem = estimator, estimator.problem
         self.looks = Looks(estimator, none.convention)
 
-    @property
-    def kept(self) -> FloatArray | None:
-        """Slopes of the nuisances where nothing changed, for the first fits of a quick look; None in a thorough one."""
-        return self.estimator.base_slopes if self.estimator.is_quick else None
-
     def fits(
         self, effects: Sequence[EffectType], given: Hypothesis, tick: Callable[[str], None]
     ) -> Iterator[Hypothesis]:
@@ -51,7 +46,8 @@ class Superposed:
             # with more than one there is nothing to tell; alone it is told what it comes to
             return None if given.effects else self.problem.at(*best, given.convention)
         starts = [*(start for start, _ in found), *self._instead(effect, given)]
-        tried = [self._fitted(*start, given.convention, self.kept) for start in starts]
+        # slopes where nothing changed are near enough for the first fits
+        tried = [self._fitted(*start, given.convention, self.estimator.base_slopes) for start in starts]
         fitted = min((each for each in tried if each), key=lambda each: self.estimator.score(each, ALL), default=None)
         if fitted is None or self.estimator.score(given, ALL) - self.estimator.score(fitted, ALL) < 2.0 * PROMISING:
             return fitted

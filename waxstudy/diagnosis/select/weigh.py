@@ -92,7 +92,7 @@ class Weighing(Appraisal):
         """Look for a better fit of nothing where the best effects led the room: else they gain what it had left."""
         if len(self.problem.sd):
             near = sorted(singles, key=self._loss)[:DEEPER]
-            known = self._superposed.kept
+            known = self.estimator.base_slopes
             again = [self.estimator.nuisance_fit((), each.departures, each.convention, ALL, known) for each in near]
             self.none = min([self.none, *(each for each in again if each)], key=self._loss)
 
