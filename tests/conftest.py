@@ -22,6 +22,7 @@ settings.register_profile("waxstudy", deadline=None)
 settings.load_profile("waxstudy")
 
 ROOT = Path(__file__).parents[1]
+DATA = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data"))  # from outside; may not be there
 WAXSTUDY = Path(sys.executable).with_name("waxstudy")
 
 SMALL = """\

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import subprocess
@@ -13,7 +12,7 @@ import pandas as pd
 import pytest
 
 from docs_site.reference import PAGES as REFERENCE
-from tests.conftest import ROOT, Waxstudy
+from tests.conftest import DATA, ROOT, Waxstudy
 from tests.importing.conftest import record, study
 from tests.importing.exports import home_assistant_csv
 from tests.importing.test_weather import weather_file
@@ -28,7 +27,6 @@ SHOWN = {ROOT / "docs" / "index.md": "data/first", ROOT / "docs" / "baseline.md"
 SHORTER = {"members = 16": "members = 2", "step_s = 5": "step_s = 30"}
 DIAGNOSIS = (ROOT / "docs/diagnosis-tutorial.md", ROOT / "docs/diagnosis-tutorial-flow.md")  # their output is compared
 SEASON = ROOT / "docs" / "season.md"  # it needs a weather year from outside the repository
-DATA = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data"))
 HELSINKI = DATA / "weather" / "FIN_Helsinki.029740_IWEC.epw"
 # two months of the season, one member in long steps
 SHORT_SEASON = {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 from collections.abc import Callable
@@ -16,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.conftest import ROOT
+from tests.conftest import DATA, ROOT
 from tests.synthetic.conftest import SETPOINT_C, Simulated, described, written
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.levels import only_switches
@@ -26,7 +25,6 @@ from waxstudy.plugin.registry import installed
 from waxstudy.study.model import Study
 from waxstudy.synthetic.instruments import Instruments, measure
 
-DATA = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data"))
 REALITIES, HOUSE = DATA / "realities", DATA / "measured_house"
 NO_DATA = "is not there; WAXSTUDY_DATA names the folder of the data"
 

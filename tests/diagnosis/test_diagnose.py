@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from tests.conftest import DATA
 from tests.diagnosis.realities import dataset, rows
 from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis.assembly import Work, _parts
@@ -19,7 +18,6 @@ from waxstudy.diagnosis.diagnose import diagnose, record_of
 from waxstudy.diagnosis.result import Diagnosis, FoundEffect
 from waxstudy.plugin import Belief
 
-DATA = Path(os.environ.get("WAXSTUDY_DATA", Path(__file__).parents[3] / "shared" / "data"))
 REALITIES = DATA / "realities"
 needs_realities = pytest.mark.skipif(not REALITIES.is_dir(), reason=f"no records with their truth in {REALITIES}")
 

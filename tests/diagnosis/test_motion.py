@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from dataclasses import replace
 from functools import cache
@@ -14,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.conftest import DATA
 from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, plain, planted, record
 from waxstudy.api.diagnosing import diagnose
 from waxstudy.diagnosis.calibration.calibrate import Calibration, calibrate
@@ -27,7 +27,6 @@ from waxstudy.diagnosis.select.posterior import posterior
 from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.plugin import Belief
 
-DATA = Path(os.environ.get("WAXSTUDY_DATA", Path(__file__).parents[3] / "shared" / "data"))
 PAIRS = DATA / "baselines"
 FLOW, STROKE = "flow_L_h", "displacement"
 NO_ROOM = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C", "return_temperature_C")
@@ -116,7 +115,7 @@ def test_a_motor_strays_from_itself_by_as_much_as_its_model_is_known_to_miss(fac
 @pytest.mark.slow
 @pytest.mark.skipif(not PAIRS.is_dir(), reason=f"{PAIRS} is not there; WAXSTUDY_DATA names the folder of the data")
 def test_a_motor_of_another_form_that_may_as_well_be_as_it_was_has_no_name(tmp_path: Path) -> None:
-    """An enthalpy model's motor is told so loosely by other pauses that 0.5 to 1.1 times as slow suits them."""
+    """Both records together leave the pace of this motor, an enthalpy model, open from 0.5 to 1.1 times."""
     for name in ("p05", "p05-baseline"):
         shutil.copytree(PAIRS / name, tmp_path / name)
         chain = pd.read_csv(tmp_path / name / "data.csv")[["time", "heating_signal", STROKE]]

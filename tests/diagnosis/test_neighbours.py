@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +11,7 @@ import pandas as pd
 import pytest
 
 import waxstudy as wx
+from tests.conftest import DATA
 from tests.diagnosis.houses import Event, made, toml
 from waxstudy.dataset.limits import MOST_DAYS
 from waxstudy.dataset.read import read_dataset
@@ -265,7 +265,6 @@ def test_numbers_of_a_figure_never_touch_and_the_largest_have_theirs() -> None:
     assert numbered([event(0.6, [1.0, 3.0])], 10.0) == [(pytest.approx(1.0 + 1.0 / 24.0), 0.6), (3.0 + 1.0 / 24.0, 0.6)]
 
 
-DATA = Path(os.environ.get("WAXSTUDY_DATA", Path(__file__).parents[3] / "shared" / "data"))
 HOUSE = DATA / "measured_house" / "o5_2019-02-01_to_10.csv"
 TOML = Path(__file__).parents[2] / "studies" / "measured_house" / "rooms" / "dataset.toml"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -14,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from tests.conftest import DATA
 from waxstudy.plugin import Facade, FloatArray, WeatherRecord
 from waxstudy.plugin.glass import diffuse_through_glass, through_glass
 from waxstudy_paper.weather import Epw, TallinnWeek
@@ -431,8 +431,7 @@ def test_a_start_that_is_no_day_is_refused(start: str) -> None:
 
 @pytest.fixture(scope="module")
 def helsinki() -> str:
-    shared = Path(__file__).parents[2].parent / "shared" / "data"
-    path = Path(os.environ.get("WAXSTUDY_DATA", shared)) / "weather" / "FIN_Helsinki.029740_IWEC.epw"
+    path = DATA / "weather" / "FIN_Helsinki.029740_IWEC.epw"
     if not path.is_file():
         pytest.skip(f"no {path.name} in WAXSTUDY_DATA")
     return str(path)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ import pandas as pd
 import pytest
 import tomli_w
 
-from tests.conftest import ROOT
+from tests.conftest import DATA
 from tests.synthetic.conftest import Simulated, described, written
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.plugin.registry import installed
@@ -19,7 +18,7 @@ from waxstudy.study.model import Study
 from waxstudy.study.read import read_study
 from waxstudy.synthetic.write import truth_beside
 
-EXAMPLE = Path(os.environ.get("WAXSTUDY_DATA", ROOT.parent / "shared" / "data")) / "realities" / "r01"
+EXAMPLE = DATA / "realities" / "r01"
 
 
 def truth(folder: Path) -> dict[str, Any]:

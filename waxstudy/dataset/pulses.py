@@ -106,9 +106,8 @@ def _usual_L_h(flow: FloatArray, opening: FloatArray, span: np.ndarray, ends: np
     """Return the mean flow [L/h] with the valve open: of spans without a pause, else of all that flowed."""
     is_open = opening > OPEN_FOR_PULSES * np.max(opening)
     samples, open_ = _sums(span, np.ones(len(span))), _sums(span, is_open)
-    volume = _sums(
-        span, np.where(np.isfinite(flow), flow, 0.0)
-    )  # spans that lost a sample have no end, and do not count
+    # a span that lost a sample has no end, and does not count
+    volume = _sums(span, np.where(np.isfinite(flow), flow, 0.0))
     whole = ends & (open_ >= WHOLLY_OPEN * samples)
     if whole.sum() >= OPEN_SPANS:
         return float(volume[whole].sum() / samples[whole].sum())

@@ -29,8 +29,8 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         found = _found(search, weighed, choice, beliefs)
         selection = search.selection(found, tried)
         best = best_of(weighed, [group[0] for group in choice.groups])
-        loose = [each for each in found if _may_be_blurred(search, best, each)]
-        blurred = [each for each in loose if search.distinct(each, selection.after) <= WEIGHTS.notable]
+        unsure = [each for each in found if _may_be_blurred(search, best, each)]
+        blurred = [each for each in unsure if search.distinct(each, selection.after) <= WEIGHTS.notable]
         if not blurred:
             return replace(selection, posterior=beliefs)
         kept = WEIGHTS.blurred if search.problem.segment.with_room else 0.0
@@ -38,14 +38,14 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
 
 
 def _may_be_blurred(search: Search, best: Weighed, found: Found) -> bool:
-    """Return whether an effect may be nothing where its interval holds what is believed; `best`: what names it.
+    """Return whether an effect may be nothing where its interval holds what is believed.
 
-    A controller of another form looks as if it were tuned otherwise each time, which leaves much; what leaves nothing
-    amiss in a chain is there, however far its interval reaches. A room is never as its model, nor is a motor in each
-    pause: there the interval counts. What comes and goes is blurred by the days without it.
+    `best` is the likeliest hypothesis with it. No model of a room is exact, nor does one follow a motor in every pause:
+    there the interval counts. Elsewhere it counts if `best` leaves something amiss: a controller of another form looks
+    as if it were tuned otherwise each time. What comes and goes is blurred by the days without it.
     """
-    is_of_loose_form = search.problem.segment.with_room or found.effect.stage == "actuator"
-    return best.pattern is None and (is_of_loose_form or best.misfit > WEIGHTS.open)
+    has_exact_model = not search.problem.segment.with_room and found.effect.stage != "actuator"
+    return best.pattern is None and (not has_exact_model or best.misfit > WEIGHTS.open)
 
 
 def _without(beliefs: Mapping[str, float], blurred: set[str], kept: float) -> dict[str, float]:
