@@ -41,6 +41,7 @@ from waxstudy.report.diagnosis.figures.missing_heat import figure_missing_heat
 from waxstudy.report.diagnosis.figures.ranking import figure_ranking
 from waxstudy.report.diagnosis.figures.switchings import figure_switchings
 from waxstudy.report.diagnosis.figures.traces import course
+from waxstudy.report.diagnosis.figures.waterfall import figure_waterfall
 from waxstudy.report.diagnosis.focus import by_day, main_stages, shown_days
 from waxstudy.report.diagnosis.page import as_html
 from waxstudy.report.diagnosis.summary import VERDICTS as VERDICT_WORDS
@@ -458,6 +459,19 @@ def test_the_ranking_says_why_an_effect_is_not_named_and_of_one_that_stands_twic
     assert {"supply-offset  (emitter, return temperature)", "let-by  (valve)"} <= set(names)
     beside = [each.get_text() for each in panel.texts]
     assert {"p 0.0025", "p 0.013; explains too little", "p 0.62; may be chance"} <= set(beside)
+
+
+@pytest.mark.parametrize(("share", "first"), [(0.02, 0.0), (-0.6, -25.0)])
+def test_the_ranking_begins_below_nothing_only_where_an_effect_makes_a_gap_larger(share: float, first: float) -> None:
+    (panel,) = figure_ranking(replace(NONE, tried=(*NONE.tried, Tried("pipe-delay", "emitter", 1.0, 0.5, share)))).axes
+    assert panel.get_xlim()[0] == panel.get_xticks()[0] == first
+
+
+def test_a_noise_floor_that_crosses_a_figure_of_the_waterfall_lies_behind_it() -> None:
+    (panel, *_) = figure_waterfall(EFFECT).axes
+    (floor,) = (line for line in panel.lines if line.get_label() == "noise floor")
+    assert panel.texts
+    assert all(text.get_zorder() > floor.get_zorder() and text.get_bbox_patch() for text in panel.texts)
 
 
 def test_merged_stages_name_the_channel_that_would_tell_them_apart() -> None:

@@ -46,7 +46,8 @@ def figure_ranking(diagnosis: Diagnosis) -> Figure:
     panel.axvline(0.0, color=BLACK, linewidth=0.8)
     name_rows(panel, [label(diagnosis, each) for each in shown])
     panel.grid(axis="y", visible=False)
-    panel.set(xlim=(RANGE[0], RANGE[1] + ROOM_FOR_WORDS), xticks=range(-25, 101, 25))
+    first = RANGE[0] if any(each.share < 0.0 for each in shown) else 0.0
+    panel.set(xlim=(first, RANGE[1] + ROOM_FOR_WORDS), xticks=range(int(first), 101, 25))
     panel.set_xlabel("share of the gap above the noise floor that is explained, %")
     roles = {role(diagnosis, each) for each in shown}
     legend_of(figure, [Patch(label=name, linewidth=0.9, **look) for name, look in LOOKS.items() if name in roles])

@@ -17,6 +17,7 @@ from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, GREY, legend_b
 MOST_CHANNELS = 4
 HEIGHT = 0.62
 HATCH = "////"
+CLEARED: Any = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}  # a figure that the noise floor would cross
 
 
 @drawing(
@@ -56,7 +57,7 @@ def _channel(panel: Axes, steps: Sequence[Step], floor: float) -> None:
     _bar(panel, last, 0.0, gaps[-1], number(gaps[-1]), facecolor=COLOURS[1])
     for place, gap in enumerate(gaps):
         panel.plot([gap, gap], [place + HEIGHT / 2, place + 1 - HEIGHT / 2], color=BLACK, linewidth=0.8)
-    panel.axvline(floor, color=COLOURS[5], linestyle=DASHED, linewidth=1.6, label="noise floor", zorder=3.0)
+    panel.axvline(floor, color=COLOURS[5], linestyle=DASHED, linewidth=1.6, label="noise floor", zorder=2.5)
     panel.set_yticks(range(last + 1), ["as believed", *(step.effect for step in steps[1:]), "left"])
     panel.grid(axis="y", visible=False)
     panel.set_ylim(last + 0.55, -0.55)
@@ -66,4 +67,4 @@ def _channel(panel: Axes, steps: Sequence[Step], floor: float) -> None:
 
 def _bar(panel: Axes, place: int, low: float, high: float, text: str, **look: Any) -> None:
     panel.barh(place, high - low, HEIGHT, left=low, edgecolor=BLACK, linewidth=0.8, **look)
-    panel.annotate(text, (high, place), (5, 0), textcoords="offset points", va="center", ha="left")
+    panel.annotate(text, (high, place), (5, 0), textcoords="offset points", va="center", ha="left", bbox=CLEARED)
