@@ -13,7 +13,7 @@ from waxstudy.importing.layouts import readings_of
 from waxstudy.importing.matching import matched
 from waxstudy.importing.names import rooms_of
 from waxstudy.importing.reading import Logged, Table
-from waxstudy.importing.seen import seen
+from waxstudy.importing.seen import level_unit, seen
 from waxstudy.importing.units import conversion
 from waxstudy.plugin import FloatArray
 
@@ -133,6 +133,7 @@ def test_rooms_are_told_by_common_words_by_numbers_and_by_what_differs_twice() -
         ("BTU/h", "gain", 0.2931),
         ("%", "level", 0.01),
         ("0-10 V", "level", 0.1),
+        ("0-255", "level", 1.0 / 255.0),
         ("10 L", "flow", 10.0),
         ("kWh", "gain", 1000.0),
     ],
@@ -160,6 +161,18 @@ def test_a_switch_in_per_cent_is_the_output_where_its_name_says_controller(name:
     found = matched(seen([Logged(name, "a.csv", ns, values, np.arange(COUNT), "", False, False)], {}), {}, "")
     assert list(found) == [channel]
     assert found[channel].is_sure is (channel == "control_output")
+
+
+@pytest.mark.parametrize(
+    ("largest", "step", "channels"), [(255, 1.0, ["displacement"]), (251, 1.0, []), (255, 0.5, []), (400, 1.0, [])]
+)
+def test_a_level_in_whole_numbers_up_to_255_is_a_byte_and_others_beyond_100_are_not_taken(
+    largest: int, step: float, channels: list[str]
+) -> None:
+    ns, values = np.arange(COUNT) * MINUTE_NS, np.resize(np.arange(largest, -1, -step), COUNT)
+    (one,) = seen([Logged("Living valve", "a.csv", ns, values, np.arange(COUNT), "", False, False)], {})
+    assert level_unit(one) == ("0-255" if channels else "")
+    assert list(matched([one], {}, "")) == channels
 
 
 def test_names_that_begin_as_a_number_goes_on_are_names() -> None:

@@ -26,6 +26,7 @@ from waxstudy.importing.limits import (
 from waxstudy.importing.names import CHANNEL_NAMES, OTHER_AIR, OTHERS, plain, says
 from waxstudy.importing.rates import is_counter
 from waxstudy.importing.reading import Logged
+from waxstudy.plugin import FloatArray
 
 NO_TEMPERATURES = ("flow_L_h", "heating_signal", "displacement")
 WRITTEN = STATED, IN_FILE, IN_NAME = ("stated", "in the file", "in its name")
@@ -143,10 +144,18 @@ def _in_name(entity: str) -> str:
 
 
 def level_unit(each: Seen) -> str:
-    """Return the unit that a level without one is in, by how high it reaches: per cent, volts, or none."""
+    """Return the unit that a level without one is in, by how high it reaches: per cent, volts, a byte's, or none."""
     if each.high <= FRACTION:
         return "1"
-    return "0-10 V" if each.high <= VOLTS and not each.is_binary else "%" if each.high <= PER_CENT else ""
+    if each.high <= VOLTS and not each.is_binary:
+        return "0-10 V"
+    return "%" if each.high <= PER_CENT else "0-255" if _are_bytes(each.logged.values) else ""
+
+
+def _are_bytes(values: FloatArray) -> bool:
+    """Whether values are whole and go up to just the largest of a byte, as building automation counts levels."""
+    known = values[np.isfinite(values)]
+    return bool(np.all(known == np.round(known)) and known.max(initial=0.0) == units.FULL_BYTE)
 
 
 def converted(each: Seen, quantity: Quantity) -> tuple[float, float, float] | None:

@@ -24,7 +24,7 @@ WRITTEN = {
     "wh": "watt_hour", "kwh": "kilowatt_hour", "mwh": "megawatt_hour", "l": "liter", "gal": "gallon",
     "v": "volt", "0-10 v": "volt", "0-10v": "volt", "0..10 v": "volt", "0...10 v": "volt", "vdc": "volt",
     "%": "percent", "percent": "percent", "prozent": "percent", "1": "1", "0/1": "1", "0-1": "1", "0..1": "1",
-    "on/off": "1", "bool": "1",
+    "on/off": "1", "bool": "1", "0-255": "byte_level", "0..255": "byte_level", "byte": "byte_level",
 }  # fmt: skip
 PULSES = ("imp", "impulse", "impulses", "pulse", "pulses", "count", "counts", "imp.", "ticks")
 POWER_SIGN = {"²": "2", "³": "3", "·": "*", "−": "-"}
@@ -37,6 +37,7 @@ PLAIN = re.compile(
     r"(\d{1,9}([.]\d{1,9})?\s*)?[^\d\s]([^\d\s]|[ ²³·]|[23](?![\d*^])){0,29}|1"
 )  # no powers of numbers, which never end
 FULL_V = 10.0  # of a signal of 0 to 10 V
+FULL_BYTE = 255.0  # of a level in eight bits, as KNX counts per cent (data point type 5.001)
 
 
 class Conversion(NamedTuple):
@@ -51,7 +52,9 @@ class Conversion(NamedTuple):
 def _registry() -> UnitRegistry[Any]:
     from pint import UnitRegistry
 
-    return UnitRegistry(autoconvert_offset_to_baseunit=True)
+    registry: UnitRegistry[Any] = UnitRegistry(autoconvert_offset_to_baseunit=True)
+    registry.define(f"byte_level = 1 / {FULL_BYTE}")
+    return registry
 
 
 def conversion(unit: str, quantity: Quantity) -> Conversion | None:
