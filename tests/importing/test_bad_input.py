@@ -270,6 +270,22 @@ def test_a_clock_that_is_put_forward_or_back_makes_no_gap_and_no_overlap(entry: 
     assert ("24 stamps lie in the hour that is there twice on 2026-10-25" in done.stdout) is (start == "2026-10-23")
 
 
+def test_of_a_clock_that_is_not_put_back_the_zone_of_winter_time_is_told(entry: Entry) -> None:
+    frame = house("2026-10-23", days=4.0)
+    done = imported(entry, frame, "--timezone", "Europe/Tallinn")
+    said = "taken as summer time (of a logger whose clock is not put back, say --timezone Etc/GMT-2)"
+    assert said in done.stdout
+    done = imported(entry, frame, "--timezone", "Etc/GMT-2")
+    assert (done.code, said in done.stdout) == (0, False)
+    assert read(Path("living")).index[0] == frame.index[0]
+
+
+def test_an_offset_for_a_zone_is_answered_with_the_zone_of_that_offset(entry: Entry) -> None:
+    done = imported(entry, house(), "--timezone", "UTC+2")
+    assert (done.code, Path("living").exists()) == (USAGE, False)
+    assert "--timezone UTC+2: no such time zone; did you mean 'Etc/GMT-2'?" in done.stderr
+
+
 def test_a_clock_that_is_put_back_is_refused_without_its_zone(entry: Entry) -> None:
     done = imported(entry, on_the_wall(house("2026-10-23", days=4.0)))
     refused(

@@ -11,6 +11,7 @@ from zoneinfo import ZoneInfo
 import numpy as np
 import pandas as pd
 
+from waxstudy.dataset.zones import fixed_zone
 from waxstudy.importing.reading import Readings, refusal
 
 HOUR = timedelta(hours=1)
@@ -112,10 +113,9 @@ def wall_to_utc(times: pd.DatetimeIndex, zone: str, rows: pd.Index, where: str) 
     lost = np.asarray(summer.isna())
     if lost.any():
         place = int(np.argmax(lost))
-        offset = _standard(zone, times[place])
         wrong = f"{times[place]} is not there in {zone}, as clocks are put forward then: the logger's clock was not"
-        mend = f"say --timezone Etc/GMT{-(offset // HOUR):+d}" if offset % HOUR == timedelta(0) else ""
-        raise refusal(where, wrong, mend, row=rows[place])
+        fixed = _winter_zone(zone, times[place])
+        raise refusal(where, wrong, f"say --timezone {fixed}" if fixed else "", row=rows[place])
     twice = np.asarray(summer != winter)
     if not twice.any():
         return summer.tz_convert("UTC"), ""
@@ -123,8 +123,16 @@ def wall_to_utc(times: pd.DatetimeIndex, zone: str, rows: pd.Index, where: str) 
     whole = summer.where(~is_second, winter).tz_convert("UTC")
     day = times[int(np.argmax(twice))]
     what = "their order tells which is which" if is_told else "nothing tells which it is: taken as summer time"
+    if not is_told and (fixed := _winter_zone(zone, day)):
+        what += f" (of a logger whose clock is not put back, say --timezone {fixed})"
     said = f"{int(twice.sum())} stamps lie in the hour that is there twice on {day:%Y-%m-%d}: {what}"
     return pd.DatetimeIndex(whole), said
+
+
+def _winter_zone(zone: str, at: pd.Timestamp) -> str:
+    """Return the zone that keeps the standard time of another one all year, "" where that is no whole hour."""
+    offset = _standard(zone, at)
+    return "" if offset % HOUR else fixed_zone(offset // HOUR)
 
 
 def _second_pass(times: pd.DatetimeIndex, twice: np.ndarray) -> tuple[np.ndarray, bool]:
