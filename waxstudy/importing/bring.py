@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from zoneinfo import available_timezones
 
+import numpy as np
+
 from waxstudy.dataset.channels import CHANNELS, SHOW_ROOM
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.zones import zone_hint
@@ -106,11 +108,27 @@ def _logged(readings: Readings, notes: Notes, worded: list[str]) -> Logged | Non
         notes.warn(
             f"{readings.where}: {readings.entity}: {numbers.bad_count} readings are no values ({first}): missing"
         )
-    ns = readings.times.as_unit("ns").asi8
-    rows = readings.written.index.to_numpy()
-    unit = readings.unit or numbers.unit
-    how = bool(numbers.words), readings.is_mean, readings.place is None
-    return Logged(readings.entity, readings.where, ns, numbers.values, rows, unit, *how)
+    _refuse_units(readings, numbers.units)
+    return Logged(
+        entity=readings.entity,
+        where=readings.where,
+        ns=readings.times.as_unit("ns").asi8,
+        values=numbers.values,
+        rows=readings.written.index.to_numpy(),
+        unit=readings.unit or numbers.unit,
+        is_words=numbers.is_words,
+        is_mean=readings.is_mean,
+        said=numbers.said if np.isfinite(numbers.said).any() else None,
+        is_of_house=readings.place is None,
+    )
+
+
+def _refuse_units(readings: Readings, written: Sequence[str]) -> None:
+    """Refuse readings with several units behind them, as a page shows them that fits each to its size."""
+    known = sorted({units.plain_unit(one): one for one in written if units.fitting(one, list(units.BASE))}.values())
+    if len(known) > 1:
+        wrong = f"{readings.entity} has readings in {listed(known, NAMED)}"
+        raise refusal(readings.where, wrong, "export its values as they are, without units behind them")
 
 
 def _refuse_other_days(readings: Sequence[Readings]) -> None:

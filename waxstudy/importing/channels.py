@@ -56,7 +56,7 @@ def channels_of(
             stated[match.seen.entity] = unit
     request = replace(request, units=stated)
     _tell_untold(matches, stated, notes)
-    made = {channel: _made(match, stated) for channel, match in matches.items()}
+    made = {channel: _made(match, stated, notes) for channel, match in matches.items()}
     made = {channel: _while_alive(each, entities) for channel, each in made.items()}
     grid = _grid(request, made)
     columns, noise = {}, {}
@@ -116,7 +116,7 @@ def _tell_untold(matches: Mapping[str, Match], stated: Mapping[str, str], notes:
         notes.assume(f"No unit is written for {', '.join(entities)}: taken as {taken}.")
 
 
-def _made(match: Match, stated: Mapping[str, str]) -> _Made:
+def _made(match: Match, stated: Mapping[str, str], notes: Notes) -> _Made:
     """Return an entity with its conversion; raise `StudyError` for a unit that is none, or of something else."""
     each, quantity = match.seen, CHANNELS[match.channel].quantity
     unit = stated.get(each.entity) or each.unit
@@ -133,6 +133,10 @@ def _made(match: Match, stated: Mapping[str, str]) -> _Made:
     shown = unit or (taken if quantity == "level" else UNITS[quantity]) or "1"
     match = replace(match, seen=replace(each, unit=shown))
     logged = each.logged
+    if logged.said is not None and quantity != "level":
+        count = int(np.isfinite(logged.said).sum())
+        notes.warn(f"{logged.where}: {each.entity}: {count} readings are words among numbers: missing")
+        logged = logged._replace(said=None)
     return _Made(match, logged, rhythm(logged.ns, logged.values), how)
 
 
@@ -231,6 +235,8 @@ def _on_grid(each: _Made, grid: Grid, hold_s: float, notes: Notes) -> tuple[Floa
         usual_ns = round(each.kind.usual_s * NS)
         ns = ns - (usual_ns - grid.step_ns if channel.is_mean else usual_ns // 2)  # a sample stamps its end, too
     values = each.how.scale * logged.values + each.how.offset
+    if logged.said is not None:
+        values = np.where(np.isnan(logged.said), values, logged.said)
     taken = on_grid(ns, values, each.kind, grid, hold_s, channel.is_mean)
     # where readings come as often as samples, these tell their noise themselves
     is_held = each.kind.usual_s > COARSER * interval_s

@@ -9,7 +9,7 @@ import pandas as pd
 
 from waxstudy.importing.stamps import is_stamps
 from waxstudy.importing.units import BASE, WRITTEN, fitting
-from waxstudy.importing.words import is_told_in_words
+from waxstudy.importing.words import SIGN, is_told_in_words
 
 BRACKETED = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*$")
 SLASHED = re.compile(r"^(?P<name>.+?)\s+/\s+(?P<unit>\S+)$")
@@ -56,7 +56,7 @@ def units_row(frame: pd.DataFrame) -> tuple[dict[str, str], pd.DataFrame]:
 def is_value(cell: str) -> bool:
     if cell.lower() in WRITTEN and not cell.isdigit():
         return False
-    begins_as_number = re.fullmatch(r"[-+]?[.,]?\d[\d.,:eE \-/TZ+]*", cell)  # T1 and E2 are names
+    begins_as_number = re.fullmatch(SIGN + r"[.,]?\d[\d.,:eE \-/TZ+]*", cell)  # T1 and E2 are names
     return begins_as_number is not None or is_told_in_words(cell)
 
 

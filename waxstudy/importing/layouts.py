@@ -6,8 +6,10 @@ import re
 from collections import Counter
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.columns import named
@@ -18,7 +20,9 @@ from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.status import without_bad, without_status
 from waxstudy.importing.time_columns import EXPECTED, dated, time_column
-from waxstudy.importing.words import numbers_of
+from waxstudy.importing.units import plain_unit
+from waxstudy.importing.words import SIGN, numbers_of
+from waxstudy.study.problems import listed
 
 # names of columns, in lower case; what is not named so is told by what it holds
 ENTITY = ("entity_id", "entity", "sensor", "sensor_id", "name", "tag", "variable", "channel", "point", "series",
@@ -39,6 +43,27 @@ def readings_of(
 
     `begin` is that of times that tell no date.
     """
+    for part in _side_by_side(table):
+        yield from _readings_of(part, file, time_format, begin)
+
+
+def _side_by_side(table: Table) -> Iterator[Table]:
+    """Yield tables that stand beside each other in one, each with stamps of its own in its first column."""
+    frame = table.frame.dropna(axis="columns", how="all")
+    places = [place for place, name in enumerate(frame.columns) if is_stamps(frame[name])]
+    # some tables tell two times of each row, as when it began and ended: these lie beside each other
+    is_several = len(places) > 1 and places[0] == 0 and min(np.diff([*places, len(frame.columns)])) > 1
+    if not is_several or all(frame.iloc[:, places[0]].equals(frame.iloc[:, place]) for place in places[1:]):
+        yield table
+        return
+    for begin, end in pairwise([*places, len(frame.columns)]):
+        part = frame.iloc[:, begin:end]
+        yield table._replace(frame=part[part.iloc[:, 0].notna()])
+
+
+def _readings_of(
+    table: Table, file: Path, time_format: str | None, begin: pd.Timestamp | None = None
+) -> Iterator[Readings]:
     frame = table.frame.dropna(axis="columns", how="all")
     if len(frame) < 2:
         raise refusal(table.where, "holds less than two rows of readings", EXPECTED)
@@ -49,9 +74,13 @@ def readings_of(
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
     frame, bad = without_status(frame)
     entity = _entity_column(frame, time)
+    if entity:
+        frame = _told_apart(frame, time, entity)
+    again = _read_again(Table(table.where, frame), time, entity)
     frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or "", *_units(frame)))
     split = _long if entity else _wide
-    said = tuple(filter(None, (zone_told(frame[time], time_format, table.where), counting, lost, *table.notes)))
+    zone = zone_told(frame[time], time_format, table.where)
+    said = tuple(filter(None, (zone, counting, again, lost, *table.notes)))
     for each in split(Table(table.where, frame), file, time, units, time_format, entity or ""):
         yield replace(each, notes=(*each.notes, *said)) if said else each
 
@@ -80,6 +109,37 @@ def _fields_with_tags(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.assign(**{FIELD: names.where(frame[FIELD].notna())}).drop(columns=tags)
 
 
+def _told_apart(frame: pd.DataFrame, time: str, entity: str) -> pd.DataFrame:
+    """Return a table whose names have those of another column beside them, where alone they name several sensors."""
+    if frame.duplicated([time, entity]).mean() <= TWICE:
+        return frame
+    value = _named(VALUE, [name for name in frame.columns if name not in (time, entity)])
+    rest = [name for name in frame.columns if name not in (time, entity, value, *_units(frame))]
+    whole = [name for name in rest if frame[name].notna().all() and _holds_names(frame[name])]
+    tell = [name for name in whole if frame.duplicated([time, entity, name]).mean() <= TWICE]
+    if not tell:
+        return frame
+    other = min(tell, key=lambda name: frame[name].nunique())
+    first, second = (name for name in frame.columns if name in (entity, other))
+    names = frame[first].astype(str).str.strip() + " " + frame[second].astype(str).str.strip()
+    return frame.assign(**{entity: names}).drop(columns=other)
+
+
+def _read_again(table: Table, time: str, entity: str | None) -> str:
+    """Return a sentence on rows that have the stamp of another one, of which the last counts; "" for few.
+
+    Raises `StudyError` where stamps are days, as the time of day must stand elsewhere then.
+    """
+    again = table.frame.duplicated([time, entity] if entity else [time])
+    if again.mean() <= AGAIN:
+        return ""
+    stamp = str(table.frame.loc[again, time].iloc[0])
+    if ":" not in stamp.removesuffix(" 00:00:00"):
+        wrong = f"many rows have the stamp {stamp}, which tells no time of day"
+        raise refusal(table.where, wrong, "name its column 'hour' or 'time', or write it behind the day")
+    return f"{Path(table.where).name}: {again.mean():.0%} of the rows have the stamp of another one: the last counts."
+
+
 def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
     """Return the column of entities' names; None in a table with a column for each entity."""
     rest = [name for name in frame.columns if name != time]
@@ -87,14 +147,25 @@ def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
         return FIELD
     texts = [name for name in rest if _holds_names(frame[name])]
     by_name = _named(ENTITY, texts)
-    if not by_name and _named(VALUE, rest):  # names may look like numbers, as 1/2/3
-        by_name = _named(ENTITY, [name for name in rest if not pd.api.types.is_numeric_dtype(frame[name])])
+    if not by_name and _named(VALUE, rest):  # names may look like numbers, as 1/2/3, or be some
+        by_name = _named(ENTITY, [name for name in rest if _may_be_numbered(frame, time, name)])
     if by_name:
         return by_name
     texts = [name for name in texts if str(name).strip().lower() not in UNIT]
-    if len(texts) == 1 and len(rest) - len(texts) <= 2:
-        return str(texts[0])
+    others = [name for name in rest if name not in (*texts, *_units(frame))]
+    if len(texts) == 1 and len(others) <= 2 and frame[texts[0]].notna().all():
+        is_number = any(pd.api.types.is_numeric_dtype(frame[name]) for name in others)
+        if frame[texts[0]].nunique() == 1 or not is_number:
+            return str(texts[0])
     return _telling(frame, time, texts)
+
+
+def _may_be_numbered(frame: pd.DataFrame, time: str, name: Hashable) -> bool:
+    """Whether a column may hold names: of numbers, that tells apart the rows of one stamp."""
+    if not pd.api.types.is_numeric_dtype(frame[name]):
+        return True
+    are_several = frame.duplicated([time]).mean() > AGAIN
+    return are_several and bool(frame.duplicated([time, name]).mean() <= TWICE)
 
 
 def _named(words: Sequence[str], columns: Sequence[Hashable]) -> str | None:
@@ -136,7 +207,7 @@ def _holds_names(written: pd.Series) -> bool:
 
 
 def _starts_as_number(cell: str) -> bool:
-    return bool(re.match(r"\s*[-+]?\d+([.,]\d+)?\s*\S{0,6}$", cell))
+    return bool(re.match(rf"\s*{SIGN}\d+([.,]\d+)?\s*\S{{0,6}}$", cell))
 
 
 def _long(
@@ -156,8 +227,7 @@ def _long(
     frame = frame.drop(columns=time)
     for name, places in frame.groupby(names, sort=True, observed=True).indices.items():
         rows = frame.iloc[places]
-        written = rows[unit].dropna() if unit else pd.Series(dtype=object)
-        told = str(written.iloc[0]).strip() if len(written) else ""
+        told = _unit_told(Table(table.where, rows), unit, str(name))
         if len(values) == 1:
             yield Readings(str(name), table.where, times[places], rows[values[0]], told)
             continue
@@ -166,6 +236,16 @@ def _long(
             is_there = rows[value].notna().to_numpy()
             own_unit = units.get(value, own_unit or told)
             yield Readings(f"{name} {what}", table.where, times[places][is_there], rows.loc[is_there, value], own_unit)
+
+
+def _unit_told(table: Table, column: str | None, entity: str) -> str:
+    """Return the unit that a column tells of an entity, "" for none; raise `StudyError` for several."""
+    written = [str(unit).strip() for unit in table.frame[column].dropna().unique()] if column else []
+    told = {plain_unit(unit): unit for unit in written if unit}
+    if len(told) > 1:
+        wrong = f"{entity} has readings in {listed(sorted(told.values()))}"
+        raise refusal(table.where, wrong, "import what has one unit")
+    return next(iter(told.values()), "")
 
 
 def _value_columns(table: Table, time: str, entity: str) -> list[str]:
@@ -193,7 +273,7 @@ def _wide(
         raise refusal(table.where, "has stamps and no readings", EXPECTED)
     times = _at_ends(stamps_of(frame[time], time_format, table.where), frame, time)
     of_units = _units(frame)
-    unit_of_all = str(frame[of_units[0]].dropna().iloc[0]) if of_units else ""
+    unit_of_all = _unit_told(table, next(iter(of_units), None), " ".join(each for each in rest if each not in of_units))
     parts = {column: parted(column) for column in rest if column not in of_units}
     count = Counter(name for name, _ in parts.values())
     for column, (name, unit) in parts.items():

@@ -35,6 +35,9 @@ BEGINS = 1000  # bytes that tell what a file is: a topic of MQTT may be long
 NAMED = 12  # names that are listed
 LONGEST = 60  # characters of a line or name of a log
 
+# --- numbers
+NEAR_THOUSAND = 100.0  # that whole numbers reach of which larger ones may have a comma between thousands
+
 # --- tables of readings
 MOST_ENTITIES = 2000  # a table with more is none of readings: each of them would become a column
 REPEATED = 2.0  # rows to an entity, at least

@@ -53,6 +53,7 @@ class Logged(NamedTuple):
     unit: str
     is_words: bool
     is_mean: bool
+    said: np.ndarray | None = None  # (n,) as 0 and 1, what words say among numbers, which `values` lack there
     is_of_house: bool = True  # else of a weather station, which says nothing of whether the house's logger lives
 
 

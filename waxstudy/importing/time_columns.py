@@ -20,6 +20,7 @@ TIME = ("time", "timestamp", "datetime", "date/time", "last_changed", "last_upda
         "zeitstempel", "date", "datum", "ts", "epoch", "when", "last_changed_ts", "last_updated_ts",
         "datenum")  # fmt: skip
 DAY = ("date", "datum", "day", "tag")
+HOUR = ("hour", "hours", "hour of day", "hr", "stunde", "std", "heure", "tund", "tunti", "ora", "hora", "time")
 CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?\s*([AaPp][Mm])?\s*")
 NO_CLOCK = r"[ T]00:00(:00(\.0+)?)?$"  # as a workbook's days have
 NO_TABLES = {
@@ -77,6 +78,7 @@ def time_column(table: Table) -> tuple[str, pd.DataFrame]:
         if not is_stamps(frame[name], name if name in by_name else ""):
             continue
         clock = next((each for each in frame.columns if each != name and _is_clock(frame[each])), None)
+        clock = next((each for each in frame.columns if _is_hour(frame[each])), None) if clock is None else clock
         if clock is None or not _is_day(frame[name]):
             return name, frame
         return name, _day_and_clock(frame, name, clock)
@@ -99,13 +101,22 @@ def time_column(table: Table) -> tuple[str, pd.DataFrame]:
 def _day_and_clock(frame: pd.DataFrame, day: str, clock: Hashable) -> pd.DataFrame:
     """Return a table whose column of days has the time of day behind them."""
     days = frame[day].astype(str).str.strip().str.replace(NO_CLOCK, "", regex=True)
-    both = days + " " + frame[clock].astype(str).str.strip()
+    hours = frame[clock]
+    is_hour = pd.api.types.is_numeric_dtype(hours)
+    both = days + " " + (hours.map("{:02.0f}:00".format) if is_hour else hours.astype(str).str.strip())
     return frame.assign(**{day: both}).drop(columns=[clock])
 
 
 def _is_clock(written: pd.Series) -> bool:
     first = written.dropna().iloc[:LOOKED_AT].astype(str)
     return len(first) > 0 and bool(first.str.fullmatch(CLOCK).all())
+
+
+def _is_hour(written: pd.Series) -> bool:
+    """Whether a column has hours of the day, 0 to 23 or 1 to 24."""
+    if str(written.name).strip().lower() not in HOUR or not pd.api.types.is_integer_dtype(written):
+        return False
+    return bool(written.between(0, 24).all() and written.nunique() > 1)
 
 
 def _is_day(written: pd.Series) -> bool:

@@ -86,6 +86,15 @@ def _level(one: Any) -> Conversion | None:
     return Conversion(float(one.to("").magnitude), 0.0, False) if one.dimensionless else None
 
 
+def plain_unit(written: str) -> str:
+    """Return one way of writing for units that are written in several.
+
+    >>> plain_unit("°C"), plain_unit("celsius"), plain_unit("L/h")
+    ('degC', 'degC', 'l/h')
+    """
+    return WRITTEN.get(written.strip().lower(), written.strip().lower())
+
+
 @cache
 def _quantity(unit: str) -> Any:
     from pint.errors import PintError
