@@ -151,12 +151,17 @@ def _is_changing_night(times: pd.DatetimeIndex) -> np.ndarray:
 
 def _tell_clock_changes(times: pd.DatetimeIndex, notes: Notes) -> None:
     """Say it where stamps jump by an hour in such a night: nothing else shows that a clock was put forward."""
-    steps_s = np.diff(times.as_unit("ns").asi8) / 1e9
-    usual_s = float(np.median(steps_s))
-    is_hour = np.abs(steps_s - usual_s - HOUR_S) <= min(0.5 * usual_s, LATE_S)
-    if len(found := np.flatnonzero(is_hour & _is_changing_night(times[:-1]))):
-        before = times[found[0]]
+    if (before := hour_left_out(times)) is not None:
         notes.warn(
             f"time: an hour is missing after {before}, a Sunday, as where summer time begins: if a clock was put "
             "forward, all stamps after it are an hour late; write them in standard time, or with their offset from UTC"
         )
+
+
+def hour_left_out(times: pd.DatetimeIndex) -> pd.Timestamp | None:
+    """Return the stamp before an hour that is missing in a night in which clocks are put forward; None without one."""
+    steps_s = np.diff(times.as_unit("ns").asi8) / 1e9
+    usual_s = float(np.median(steps_s)) if len(steps_s) else 0.0
+    is_hour = np.abs(steps_s - usual_s - HOUR_S) <= min(0.5 * usual_s, LATE_S)
+    found = np.flatnonzero(is_hour & _is_changing_night(times[:-1]))
+    return times[found[0]] if len(found) else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from zoneinfo import available_timezones
 
 import numpy as np
@@ -20,12 +21,12 @@ from waxstudy.importing.layouts import readings_of
 from waxstudy.importing.limits import FRACTION, NAMED
 from waxstudy.importing.matching import Match, matched
 from waxstudy.importing.names import CHANNEL_NAMES, OTHERS, is_of_room, plain, rooms_of, says
-from waxstudy.importing.reading import Logged, Readings, Table, problem, refusal
+from waxstudy.importing.reading import Logged, NoStamps, Readings, Table, problem, refusal
 from waxstudy.importing.request import Imported, Request
 from waxstudy.importing.seen import Seen, is_plausible, seen
 from waxstudy.importing.sources import files_of, tables_of
 from waxstudy.importing.words import numbers_of
-from waxstudy.importing.zone import in_standard_time, zone_told
+from waxstudy.importing.zone import in_standard_time, without_unset, zone_told
 from waxstudy.plugin.registry import hint, nearest
 from waxstudy.study.problems import StudyError, listed
 
@@ -73,12 +74,26 @@ def _read(request: Request) -> list[Readings]:
     files = files_of(request.sources)
     found: list[Readings] = []
     for file in files:
-        for each in tables_of(file):
-            found += readings_of(each, file, request.time_format, request.begin) if isinstance(each, Table) else [each]
-    found = [each for each in found if len(each.times)]
+        found += _of_file(request, file)
+    found = [without_unset(each) for each in found if len(each.times)]
     if not found:
         raise refusal(str(request.sources[0]), "holds no readings")
     return found
+
+
+def _of_file(request: Request, file: Path) -> list[Readings]:
+    """Return what a file holds; of several tables those without stamps are left out, as long as one has some."""
+    found: list[Readings] = []
+    without: list[NoStamps] = []
+    for each in tables_of(file):
+        try:
+            found += readings_of(each, file, request.time_format, request.begin) if isinstance(each, Table) else [each]
+        except NoStamps as error:
+            without.append(error)
+    if without and not found:
+        raise without[0]
+    said = tuple(f"{error.problems[0].file} is left out: it has no column of stamps." for error in without)
+    return [replace(each, notes=(*each.notes, *said)) for each in found] if said else found
 
 
 def _zone(request: Request, readings: Sequence[Readings], ask: Ask) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Hashable
 import pandas as pd
 
 from waxstudy.importing.stamps import is_stamps
-from waxstudy.importing.units import BASE, WRITTEN, fitting
+from waxstudy.importing.units import BASE, WRITTEN, fitting, is_unit
 from waxstudy.importing.words import SIGN, is_told_in_words
 
 BRACKETED = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*$")
@@ -21,8 +21,8 @@ EVERY = re.compile(r"\((?:TimeStep|Each Call|Hourly|Daily|Monthly|RunPeriod|Annu
 def parted(column: str) -> tuple[str, str]:
     """Return a column's name without the unit that stands behind it, and the unit.
 
-    >>> parted("T_room [degF]"), parted("Flow / L/min"), parted("Temp, °C (S/N: 12, LBL: bath)"), parted("Valve")
-    (('T_room', 'degF'), ('Flow', 'L/min'), ('bath Temp', '°C'), ('Valve', ''))
+    >>> parted("T_room [degF]"), parted("Flow / L/min"), parted("Temp, °C (S/N: 12, LBL: bath)"), parted("T (outside)")
+    (('T_room', 'degF'), ('Flow', 'L/min'), ('bath Temp', '°C'), ('T (outside)', ''))
     """
     column = EVERY.sub("", column)
     comma = COMMA.match(column)
@@ -31,7 +31,8 @@ def parted(column: str) -> tuple[str, str]:
         words = [label["label"].strip(), comma["name"]] if label else [comma["name"], about]
         return " ".join(words).strip(), comma["unit"]
     found = BRACKETED.match(column) or SLASHED.match(column)
-    return (found["name"].strip(), found["unit"].strip()) if found else (column.strip(), "")
+    is_told = found and (not found["unit"].strip() or is_unit(found["unit"].strip()))
+    return (found["name"].strip(), found["unit"].strip()) if found and is_told else (column.strip(), "")
 
 
 def _is_unit(written: str) -> bool:

@@ -19,7 +19,7 @@ from waxstudy.importing.limits import AGAIN, LOOKED_AT, MIXED, MOST_ENTITIES, RE
 from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.status import without_bad, without_status
-from waxstudy.importing.time_columns import EXPECTED, dated, time_column
+from waxstudy.importing.time_columns import EXPECTED, NO_CLOCK, dated, time_column
 from waxstudy.importing.units import plain_unit
 from waxstudy.importing.words import SIGN, numbers_of
 from waxstudy.study.problems import listed
@@ -133,9 +133,9 @@ def _read_again(table: Table, time: str, entity: str | None) -> str:
     again = table.frame.duplicated([time, entity] if entity else [time])
     if again.mean() <= AGAIN:
         return ""
-    stamp = str(table.frame.loc[again, time].iloc[0])
-    if ":" not in stamp.removesuffix(" 00:00:00"):
-        wrong = f"many rows have the stamp {stamp}, which tells no time of day"
+    stamps = table.frame.loc[again, time].astype(str)
+    if not stamps.str.replace(NO_CLOCK, "", regex=True).str.contains(":").any():
+        wrong = f"many rows have the stamp {stamps.iloc[0]}, which tells no time of day"
         raise refusal(table.where, wrong, "name its column 'hour' or 'time', or write it behind the day")
     return f"{Path(table.where).name}: {again.mean():.0%} of the rows have the stamp of another one: the last counts."
 

@@ -52,6 +52,7 @@ LEAST_ROWS, LEAST_COLUMNS = 3, 2  # of a sheet that is a table
 # --- which name is which channel
 EXACT, CLEAR, WEAK, BY_VALUES = 0.95, 0.7, 0.5, 0.35  # how much a name says, or values without one
 UNIT, VALUES, ROOM = 0.15, 0.1, 0.05  # that a unit, values and a room that is asked for add to it
+OTHER_WORDS = 0.15  # that a word takes from it which may name another room than that which is asked for
 STRANGE = 0.25  # that values take from it which are not those of the channel
 SURE = 0.7  # from here on it is not asked
 LEAST_SURE = 0.4  # below, it is not proposed
@@ -67,6 +68,7 @@ JUMP, USUAL = 50.0, 0.99  # times the rate that all but a few rises stay below: 
 
 # --- what values tell
 FAHRENHEIT = (50.0, 95.0)  # medians of a room in degrees Fahrenheit, none of which is one in degrees Celsius
+COLDEST_C, WARMEST_C = 12.0, 60.0  # of water in a floor: what is a flow in L/h is below or above at times
 WARM_WATER_C, STEADY_K = 28.0, 3.0  # what water reaches and no room does; spread of a room
 FRACTION = 1.5  # a level that goes no higher is a fraction; 0 to 10 V and per cent go further
 LEVEL = (-0.2, 1.2)  # lowest and highest of levels: sensors overshoot their range a little
@@ -74,6 +76,7 @@ LEAST_AMOUNT = -5.0  # of flows and gains, which an offset of the sensor may bri
 DIALS = 20  # values that a setpoint takes at most
 
 # --- stamps
+UNSET = ("1970-01-01", "2000-01-01")  # days at which clocks begin that nobody has set yet
 LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
 TRIED = 2000  # stamps that tell the format of a column
 SPREADSHEET_DAYS = (20_000, 80_000)  # what a spreadsheet counts from 1954 to 2119

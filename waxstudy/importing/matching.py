@@ -10,21 +10,26 @@ from waxstudy.importing.limits import (
     ALIKE,
     BY_VALUES,
     CLEAR,
+    COLDEST_C,
     EXACT,
     FOLLOWING,
     LEAST_SURE,
     MOST_SURE,
+    OTHER_WORDS,
     ROOM,
     STRANGE,
     SURE,
     UNIT,
     VALUES,
+    WARMEST_C,
     WEAK,
 )
-from waxstudy.importing.names import CHANNEL_NAMES, is_of_room, plain, says
+from waxstudy.importing.names import CHANNEL_NAMES, has_other_words, is_of_room, plain, says
 from waxstudy.importing.seen import Seen, by_values, is_plausible
 
 TWICE = ("supply_temperature_C", "return_temperature_C")
+OF_HOUSE = (*TWICE, "flow_L_h", "outdoor_temperature_C", "global_irradiance_W_m2", "diffuse_irradiance_W_m2",
+            "photovoltaic_power_W", "ventilation_supply_temperature_C", "neighbour_temperature_C")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,20 @@ def matched(entities: Sequence[Seen], stated: Mapping[str, str], room: str) -> d
         is_left = entity not in settled or settled[entity] < match.confidence - ALIKE
         if best and is_left and best.seen.entity != entity and best.confidence - match.confidence < ALIKE:
             found[match.channel] = replace(best, rivals=(*best.rivals, entity))
-    return _water({channel: found[channel] for channel in CHANNELS if channel in found})
+    return _water(_flow_and_return({channel: found[channel] for channel in CHANNELS if channel in found}))
+
+
+def _flow_and_return(found: dict[str, Match]) -> dict[str, Match]:
+    """Return a flow that may be a temperature as that: in Britain water flows to a floor, and returns."""
+    flow, back = found.get("flow_L_h"), found.get("return_temperature_C")
+    if flow is None or back is None or "supply_temperature_C" in found or flow.confidence == 1.0:
+        return found
+    seen, of_back = flow.seen, back.seen
+    is_warmer = of_back.median <= seen.median < WARMEST_C and seen.low >= COLDEST_C
+    if seen.is_unit_written or seen.is_counter or not is_warmer:
+        return found
+    supply = replace(flow, channel="supply_temperature_C", confidence=round(SURE - ALIKE, 2))
+    return {channel: each for channel, each in found.items() if channel != "flow_L_h"} | {supply.channel: supply}
 
 
 def _match(each: Seen, channel: str, room: str) -> Match | None:
@@ -87,8 +105,15 @@ def _match(each: Seen, channel: str, room: str) -> Match | None:
     if score != EXACT:  # what a name says to the letter, the checks of datasets judge
         score += VALUES if is_like else -STRANGE
     why.append(each.range_words + ("" if is_like else ", strange for it"))
-    score += ROOM if room and is_of_room(each.entity, room) else 0.0
+    score += _by_room(each, channel, room) if room else 0.0
     return Match(channel, each, round(min(score, MOST_SURE), 2), "; ".join(why)) if score >= LEAST_SURE else None
+
+
+def _by_room(each: Seen, channel: str, room: str) -> float:
+    if is_of_room(each.entity, room):
+        return ROOM
+    is_written = each.entity == channel or channel in OF_HOUSE or not has_other_words(each.entity)
+    return 0.0 if is_written else -OTHER_WORDS
 
 
 def _by_name(each: Seen, channel: str) -> tuple[float, list[str]]:

@@ -13,6 +13,8 @@ ROOMS = (
     "living", "bedroom", "kitchen", "bathroom", "bath", "office", "study", "dining", "kids", "child", "children",
     "hall", "hallway", "guest", "nursery", "lounge", "wohnzimmer", "schlafzimmer", "kueche", "bad", "buero",
     "kinderzimmer", "flur", "diele", "esszimmer", "gaestezimmer", "attic", "basement", "upstairs", "downstairs",
+    "salon", "chambre", "cuisine", "toilet", "toilette", "wc", "shower", "dusche", "sauna", "utility", "laundry",
+    "cellar", "keller", "corridor", "entrance", "garage", "ankleide", "arbeitszimmer", "loft",
     "olohuone", "makuuhuone", "keittioe", "kylpyhuone", "elutuba", "magamistuba", "koeoek", "vannituba",
 )  # fmt: skip
 NUMBERED = re.compile(r"\b(room|zone|raum|zimmer|loop|kreis) ?(\d+)\b")
@@ -97,10 +99,11 @@ CHANNEL_NAMES = {
 def plain(entity: str) -> str:
     """Return a name as lower words between blanks, without the domain in front of it.
 
-    >>> plain("sensor.livingRoom_temp-2"), plain("Außentemperatur")
-    (' living room temp 2 ', ' aussentemperatur ')
+    >>> plain("sensor.livingRoom_temp-2"), plain("Außentemperatur"), plain("valve")
+    (' living room temp 2 ', ' aussentemperatur ', ' valve ')
     """
-    name = entity.partition(".")[2] if entity.partition(".")[0] in DOMAINS else entity
+    domain, _, rest = entity.partition(".")
+    name = rest if rest and domain in DOMAINS else entity
     name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name.translate(PLAIN))
     return f" {' '.join(re.findall(r'[a-z]+|[0-9]+', name.lower()))} "
 
@@ -118,7 +121,8 @@ def rooms_of(entities: Sequence[str]) -> dict[str, str]:
 def _room(name: str) -> str:
     if told := NUMBERED.search(name):
         return f"{told[1]} {told[2]}"
-    return next((room for room in ROOMS if says(name, room)), "")
+    found = (re.search(rf" ({room})( \d+)? ", name) for room in ROOMS)
+    return next((told[1] + (told[2] or "") for told in found if told), "")
 
 
 def _differing(entities: Sequence[str]) -> dict[str, str]:
@@ -139,4 +143,15 @@ def _is_of_channel(word: str) -> bool:
 
 
 def is_of_room(entity: str, room: str) -> bool:
-    return plain(room).strip() in plain(entity)
+    """Whether a name is that of a room.
+
+    >>> is_of_room("Room 1 valve", "room 1"), is_of_room("Room 10 valve", "room 1"), is_of_room("bedroom 2", "bedroom")
+    (True, False, False)
+    """
+    told = plain(room).strip()
+    return re.search(rf"(?<!\d){re.escape(told)}(?!\d)(?! \d)", plain(entity)) is not None
+
+
+def has_other_words(entity: str) -> bool:
+    """Whether a name has a word that is none of a channel's, and may be of another room."""
+    return not all(_is_of_channel(word) for word in plain(entity).split())

@@ -57,6 +57,10 @@ class Logged(NamedTuple):
     is_of_house: bool = True  # else of a weather station, which says nothing of whether the house's logger lives
 
 
+class NoStamps(StudyError):
+    """A table has no column of stamps: it is none of readings."""
+
+
 Layout = Literal["wide", "long"]
 
 

@@ -14,6 +14,7 @@ import pandas as pd
 from waxstudy.dataset.limits import YEARS
 from waxstudy.dataset.stamps import ZONED
 from waxstudy.importing.limits import LOOKED_AT, MOSTLY, TRIED, YEAR_DAYS
+from waxstudy.importing.months import in_english
 from waxstudy.importing.reading import refusal
 from waxstudy.study.problems import shown
 
@@ -178,7 +179,7 @@ def _plain(written: pd.Series) -> pd.Series:
 
 def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
     """Return texts as stamps; raise `ValueError` where they do not tell which instants they are."""
-    times = _as_written(written, time_format)
+    times = _as_written(in_english(written) if time_format else written, time_format)
     if time_format or not (times.isna() & written.notna()).any():
         return times
     calendar = _calendar(written)
@@ -189,7 +190,7 @@ def _spelt(written: pd.Series, times: pd.Series) -> pd.Series:
     """Return stamps read again without a zone, a weekday or a word between; 24 h is 0 h of the next day."""
     unread = times.isna() & written.notna()
     zone = written.str.extract(ZONE_BEHIND, expand=False)
-    spelt = written.copy()
+    spelt = written.where(~unread, in_english(written))
     for rest, instead in ((ZONE_BEHIND, ""), (WEEKDAY, ""), (BETWEEN, " "), (GLUED, " ")):
         spelt[unread] = spelt[unread].str.replace(rest, instead, regex=True)
     ends_day = spelt.str.contains(MIDNIGHT, na=False)

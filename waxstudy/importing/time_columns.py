@@ -12,7 +12,7 @@ from waxstudy.importing.begin import counted, counts_from_begin, has_no_year, wi
 from waxstudy.importing.day_numbers import counting_of, times_of
 from waxstudy.importing.headers import parted
 from waxstudy.importing.limits import LOOKED_AT, SPREADSHEET_DAYS
-from waxstudy.importing.reading import Table, refusal
+from waxstudy.importing.reading import NoStamps, Table, problem, refusal
 from waxstudy.importing.stamps import is_stamps
 
 # names of columns, in lower case; what is not named so is told by what it holds
@@ -95,7 +95,7 @@ def time_column(table: Table) -> tuple[str, pd.DataFrame]:
     for form, what in NO_TABLES.items():
         if form.search(first):
             raise refusal(table.where, f"is no table: it holds {what}", "export a table, with a row for each time")
-    raise refusal(table.where, f"no column holds stamps (columns: {named(frame)})", EXPECTED)
+    raise NoStamps([problem(table.where, f"no column holds stamps (columns: {named(frame)})", EXPECTED)])
 
 
 def _day_and_clock(frame: pd.DataFrame, day: str, clock: Hashable) -> pd.DataFrame:

@@ -27,6 +27,7 @@ WRITTEN = {
     "on/off": "1", "bool": "1", "0-255": "byte_level", "0..255": "byte_level", "byte": "byte_level",
 }  # fmt: skip
 PULSES = ("imp", "impulse", "impulses", "pulse", "pulses", "count", "counts", "imp.", "ticks")
+STOREYS = ("EG", "OG", "UG", "DG", "KG")  # of German houses; pint takes the first for exagrams
 POWER_SIGN = {"²": "2", "³": "3", "·": "*", "−": "-"}
 BASE: dict[Quantity, str] = {
     "indoor": "degC", "water": "degC", "outdoor": "degC", "level": "", "flow": "liter/hour", "gain": "watt",
@@ -114,6 +115,17 @@ def _quantity(unit: str) -> Any:
     except (PintError, AttributeError, ValueError, TypeError, SyntaxError, ArithmeticError) as error:
         raise ValueError(f"'{unit}' is no unit that is known") from error
     return found if hasattr(found, "units") else _registry().Quantity(float(found), "")
+
+
+def is_unit(written: str) -> bool:
+    """Whether a word between brackets is a unit, of a channel or of anything else, and no storey of a house."""
+    if written in STOREYS:
+        return False
+    try:
+        _quantity(written)
+    except ValueError:
+        return written.lower() in PULSES
+    return True
 
 
 def fitting(unit: str, quantities: Sequence[Quantity]) -> list[Quantity]:

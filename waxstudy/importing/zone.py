@@ -6,15 +6,18 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, timedelta, timezone, tzinfo
+from pathlib import Path
 from zoneinfo import ZoneInfo
 
 import numpy as np
 import pandas as pd
 
+from waxstudy.dataset.stamps import hour_left_out
 from waxstudy.dataset.zones import fixed_zone
+from waxstudy.importing.limits import UNSET
 from waxstudy.importing.reading import Readings, refusal
 
-HOUR = timedelta(hours=1)
+HOUR, YEAR = timedelta(hours=1), timedelta(days=365)
 HINT = "say --timezone, such as Europe/Tallinn"
 
 
@@ -69,6 +72,7 @@ def standard_time(times: pd.DatetimeIndex, zone: str | None) -> pd.DatetimeIndex
 def _in_utc(readings: Readings, zone: str) -> tuple[Readings, str]:
     if not zone:
         _refuse_back(readings)
+        _refuse_forward(readings)
         return readings, ""
     if readings.times.tz is not None:
         return replace(readings, times=readings.times.tz_convert("UTC")), ""
@@ -84,6 +88,26 @@ def _refuse_back(readings: Readings) -> None:
         if before - after <= HOUR and before.month in (3, 4, 9, 10, 11) and before.hour <= 3:
             wrong = f"{readings.entity}: time goes back from {before} to {after}, as where summer time ends"
             raise refusal(readings.where, wrong, HINT, row=readings.written.index[back[0] + 1])
+
+
+def _refuse_forward(readings: Readings) -> None:
+    """Refuse a clock that is put forward by an hour in a night of spring: all later readings would be late by it."""
+    if (before := hour_left_out(readings.times)) is not None:
+        wrong = f"{readings.entity}: an hour is missing after {before}, as where summer time begins"
+        row = readings.written.index[int(np.flatnonzero(readings.times == before)[0])]
+        raise refusal(readings.where, wrong, f"{HINT}; or Etc/UTC if nothing was logged then", row=row)
+
+
+def without_unset(readings: Readings) -> Readings:
+    """Return readings without those of a clock that was not yet set, where all others come years later."""
+    days = readings.times.tz_localize(None).normalize()
+    is_unset = np.asarray(days.isin(pd.DatetimeIndex(UNSET)))
+    if not is_unset.any() or is_unset.all() or readings.times[~is_unset].min() < readings.times[is_unset].max() + YEAR:
+        return readings
+    name, day = Path(readings.where).name, f"{days[is_unset][0]:%Y-%m-%d}"
+    said = f"{name}: what was read on {day} is left out: the clock was not set yet."
+    rest = readings.times[~is_unset], readings.written[~is_unset]
+    return replace(readings, times=rest[0], written=rest[1], notes=(*readings.notes, said))
 
 
 def _forward(readings: Readings) -> Readings:
