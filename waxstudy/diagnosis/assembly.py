@@ -180,7 +180,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
         yield FoundEffect(
             name=found.effect.name,
             stage=found.effect.stage,
-            sentence=found.effect.sentence(found.effect.Parameters(**values)),
+            sentence=_off_curve(values) if selection.segment.is_supply else _sentence(found.effect, values),
             slight=slight(selection, found),
             group=list(found.group),
             parameters=selection.intervals[found.effect],
@@ -196,6 +196,16 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             probability=found.inclusion if selection.posterior else nan,
             when=_when(found, values, selection.problem.record),
         )
+
+
+def _sentence(effect: EffectType, values: Values) -> str:
+    return effect.sentence(effect.Parameters(**values))
+
+
+def _off_curve(values: Values) -> str:
+    """Return what an offset says of the supply's own link, which goes from the heating curve to the recorded one."""
+    (offset_K,) = values.values()
+    return f"The recorded supply is {abs(offset_K):.1f} K {'above' if offset_K > 0.0 else 'below'} the heating curve."
 
 
 def _when(found: Found, values: Values, record: Record) -> When:
@@ -306,7 +316,9 @@ def _judged(selections: Sequence[Selection], untestable: Sequence[Untestable], s
 def _believed(work: Work, selections: Sequence[Selection], with_effects: bool) -> Belief:
     """Return what is believed, its room as fitted and its sun as read, with or without the effects found."""
     belief = work.belief
-    for selection in sorted(selections, key=lambda s: not s.segment.with_room):
+    # what lies between the heating curve and the recorded supply is in the record already
+    of_loop = [each for each in selections if not each.segment.is_supply]
+    for selection in sorted(of_loop, key=lambda s: not s.segment.with_room):
         model = selection.after if with_effects else selection.before
         if selection.segment.with_room:
             belief = selection.problem.edited((), model.departures)

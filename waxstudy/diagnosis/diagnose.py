@@ -146,10 +146,13 @@ def calibrated(
 ) -> Calibration:
     """Return what a healthy record of the loop says of it, as it was told before where that may be kept."""
     record = record_of(baseline)
+    documented = _documented(baseline, record)
     try:
-        return (stored if is_kept else calibrate)(record, _documented(baseline, record), effects, thorough)
+        found = (stored if is_kept else calibrate)(record, documented, effects, thorough)
     except ValueError as error:
         raise _wrong(baseline, str(error), "[nominal]") from error
+    # a link in which too little happened was calibrated on nothing
+    return found.without({each.name for each in segments(record, documented) if too_short(each, record, documented)})
 
 
 def calibrated_room(dataset: Dataset) -> CalibratedRoom:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
+from waxstudy.diagnosis.model.room_response import OF_ROOM
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT, SELECT
 from waxstudy.diagnosis.observations.record import Record
@@ -36,6 +37,12 @@ class Calibration:
 
     as_built: AsBuilt
     healthy: Mapping[str, Healthy]  # by segment
+
+    def without(self, links: Collection[str]) -> Calibration:
+        """Return the same without what is left of some links: nobody knows what these leave when healthy."""
+        conventions = {name: way for name, way in self.as_built.conventions.items() if name not in links}
+        healthy = {name: each for name, each in self.healthy.items() if name not in links}
+        return Calibration(replace(self.as_built, conventions=conventions), healthy)
 
     def seen_in(self, record: Record) -> Calibration:
         """Return the same for another record of the loop."""
@@ -221,14 +228,19 @@ def _followed(problem: SegmentProblem, last: Followed | None) -> Followed:
 
 
 def _discrepancies(problem: SegmentProblem, fitted: Hypothesis, ahead: Hypothesis) -> dict[str, Discrepancy]:
-    """Return what is left of each channel, by the days that a fit has not seen where these are missed by more."""
+    """Return what is left of each channel of the room, by days that a fit has not seen where these are missed by more.
+
+    A channel that is known nowhere leaves nothing.
+    """
     found = {}
-    for within, beyond in zip(fitted.residuals, ahead.residuals, strict=True):
+    pairs = zip(fitted.residuals, ahead.residuals, strict=True)
+    for within, beyond in ((one, other) for one, other in pairs if one.channel in OF_ROOM and one.judged.any()):
         least_K = problem.record.noise[within.channel] * float(len(within.error) / len(problem.record)) ** 0.5
         discrepancy = Discrepancy.of(within.error, within.judged, least_K)
         wider = beyond.gap(SELECT) / within.gap() if within.gap() else 1.0
         found[within.channel] = replace(discrepancy, sd_K=discrepancy.sd_K * float(np.clip(wider, 1.0, MOST_WIDER)))
-    shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in fitted.residuals])
+    known = [each for each in fitted.residuals if each.channel in found]
+    shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in known])
     return {channel: replace(each, shared=shared) for channel, each in found.items()}
 
 

@@ -8,6 +8,7 @@ from math import isfinite, log, nan
 import numpy as np
 
 from waxstudy.diagnosis.calibration.calibrate import WIDER, Calibration
+from waxstudy.diagnosis.criteria import ROOM_STAGES, limits
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.nuisance import Nuisance
@@ -15,7 +16,7 @@ from waxstudy.diagnosis.result import BaselineFit, Calibrated, Interval, Part
 from waxstudy.plugin import Belief, Prior, Room
 
 NORMAL = 1.96
-FAR = 3.0  # standard deviations of what is usual, from which on a healthy loop is doubted
+AT_END = 0.98  # of the farthest departure that is looked for, from which on one ends there
 CLEAR = 3.0  # of what the room says of itself, from which on a departure is worth a word
 
 
@@ -33,7 +34,8 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
         if knob.is_habit:
             continue  # no document tells at which hours people heat a room
         is_of_room = knob.apply(documented, knob.sd).room != documented.room
-        part: Part = "room" if is_of_room else "chain" if knob.name in chain else "drives"
+        is_of_chain = knob.name in chain or (isinstance(knob, Knob) and knob.effect.stage not in ROOM_STAGES)
+        part: Part = "room" if is_of_room else "chain" if is_of_chain else "drives"
         if not isinstance(knob, Knob):
             yield _of_room(knob, departure, each, part, said.get(knob.name, ""))
         elif knob.effect not in always:
@@ -145,9 +147,9 @@ def doubts(calibration: Calibration, documented: Belief) -> Iterator[str]:
     """Yield what of the healthy record makes one doubt that it is healthy."""
     known = calibration.as_built
     for knob, departure in (*zip(known.knobs, known.departures.tolist(), strict=True), *known.chain):
-        if abs(departure) > FAR * knob.sd:
+        if abs(departure) >= AT_END * limits()["odd"].value * knob.sd:
             usual = _deviations(knob, departure)
-            yield f"the baseline itself: {knob.name} lies {usual} from the documents; is it healthy?"
+            yield f"the baseline itself: {knob.name} lies {usual} from the documents, or farther; is it healthy?"
     for effect, values in _always(calibration, documented).items():
         still = effect.neutral(documented) or {}
         if not any(_is_clear(effect, name, value, still.get(name, nan)) for name, value in values.items()):

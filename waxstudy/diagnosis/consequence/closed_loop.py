@@ -120,7 +120,7 @@ def recorded(record: Record, belief: Belief) -> FreeRun:
     flow = record.values["flow_L_h"]
     heat_W = None
     if belief.room and record.has("return_temperature_C") and record.has("supply_temperature_C"):
-        drop_K = record.filled("supply_temperature_C") - record.filled("return_temperature_C")
+        drop_K = record.values["supply_temperature_C"] - record.values["return_temperature_C"]
         heat_W = np.where(flow <= 0.0, 0.0, flow / 3600.0 * built(belief.room).water_J_L_K * drop_K)
     return FreeRun(record.interval_s, air_C, flow / full, heat_W)
 

@@ -55,7 +55,7 @@ def missing_heat(selection: Selection, calibration: Calibration | None, time: pd
         after=_pieces(problem, pieces, after),
         mean_before=before.of(drivers.mean),
         mean_after=after.of(drivers.mean),
-        usual_W=usual_W if calibration else nan,
+        usual_W=usual_W if calibration and problem.segment.name in calibration.healthy else nan,
         by=list(drivers.by(before, after)),
         per=list(drivers.per(before, after)),
     )

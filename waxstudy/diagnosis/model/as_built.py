@@ -31,6 +31,10 @@ class AsBuilt:
     discrepancies: Mapping[str, Discrepancy] = field(default_factory=dict)  # of a room, by channel
     left: Mapping[str, Left] = field(default_factory=dict)  # of a chain, by channel
 
+    def left_of(self, link: str) -> Mapping[str, Left]:
+        """Return what is left of channels where a healthy record shows them by the same link, else nothing."""
+        return self.left if link in self.conventions else {}
+
     def seen_in(self, record: Record) -> AsBuilt:
         """Return the same for another record, which has habits of its own days, or recorded what they stand in for.
 

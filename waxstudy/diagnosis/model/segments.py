@@ -25,7 +25,7 @@ from waxstudy.diagnosis.model.room_response import (
     response_to_heat,
     room_response,
 )
-from waxstudy.diagnosis.observations.record import CONTINUOUS, FLOW, Record
+from waxstudy.diagnosis.observations.record import CONTINUOUS, FLOW, SUPPLY, Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, Room, SimulationError
 from waxstudy.simulation.chain import Chain
 from waxstudy.simulation.recorded import believed_supply_C
@@ -40,7 +40,6 @@ SHOWN = {
     "actuator": "displacement",
     "valve": FLOW,
 }
-SUPPLY = "supply_temperature_C"
 STEP_S = 5.0
 # by kind: at the ends of the intervals (n,), their means (n,), and what depends on when a switch was thrown (shifts, n)
 Replayed = tuple[Mapping[str, FloatArray], Mapping[str, FloatArray], Mapping[str, FloatArray]]

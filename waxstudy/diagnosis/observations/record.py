@@ -21,7 +21,8 @@ SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blo
 AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
 LOST_S = 6 * 3600.0  # chosen: of a drive of the room, from which a straight line through a gap hides a day's course
 FLOW = "flow_L_h"
-ROOM_DRIVES = ("outdoor_temperature_C", "supply_temperature_C", FLOW)
+SUPPLY = "supply_temperature_C"
+ROOM_DRIVES = ("outdoor_temperature_C", SUPPLY, FLOW)
 LONG_GAP_S, FEW_LOST = 600.0, 3  # up to which a channel that runs on is known between its samples
 SPARSE_S = 900.0  # interval from which on a pulse may lie within a sample
 FLOWS, FLOWS_ON = 0.2, 0.9  # chosen: of the largest flow, for a return to count; of the usual one, for it to flow on
@@ -194,12 +195,16 @@ class Record:
 
     @cached_property
     def driven(self) -> np.ndarray:
-        """Samples (n,) in which what drives a room is known: not in a long gap of it, nor so soon after one."""
+        """Samples (n,) in which what drives every room is known."""
+        return self.driven_by(*ROOM_DRIVES)
+
+    def driven_by(self, *channels: str) -> np.ndarray:
+        """Return samples (n,) in which what drives a room is known: not in a long gap of it, nor so soon after one."""
         known = np.ones(len(self), dtype=bool)
         after = round(SETTLING_S / self.interval_s)
-        for channel in filter(self.has, ROOM_DRIVES):
+        for channel in filter(self.has, channels):
             missing = ~np.isfinite(self.values[channel])
-            if channel == "supply_temperature_C" and self.has(FLOW):
+            if channel == SUPPLY and self.has(FLOW):
                 missing &= ~(self.values[FLOW] <= 0.0)  # how warm water is that stands is of no account
             lost = np.diff(np.concatenate(([False], missing, [False])).astype(int))
             for start, end in zip(np.flatnonzero(lost > 0).tolist(), np.flatnonzero(lost < 0).tolist(), strict=True):

@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.diagnosis.estimate.hypothesis import MOTIONS, Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
-from waxstudy.diagnosis.observations.record import AFTER_GAP_S, FLOW, Record
+from waxstudy.diagnosis.observations.record import AFTER_GAP_S, FLOW, SUPPLY, Record
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -129,6 +129,8 @@ class Continuous:
         for drive in (driven_by, record.air_channel) if self.channel == "sensor_temperature_C" else (driven_by,):
             if drive in record.values:
                 known &= ~record.is_gap(drive)
+        if self.channel == SUPPLY and record.has(FLOW):  # how warm water is that stands is of no account
+            known &= ~record.is_gap(FLOW) & (record.filled(FLOW) > 0.0)
         if driven_by == "displacement":
             known &= np.abs(np.diff(record.filled("displacement"), prepend=0.0)) < JUMP
         is_coarse = driven_by in record.binary and record.interval_s >= WEIGHTS.far_apart_s

@@ -63,14 +63,15 @@ class Judge:
 
     def _way(self, channel: str) -> Switching | Continuous | RoomMeans:
         common = channel, self.segment, self.record, self.parts, self._still
-        left = self._as_built.left.get(channel) if self._as_built else None
+        left = self._as_built.left_of(self.segment.name).get(channel) if self._as_built else None
         more = max(1.0, left.whitened) if left else 1.0
         if channel in self.record.binary:
             return Switching(*common, more)
         if channel in ONLY_OF_ROOM or (self.segment.with_room and channel in OF_ROOM):
             error = error_of(self._belief, channel)
             known = self._as_built.discrepancies.get(channel) if self._as_built else None
-            return RoomMeans(channel, self.record, self.parts, error, self.is_exact_room, known)
+            about = channel, self.record, self.segment.driven_by, self.parts
+            return RoomMeans(*about, error, self.is_exact_room, known)
         return Continuous(*common, more, self._by_motion(channel))
 
     def _by_motion(self, channel: str) -> list[float] | None:

@@ -80,10 +80,11 @@ def _at_least(floor: NoiseFloor, problem: SegmentProblem) -> NoiseFloor:
     if known is None:
         return floor
     plain, white = dict(floor.plain), dict(floor.white)
+    lefts = known.left_of(problem.segment.name)
     for channel in problem.segment.judged:
-        if channel in known.left:
-            plain[channel] = max(plain[channel], known.left[channel].gap)
-            white[channel] = 1.0 if known.left[channel].whitened > 1.0 else white[channel]
+        if left := lefts.get(channel):
+            plain[channel] = max(plain[channel], left.gap)
+            white[channel] = 1.0 if left.whitened > 1.0 else white[channel]
         elif channel in known.discrepancies:
             plain[channel] = float(np.hypot(plain[channel], known.discrepancies[channel].rms_K))
             white[channel] = known.discrepancies[channel].shared ** -0.5

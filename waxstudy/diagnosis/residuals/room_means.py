@@ -22,6 +22,7 @@ class RoomMeans:
         self,
         channel: str,
         record: Record,
+        driven_by: str,
         parts: np.ndarray,
         error: ModelError,
         is_exact_room: bool,
@@ -30,6 +31,7 @@ class RoomMeans:
         self.channel, self.record, self.parts = channel, record, parts
         self.form_K = MOST_LEFT * discrepancy.rms_K if discrepancy else error.most_K
         self.discrepancy = discrepancy
+        self.driven = record.driven & record.driven_by(driven_by)
         steps, merged = merging(record.interval_s)
         self.samples = steps * merged  # of a mean
         self.measured = self._means()
@@ -45,7 +47,7 @@ class RoomMeans:
         count = min(len(measured), len(shown))
         error = np.full(len(measured), np.nan)
         error[:count] = shown[:count] - measured[:count]
-        known = np.isfinite(error) & (self.record.settled & self.record.driven)[sample]
+        known = np.isfinite(error) & (self.record.settled & self.driven)[sample]
         error = np.where(known, error, 0.0)
         where = self.record.day[sample], self.parts[sample], sample
         found = self.discrepancy

@@ -135,8 +135,11 @@ def best_of(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
 
 
 def _alone(search: Search, weighed: Sequence[Weighed], name: str) -> Candidate | None:
-    one = next((each.fitted for each in weighed if each.fitted.names == (name,)), None)
-    return search.judged(search.estimator.base, [(one.effects[0][0], _here(search, one))])[0] if one else None
+    alone = [each for each in weighed if each.fitted.names == (name,)]
+    if not alone:
+        return None
+    one = max(alone, key=score).fitted
+    return search.judged(search.estimator.base, [(one.effects[0][0], _here(search, one))])[0]
 
 
 def _here(search: Search, fitted: Hypothesis) -> Hypothesis:

@@ -61,7 +61,7 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
 def _strayed(selection: Selection, unknown: float) -> Iterator[Unexplained]:
     """Yield the channels that no healthy record shows, and that are missed by as far as real motors stray."""
     problem, after = selection.problem, selection.after
-    known = problem.as_built.left if problem.as_built else {}
+    known = problem.as_built.left_of(problem.segment.name) if problem.as_built else {}
     for residual in (each for each in after.residuals if each.channel not in known):
         gap, floor = residual.gap(), selection.floor.plain[residual.channel]
         is_gap = in_floors(gap, floor) > limit(Question.UNKNOWN, "over")
