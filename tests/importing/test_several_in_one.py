@@ -181,6 +181,13 @@ def test_each_of_several_trends_side_by_side_has_its_own_clock(entry: Entry, fra
     assert found.loc[fast.index[::2], "outdoor_temperature_C"].to_list() == fast["outdoor_temperature"].to_list()[::2]
 
 
+def test_a_meter_in_joules_is_no_clock(entry: Entry, frame: pd.DataFrame) -> None:
+    table = frame.reset_index()
+    table.insert(2, "meter_J", 3_600_000 * (1000 + np.arange(len(table))))
+    assert imported(entry, table, *AIR).code == 0
+    assert read(Path("living"))["outdoor_temperature_C"].to_list() == frame["outdoor_temperature"].to_list()
+
+
 @pytest.mark.parametrize("first", [0, 1])
 def test_an_hour_in_a_column_of_its_own_belongs_to_the_day(entry: Entry, first: int) -> None:
     hourly = house(days=3.0, minutes=60.0)

@@ -68,6 +68,17 @@ class Weights:
     hidden: float
     open_unknown: float
     open_hidden: float
+    wider: float
+    most_wider: float
+    early: float
+    most_always: float
+    most_left: float
+    usual_heat: float
+    resolved: float
+    heat_sd: float
+    heat_share: float
+    heat_least_W: float
+    clear_sd: float
 
     def softness(self, is_by_noise: bool) -> float:
         return self.noise_soft if is_by_noise else self.soft

@@ -19,7 +19,7 @@ from waxstudy.importing.limits import AGAIN, LOOKED_AT, MIXED, MOST_ENTITIES, RE
 from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.status import without_bad, without_status
-from waxstudy.importing.time_columns import EXPECTED, NO_CLOCK, dated, time_column
+from waxstudy.importing.time_columns import EXPECTED, NO_CLOCK, dated, may_be_stamps, time_column
 from waxstudy.importing.units import plain_unit
 from waxstudy.importing.words import SIGN, numbers_of
 from waxstudy.study.problems import listed
@@ -50,10 +50,11 @@ def readings_of(
 def _side_by_side(table: Table) -> Iterator[Table]:
     """Yield tables that stand beside each other in one, each with stamps of its own in its first column."""
     frame = table.frame.dropna(axis="columns", how="all")
-    places = [place for place, name in enumerate(frame.columns) if is_stamps(frame[name])]
+    columns = [frame.iloc[:, place] for place in range(len(frame.columns))]
+    places = [place for place, each in enumerate(columns) if may_be_stamps(each) and is_stamps(each)]
     # some tables tell two times of each row, as when it began and ended: these lie beside each other
     is_several = len(places) > 1 and places[0] == 0 and min(np.diff([*places, len(frame.columns)])) > 1
-    if not is_several or all(frame.iloc[:, places[0]].equals(frame.iloc[:, place]) for place in places[1:]):
+    if not is_several or all(columns[places[0]].equals(columns[place]) for place in places[1:]):
         yield table
         return
     for begin, end in pairwise([*places, len(frame.columns)]):

@@ -47,7 +47,7 @@ def dated(
     counts_in = {name: units.get(name) or parted(name)[1] or stated for name in named_so}
     countings = {name: counting_of(frame[name]) for name in named_so if begin is None and not counts_in[name]}
     name = next((name for name in named_so if countings.get(name) or _is_undated(frame[name])), None)
-    if name is None or any(is_stamps(frame[each]) for each in frame.columns if _may_be_stamps(frame[each])):
+    if name is None or any(is_stamps(frame[each]) for each in frame.columns if may_be_stamps(frame[each])):
         return frame, ""
     if counting := countings.get(name):
         times = times_of(frame[name], counting)
@@ -64,7 +64,7 @@ def _is_undated(written: pd.Series) -> bool:
     return has_no_year(written) or counts_from_begin(written)
 
 
-def _may_be_stamps(written: pd.Series) -> bool:
+def may_be_stamps(written: pd.Series) -> bool:
     """Whether a column may hold stamps by its name, where it has numbers: those of joules are as large as epochs."""
     return not pd.api.types.is_numeric_dtype(written) or str(written.name).strip().lower() in TIME
 

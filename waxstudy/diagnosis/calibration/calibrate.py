@@ -23,11 +23,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Effect, FloatArray
 
-WIDER = 2.5  # than what nobody knows of a room that was built as drawn
-EARLY = 0.6  # of a record, that the rest is predicted from
-MOST_WIDER = 1.5  # times what a fit leaves, that it may leave of days that it has not seen
-ROUNDS = 2
-MOST_ALWAYS = 2  # effects of a link that may have been there from the start
+ROUNDS = 2  # of fitting and weighing what is left in turn
 Effects = Sequence[type[Effect]]
 
 
@@ -96,7 +92,7 @@ def _with_always(
     while True:
         problem = SegmentProblem(segment, record, belief, as_built=there, unknowns=(), parts=np.full(len(record), FIT))
         fitted = _fitted(problem)
-        if len(found) == MOST_ALWAYS:
+        if len(found) == WEIGHTS.most_always:
             return problem, fitted, found
         estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.by_motion}
         tried = [
@@ -164,7 +160,7 @@ def _of_room(
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     lasting = lasting_unknowns(segment, record, belief, effects)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
-    early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, SELECT)
+    early = early_part(record)
     found, problem, last = known, None, None
     for turn in range(ROUNDS + 1):
         problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early, alike=problem)
@@ -188,13 +184,18 @@ def _of_room(
     return found, problem, fitted
 
 
+def early_part(record: Record) -> np.ndarray:
+    """Return the part of each sample (n,): the rest of a healthy record is predicted from its first days."""
+    return np.where(np.arange(len(record)) < WEIGHTS.early * len(record), FIT, SELECT)
+
+
 def lasting_unknowns(segment: Segment, record: Record, belief: Belief, effects: Effects) -> list[Nuisance]:
     """Return what may differ of room and drives; what effects say of it goes before what the room says."""
     own = list(knobs(effects, segment.stages, belief))
     taken = {name for effect in effects for name in effect.absorbs if any(each.effect is effect for each in own)}
     once = {each.name for each in of_record(belief, record, segment.driven_by)}
     rest = [each for each in nuisances(belief, record, segment.driven_by) if each.name not in taken | once]
-    return [*own, *(each if each.is_habit else replace(each, sd=WIDER * each.sd) for each in rest)]
+    return [*own, *(each if each.is_habit else replace(each, sd=WEIGHTS.wider * each.sd) for each in rest)]
 
 
 def _fitted(problem: SegmentProblem) -> Hypothesis:
@@ -238,7 +239,9 @@ def _discrepancies(problem: SegmentProblem, fitted: Hypothesis, ahead: Hypothesi
         least_K = problem.record.noise[within.channel] * float(len(within.error) / len(problem.record)) ** 0.5
         discrepancy = Discrepancy.of(within.error, within.judged, least_K)
         wider = beyond.gap(SELECT) / within.gap() if within.gap() else 1.0
-        found[within.channel] = replace(discrepancy, sd_K=discrepancy.sd_K * float(np.clip(wider, 1.0, MOST_WIDER)))
+        found[within.channel] = replace(
+            discrepancy, sd_K=discrepancy.sd_K * float(np.clip(wider, 1.0, WEIGHTS.most_wider))
+        )
     known = [each for each in fitted.residuals if each.channel in found]
     shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in known])
     return {channel: replace(each, shared=shared) for channel, each in found.items()}

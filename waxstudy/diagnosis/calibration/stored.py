@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from waxstudy.diagnosis.calibration.calibrate import (
-    EARLY,
     Calibration,
     Effects,
     calibrate,
+    early_part,
     lasting_unknowns,
     weighed_by_left,
 )
@@ -31,7 +31,7 @@ from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import of_record
 from waxstudy.diagnosis.model.segments import Segment, segments
-from waxstudy.diagnosis.observations.partition import FIT, SELECT
+from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import Belief
@@ -162,7 +162,7 @@ def _of_room(
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     lasting = lasting_unknowns(segment, record, belief, effects)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
-    early = np.where(np.arange(len(record)) < EARLY * len(record), FIT, SELECT)
+    early = early_part(record)
     discrepancies = {channel: Discrepancy(**each) for channel, each in kept["discrepancies"].items()}
     found = replace(known, discrepancies=discrepancies)
     problem = SegmentProblem(segment, record, belief, as_built=found, unknowns=unknowns, parts=early)

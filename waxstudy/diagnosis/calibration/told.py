@@ -7,17 +7,17 @@ from math import isfinite, log, nan
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.calibrate import WIDER, Calibration
+from waxstudy.diagnosis.calibration.calibrate import Calibration
 from waxstudy.diagnosis.criteria import ROOM_STAGES, limits
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.nuisance import Nuisance
 from waxstudy.diagnosis.result import BaselineFit, Calibrated, Interval, Part
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Prior, Room
 
 NORMAL = 1.96
 AT_END = 0.98  # of the farthest departure that is looked for, from which on one ends there
-CLEAR = 3.0  # of what the room says of itself, from which on a departure is worth a word
 
 
 def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibrated]:
@@ -113,7 +113,7 @@ def _leaves_out(interval: Interval, still: float) -> bool:
 
 def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, description: str) -> Calibrated:
     interval = Interval(departure, departure - NORMAL * sd, departure + NORMAL * sd)
-    is_clear = abs(departure) > CLEAR * knob.sd / WIDER and _leaves_out(interval, 0.0)
+    is_clear = abs(departure) > WEIGHTS.clear_sd * knob.sd / WEIGHTS.wider and _leaves_out(interval, 0.0)
     return Calibrated(knob.name, interval, 0.0, _in_words(knob, departure, description), part, is_clear, description)
 
 

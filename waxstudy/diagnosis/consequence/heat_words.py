@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from waxstudy.diagnosis.result import HeatBy, HeatPer, Interval, MissingHeat
+from waxstudy.diagnosis.weights import WEIGHTS
 
-SURE = 3.0 / 1.96  # half widths from 0 at which one driver of several is told: three standard deviations
-SHARE = 0.1  # least share of the variance of heat that goes with a driver, to be told
+NORMAL = 1.96  # standard deviations of half an interval
 COURSES = {"outdoor difference": ("the cold outside", "kelvin"), "sun": ("the sun", "watt of sun")}
-LEAST_W = 0.5  # chosen: what is less is nothing to speak of
 
 
 def is_off(value: Interval, times: float = 1.0) -> bool:
@@ -52,16 +51,18 @@ def _after(mean: Interval, sign: float, names: Sequence[str]) -> str:
 
 
 def _has_mean(mean: Interval) -> bool:
-    return is_off(mean) and abs(mean.value) >= LEAST_W
+    return is_off(mean) and abs(mean.value) >= WEIGHTS.heat_least_W
 
 
 def _drivers(heat: MissingHeat) -> Iterator[HeatPer | HeatBy]:
     """Yield the slope that most of the heat goes with, and the hours that stand out most, where they are sure."""
-    slopes = [each for each in heat.per if is_off(each.before, SURE) and each.share >= SHARE]
+    slopes = [
+        each for each in heat.per if is_off(each.before, WEIGHTS.heat_sd / NORMAL) and each.share >= WEIGHTS.heat_share
+    ]
     if slopes:
         yield max(slopes, key=lambda each: each.share)
         return
-    hours = [each for each in heat.by if each.driver == "hour" and is_off(each.beside, SURE)]
+    hours = [each for each in heat.by if each.driver == "hour" and is_off(each.beside, WEIGHTS.heat_sd / NORMAL)]
     if hours:
         yield max(hours, key=lambda each: abs(each.beside.value))
 

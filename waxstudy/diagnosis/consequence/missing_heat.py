@@ -20,16 +20,15 @@ from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import HeatBy, HeatPer, HeatPiece, MissingHeat
 from waxstudy.diagnosis.select.search import Selection
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 PIECES_H = (3.0, 6.0, 12.0, 24.0)
 MOST_PIECES = 120  # chosen: a longer record has longer pieces
 ASKED_W_M2 = 2.0  # of floor, chosen: what people differ by; pieces are as short as the data tell it in
-RESOLVED = 0.5  # chosen: share of the variance of such heat that the data are to take away
 BINS = 3
 DARK = 0.02  # of the strongest sun in a piece
 FLOWS = 0.1  # least spread of the share of the time in which water flows, to tell one from the other
-MOST_USUAL = 2.0  # times what a healthy record leaves, that the next may
 HOUR_H = 12.0  # the longest piece that tells hours of the day apart
 
 
@@ -90,7 +89,7 @@ def _usual_W(calibration: Calibration | None, name: str, floor_m2: float) -> flo
     # what calibration took is how the room was built, and no heat
     nothing = Unknowns.none(len(healthy.fitted.whitened))
     pieces, data = _resolving(healthy.problem, healthy.fitted, (nothing, nothing), floor_m2)
-    return MOST_USUAL * estimated(data, pieces, floor_m2).size_W
+    return WEIGHTS.usual_heat * estimated(data, pieces, floor_m2).size_W
 
 
 def _resolving(
@@ -105,7 +104,7 @@ def _resolving(
     for length_h in lengths:
         pieces = Pieces.of(len(record), record.interval_s, record.start_s, length_h)
         data = whole.merged(finest.within(pieces))
-        if data.resolved(ASKED_W_M2 * floor_m2) >= RESOLVED:
+        if data.resolved(ASKED_W_M2 * floor_m2) >= WEIGHTS.resolved:
             break
     return pieces, data
 

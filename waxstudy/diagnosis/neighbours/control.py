@@ -7,15 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from waxstudy.diagnosis.neighbours.limits import BUSY, HARMONICS
 from waxstudy.diagnosis.neighbours.noise import Fit, fitted
 from waxstudy.diagnosis.neighbours.pattern import Pattern
 from waxstudy.diagnosis.neighbours.series import House, RoomSeries, bridged, common, response
 from waxstudy.plugin import FloatArray
 
-HARMONICS = 3  # of a room's ordinary day: waking and sleeping, and cooking in between
 # chosen: a room answers to each drive at once and later; hours
 TAUS_H = {"outdoors": (4.0, 24.0), "sun": (1.0, 8.0), "own heat": (0.3, 1.0, 8.0), "neighbours": (0.0, 6.0)}
-BUSY = 0.2  # of the largest change of own heat: beyond, the room is in use
 
 
 @dataclass(frozen=True)

@@ -9,21 +9,15 @@ from functools import cached_property
 import numpy as np
 
 from waxstudy.diagnosis.neighbours.control import TAUS_H, Control
+from waxstudy.diagnosis.neighbours.limits import AFTER_H, ALIKE, FORM_K, FORM_SHARE, KNOWN, MAIN, NOTICEABLE_K, START_H
 from waxstudy.diagnosis.neighbours.pattern import Pattern
-from waxstudy.diagnosis.neighbours.search import NOTICEABLE_K, beside, gained, sizes
+from waxstudy.diagnosis.neighbours.search import beside, gained, sizes
 from waxstudy.diagnosis.neighbours.series import response
 from waxstudy.diagnosis.neighbours.spans import unrest_of
 from waxstudy.diagnosis.result import Interval
 from waxstudy.plugin import FloatArray
 
 NORMAL = 1.96
-AFTER_H = 1.5  # beside a departure: what a thermostat makes of it then is part of it
-MAIN = 0.35  # of a happening's largest part: hours with less are its echo
-KNOWN = 3.0  # standard deviations from which a room's answer to its own heat is known
-START_H = 1.0  # in which the first warming tells heat, where a capacity is assumed
-# what answers of a few time constants miss of a departure, set on 30 made records: in kelvins, and of its size
-FORM_K, FORM_SHARE = 0.12, 0.06
-ALIKE = 1e-3  # weight of other ends, to count
 
 
 @dataclass(frozen=True)

@@ -11,17 +11,14 @@ import pandas as pd
 from waxstudy.dataset.neighbours import MeasuredRoom, Neighbours
 from waxstudy.diagnosis.neighbours.control import Control
 from waxstudy.diagnosis.neighbours.events import Happening, answer_K_W, happenings, shares_hours
+from waxstudy.diagnosis.neighbours.limits import LIKELY, OF_HOUSE, STANDARD_H, STEP_S, TOGETHER
 from waxstudy.diagnosis.neighbours.reading import reading, when
 from waxstudy.diagnosis.neighbours.search import Tick, gained, searched
-from waxstudy.diagnosis.neighbours.series import STEP_S, House, RoomSeries, coarse
+from waxstudy.diagnosis.neighbours.series import House, RoomSeries, coarse
 from waxstudy.diagnosis.neighbours.spans import tried, unrest_of
 from waxstudy.diagnosis.result import Interval, NeighbourEvent, NeighbourRoom, RoomCourse, RoomsBeside
 
-LIKELY = 0.9  # chosen: a departure is told; the search, and what was found after, may have changed it
 SURE_LOG = 50.0  # beyond, a probability is 1
-TOGETHER = 0.5  # hours of both over hours of either: it happens in both rooms
-OF_HOUSE = 0.5  # of the rooms: beyond, it is the house
-STANDARD_H = 3.0  # of own heat, in which its effect is told
 BY_OWN = "by the room's answer to its own recorded heat"
 BY_CAPACITY = "by the heat capacity that was assumed"
 

@@ -6,15 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from waxstudy.diagnosis.neighbours.limits import FEWEST_STEPS, FLOOR_K, HUBER, ORDER
 from waxstudy.plugin import FloatArray
 
-ORDER = 4  # steps that an error remembers: enough for a thermostat that swings, and a slow store beside it
 ROUNDS = 4  # of fitting in turn, which by then move nothing
-HUBER = 2.0  # standard deviations from which an innovation counts by less
 MAD = 1.4826  # of a normal distribution: its standard deviation over its median distance from the middle
 RIDGE = 1e-6  # of a regressor's own square: only keeps the solution finite
-FLOOR_K = 0.01  # least innovation that is believed of an instrument
-FEWEST = 30  # steps of a regime, to have a spread of its own
 
 
 @dataclass(frozen=True)
@@ -105,6 +102,6 @@ def _errors(left: FloatArray, regimes: np.ndarray) -> Errors:
     sd_K = np.full(len(left), max(FLOOR_K, spread(innovations[known])))
     for regime in np.unique(regimes):
         among = known & (regimes == regime)
-        if among.sum() >= FEWEST:
+        if among.sum() >= FEWEST_STEPS:
             sd_K[regimes == regime] = max(FLOOR_K, spread(innovations[among]))
     return Errors(weights, sd_K)

@@ -9,18 +9,19 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.diagnosis.neighbours.events import Happening
+from waxstudy.diagnosis.neighbours.limits import (
+    AT_ONCE_H,
+    BRIGHT,
+    FAST_K,
+    MOST_DAYS,
+    MOST_HOURS,
+    MOST_WEEKDAYS,
+    QUICK,
+    REGULAR,
+    STEP,
+)
 from waxstudy.diagnosis.neighbours.series import House
 from waxstudy.diagnosis.select.patterns import WEEK
-
-QUICK = 0.5  # of the largest departure, within an hour of its beginning: air, not structure
-AT_ONCE_H = 1.0
-FAST_K = 1.0  # in that hour: floor and walls keep a room without heating from it (0.4 K/h in light rooms)
-STEP = 0.7  # of the departure, from one sample to the next at both ends: no room is so quick
-MOST = 0.5  # of the hours
-BRIGHT = 0.5  # of the hours, from which sun may do it as well
-MOST_DAYS = 8  # that are named one by one
-MOST_WEEKDAYS = 2  # of the week: a longer list of weekdays says less than dates do
-REGULAR = 4  # times that days come back, to be told by their rule: three may be chance
 
 LOST = "heat is lost to a colder place at once, as through an open window or door"
 GAINED = "the air gets heat at once, as of a heater, people or cooking that was not recorded"
@@ -51,7 +52,7 @@ def runs_own_heat(happening: Happening) -> bool:
     gain_W = happening.control.room.gain_W
     if gain_W is None or not np.isfinite(gain_W).any():
         return False
-    return bool(np.nanmean(gain_W[happening.inside] > np.nanmean(gain_W)) > MOST)
+    return bool(np.nanmean(gain_W[happening.inside] > np.nanmean(gain_W)) > MOST_HOURS)
 
 
 def is_quick(happening: Happening, at_end: bool = False) -> bool:

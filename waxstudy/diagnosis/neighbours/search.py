@@ -10,19 +10,13 @@ from math import inf
 import numpy as np
 
 from waxstudy.diagnosis.neighbours.control import Control, controlled
-from waxstudy.diagnosis.neighbours.noise import HUBER
+from waxstudy.diagnosis.neighbours.limits import HUBER, LEVEL, MOST_PATTERNS, NEAR_H, NOTICEABLE_K, SHORT_H, SURE_ODDS
 from waxstudy.diagnosis.neighbours.pattern import Pattern, Scored
 from waxstudy.diagnosis.neighbours.series import House
 from waxstudy.diagnosis.neighbours.spans import TAUS_H, scored, tried
 from waxstudy.plugin import FloatArray
 
-NOTICEABLE_K = 0.5  # chosen: the mean over its hours from which a departure is told; thermometers of a room differ so
-SHORT_H = 30.0  # a day or a night, and what is left of it
-SURE = 20.0  # chosen: odds for a departure, beyond the price of looking for it
-MOST = 12  # patterns of one room: beyond, the room does not follow its neighbours
 MOST_ROUNDS = 30  # of the search
-LEVEL = 0.4  # chosen: of a departure, to be seen in the room's level as well
-NEAR_H = 1.5  # of an edge: as near, two patterns may share it
 SHORTEST = 2  # steps: an hour
 TINY = 1e-9
 MOVES = (-8, -4, -2, -1, 1, 2, 4, 8)  # steps by which the ends of a span are tried elsewhere
@@ -32,7 +26,7 @@ Tick = Callable[[str, float], None]
 
 def needed(house: House) -> float:
     """Return the score from which a span is told: BIC's price of its size, and of the spans that were tried."""
-    return float(np.log(len(house)) + 2.0 * np.log(tried(house) * SURE))
+    return float(np.log(len(house)) + 2.0 * np.log(tried(house) * SURE_ODDS))
 
 
 def searched(house: House, tick: Tick = lambda what, share: None) -> dict[str, Control]:
@@ -41,7 +35,7 @@ def searched(house: House, tick: Tick = lambda what, share: None) -> dict[str, C
     controls = {room.name: controlled(house, room, healed) for room in house.rooms}
     for turn in range(MOST_ROUNDS):
         tick("neighbours", turn / MOST_ROUNDS)
-        best = {name: _best(control) for name, control in controls.items() if len(control.patterns) < MOST}
+        best = {name: _best(control) for name, control in controls.items() if len(control.patterns) < MOST_PATTERNS}
         chosen = _foremost({name: each for name, each in best.items() if each}, len(house))
         if not chosen:
             break

@@ -9,12 +9,8 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
+from waxstudy.diagnosis.neighbours.limits import DAY_H, LEAST_KNOWN, SUNNY
 from waxstudy.plugin import FloatArray
-
-STEP_S = 1800.0  # long enough for a room's air, short enough for a window that is open for an hour
-LEAST_KNOWN = 0.5  # of the samples of a step, for its mean to count
-SUNNY = 0.05  # of the strongest sun: beyond, it is day
-DAY_H = (8.0, 18.0)  # where no sun was recorded
 
 
 @dataclass(frozen=True)

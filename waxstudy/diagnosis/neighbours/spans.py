@@ -8,6 +8,14 @@ from math import inf, lgamma
 
 import numpy as np
 
+from waxstudy.diagnosis.neighbours.limits import (
+    DAILY_MOST_H,
+    FEWEST_SPANS,
+    LEAST_DAYS,
+    LEAST_SEEN,
+    UNREST_MOST_H,
+    USUAL,
+)
 from waxstudy.diagnosis.neighbours.noise import Fit
 from waxstudy.diagnosis.neighbours.pattern import Pattern, Scored
 from waxstudy.diagnosis.neighbours.series import House, response
@@ -16,13 +24,7 @@ from waxstudy.plugin import FloatArray
 # how soon a room answers: its air at once, air with what it moves, furniture and linings, structure
 TAUS_H = (0.0, 1.0, 4.0, 16.0)
 LENGTHS_H = (1, 1.5, 2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 9, 10, 12, 14, 17, 20, 24, 30, 36, 48, 72, 96)
-DAILY_MOST_H = 14.0  # of what may come back on other days
-LEAST_DAYS = 3  # on which hours come back, to be a pattern rather than single spans
-UNREST_MOST_H = 12.0  # longer spans are too few to tell: they have the unrest of these
-USUAL = 0.8  # share of the spans that are taken for a room's own unrest
 USUAL_SD = 1.2816  # of a normal distribution: this share keeps so near to 0
-FEWEST = 10  # spans from which a room's unrest is known
-LEAST_SHARE = 0.1  # of a shape's weight that the regressors must leave, for it to be seen at all
 
 
 def tried(house: House) -> int:
@@ -69,7 +71,7 @@ class Steady:
         both = np.concatenate((np.zeros(steps), self.shape[steps:] * self.shape[:-steps]))
         square = self.square + _later(self.square, steps) - 2.0 * _from_each(self.known, both)
         left = square - np.sum(products[:, 1:] ** 2, axis=1)
-        seen = left > LEAST_SHARE * np.median(square[self.known > 0.0])  # the rest is rounding
+        seen = left > LEAST_SEEN * np.median(square[self.known > 0.0])  # the rest is rounding
         return np.where(seen, products[:, 0], 0.0), np.where(seen, left, 0.0)
 
 
@@ -88,7 +90,7 @@ def _later(values: FloatArray, steps: int) -> FloatArray:
 def _unrest(pull: FloatArray, weight: FloatArray) -> float:
     """Return by how much the variance of spans of one length is above what the errors alone would give, at least 1."""
     seen = weight > 0.0
-    if seen.sum() < FEWEST:
+    if seen.sum() < FEWEST_SPANS:
         return 1.0
     usual = np.quantile(np.abs(pull[seen]) / np.sqrt(weight[seen]), USUAL) / USUAL_SD
     return max(1.0, float(usual) ** 2)

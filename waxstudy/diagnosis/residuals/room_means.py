@@ -8,10 +8,10 @@ from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR, Predicted, merging, weighted
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray, ModelError
 
 STEPPED_K = 0.005  # chosen: what stays of a room that is exactly as believed, in samples of some minutes
-MOST_LEFT = 2.0  # times what a healthy record leaves
 PIECE = 8  # quarters of an hour over which such errors hang together
 
 
@@ -29,7 +29,7 @@ class RoomMeans:
         discrepancy: Discrepancy | None = None,
     ) -> None:
         self.channel, self.record, self.parts = channel, record, parts
-        self.form_K = MOST_LEFT * discrepancy.rms_K if discrepancy else error.most_K
+        self.form_K = WEIGHTS.most_left * discrepancy.rms_K if discrepancy else error.most_K
         self.discrepancy = discrepancy
         self.driven = record.driven & record.driven_by(driven_by)
         steps, merged = merging(record.interval_s)
