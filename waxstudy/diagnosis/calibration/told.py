@@ -145,12 +145,14 @@ def fits(calibration: Calibration) -> Iterator[BaselineFit]:
 
 def doubts(calibration: Calibration, documented: Belief) -> Iterator[str]:
     """Yield what of the healthy record makes one doubt that it is healthy."""
-    known = calibration.as_built
+    known, always = calibration.as_built, _always(calibration, documented)
     for knob, departure in (*zip(known.knobs, known.departures.tolist(), strict=True), *known.chain):
+        if isinstance(knob, Knob) and knob.effect in always:
+            continue  # told below, with all of it
         if abs(departure) >= AT_END * limits()["odd"].value * knob.sd:
             usual = _deviations(knob, departure)
             yield f"the baseline itself: {knob.name} lies {usual} from the documents, or farther; is it healthy?"
-    for effect, values in _always(calibration, documented).items():
+    for effect, values in always.items():
         still = effect.neutral(documented) or {}
         if not any(_is_clear(effect, name, value, still.get(name, nan)) for name, value in values.items()):
             continue
