@@ -180,7 +180,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
         yield FoundEffect(
             name=found.effect.name,
             stage=found.effect.stage,
-            sentence=_off_curve(values) if selection.segment.is_supply else _sentence(found.effect, values),
+            sentence=_sentence(selection, found.effect, values),
             slight=slight(selection, found),
             group=list(found.group),
             parameters=selection.intervals[found.effect],
@@ -198,13 +198,15 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
         )
 
 
-def _sentence(effect: EffectType, values: Values) -> str:
-    return effect.sentence(effect.Parameters(**values))
-
-
-def _off_curve(values: Values) -> str:
-    """Return what an offset says of the supply's own link, which goes from the heating curve to the recorded one."""
-    (offset_K,) = values.values()
+def _sentence(selection: Selection, effect: EffectType, values: Values) -> str:
+    """Return what an effect says; of the supply's own link, how far the recorded one is from its heating curve."""
+    parameters, belief = effect.Parameters(**values), selection.problem.belief
+    if not selection.segment.is_supply:
+        return effect.sentence(parameters)
+    there = effect.apply(belief, parameters).inputs
+    assert there
+    assert belief.inputs
+    offset_K = float(np.mean(there.supply_C - belief.inputs.supply_C))
     return f"The recorded supply is {abs(offset_K):.1f} K {'above' if offset_K > 0.0 else 'below'} the heating curve."
 
 

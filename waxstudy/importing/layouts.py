@@ -75,9 +75,10 @@ def _readings_of(
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
     frame, bad = without_status(frame)
     entity = _entity_column(frame, time)
-    if entity:
-        frame = _told_apart(frame, time, entity)
-    again = _read_again(Table(table.where, frame), time, entity)
+    is_again = frame.duplicated([time, entity] if entity else [time])
+    if entity and is_again.mean() > TWICE:
+        frame, is_again = _told_apart(frame, time, entity, is_again)
+    again = _read_again(Table(table.where, frame[is_again]), time, float(is_again.mean()))
     frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or "", *_units(frame)))
     split = _long if entity else _wide
     zone = zone_told(frame[time], time_format, table.where)
@@ -110,35 +111,36 @@ def _fields_with_tags(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.assign(**{FIELD: names.where(frame[FIELD].notna())}).drop(columns=tags)
 
 
-def _told_apart(frame: pd.DataFrame, time: str, entity: str) -> pd.DataFrame:
-    """Return a table whose names have those of another column beside them, where alone they name several sensors."""
-    if frame.duplicated([time, entity]).mean() <= TWICE:
-        return frame
+def _told_apart(frame: pd.DataFrame, time: str, entity: str, is_again: pd.Series) -> tuple[pd.DataFrame, pd.Series]:
+    """Return a table whose names have those of another column beside them, as alone they name several sensors.
+
+    With it comes in which rows a sensor is read again at one stamp.
+    """
     value = _named(VALUE, [name for name in frame.columns if name not in (time, entity)])
     rest = [name for name in frame.columns if name not in (time, entity, value, *_units(frame))]
     whole = [name for name in rest if frame[name].notna().all() and _holds_names(frame[name])]
-    tell = [name for name in whole if frame.duplicated([time, entity, name]).mean() <= TWICE]
+    tell = {name: frame.duplicated([time, entity, name]) for name in whole}
+    tell = {name: again for name, again in tell.items() if again.mean() <= TWICE}
     if not tell:
-        return frame
+        return frame, is_again
     other = min(tell, key=lambda name: frame[name].nunique())
     first, second = (name for name in frame.columns if name in (entity, other))
     names = frame[first].astype(str).str.strip() + " " + frame[second].astype(str).str.strip()
-    return frame.assign(**{entity: names}).drop(columns=other)
+    return frame.assign(**{entity: names}).drop(columns=other), tell[other]
 
 
-def _read_again(table: Table, time: str, entity: str | None) -> str:
-    """Return a sentence on rows that have the stamp of another one, of which the last counts; "" for few.
+def _read_again(table: Table, time: str, share: float) -> str:
+    """Return a sentence on rows that have the stamp of another one, of which the last counts; "" for a small share.
 
     Raises `StudyError` where stamps are days, as the time of day must stand elsewhere then.
     """
-    again = table.frame.duplicated([time, entity] if entity else [time])
-    if again.mean() <= AGAIN:
+    if share <= AGAIN:
         return ""
-    stamps = table.frame.loc[again, time].astype(str)
+    stamps = table.frame[time].astype(str)
     if not stamps.str.replace(NO_CLOCK, "", regex=True).str.contains(":").any():
         wrong = f"many rows have the stamp {stamps.iloc[0]}, which tells no time of day"
         raise refusal(table.where, wrong, "name its column 'hour' or 'time', or write it behind the day")
-    return f"{Path(table.where).name}: {again.mean():.0%} of the rows have the stamp of another one: the last counts."
+    return f"{Path(table.where).name}: {share:.0%} of the rows have the stamp of another one: the last counts."
 
 
 def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
