@@ -19,7 +19,7 @@ from waxstudy.importing.limits import AGAIN, LOOKED_AT, MIXED, MOST_ENTITIES, RE
 from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.status import without_bad, without_status
-from waxstudy.importing.time_columns import EXPECTED, NO_CLOCK, dated, may_be_stamps, time_column
+from waxstudy.importing.time_columns import EXPECTED, dated, may_be_stamps, time_column
 from waxstudy.importing.units import plain_unit
 from waxstudy.importing.words import SIGN, numbers_of
 from waxstudy.study.problems import listed
@@ -75,14 +75,12 @@ def _readings_of(
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
     frame, bad = without_status(frame)
     entity = _entity_column(frame, time)
-    is_again = frame.duplicated([time, entity] if entity else [time])
-    if entity and is_again.mean() > TWICE:
-        frame, is_again = _told_apart(frame, time, entity, is_again)
-    again = _read_again(Table(table.where, frame[is_again]), time, float(is_again.mean()))
+    if entity:
+        frame = _told_apart(frame, time, entity)
     frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or "", *_units(frame)))
     split = _long if entity else _wide
     zone = zone_told(frame[time], time_format, table.where)
-    said = tuple(filter(None, (zone, counting, again, lost, *table.notes)))
+    said = tuple(filter(None, (zone, counting, lost, *table.notes)))
     for each in split(Table(table.where, frame), file, time, units, time_format, entity or ""):
         yield replace(each, notes=(*each.notes, *said)) if said else each
 
@@ -111,36 +109,35 @@ def _fields_with_tags(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.assign(**{FIELD: names.where(frame[FIELD].notna())}).drop(columns=tags)
 
 
-def _told_apart(frame: pd.DataFrame, time: str, entity: str, is_again: pd.Series) -> tuple[pd.DataFrame, pd.Series]:
-    """Return a table whose names have those of another column beside them, as alone they name several sensors.
-
-    With it comes in which rows a sensor is read again at one stamp.
-    """
+def _told_apart(frame: pd.DataFrame, time: str, entity: str) -> pd.DataFrame:
+    """Return a table whose names have those of another column beside them, where alone they name several sensors."""
     value = _named(VALUE, [name for name in frame.columns if name not in (time, entity)])
     rest = [name for name in frame.columns if name not in (time, entity, value, *_units(frame))]
     whole = [name for name in rest if frame[name].notna().all() and _holds_names(frame[name])]
-    tell = {name: frame.duplicated([time, entity, name]) for name in whole}
-    tell = {name: again for name, again in tell.items() if again.mean() <= TWICE}
+    if not whole or frame.duplicated([time, entity]).mean() <= TWICE:
+        return frame
+    tell = [name for name in whole if frame.duplicated([time, entity, name]).mean() <= TWICE]
     if not tell:
-        return frame, is_again
+        return frame
     other = min(tell, key=lambda name: frame[name].nunique())
     first, second = (name for name in frame.columns if name in (entity, other))
     names = frame[first].astype(str).str.strip() + " " + frame[second].astype(str).str.strip()
-    return frame.assign(**{entity: names}).drop(columns=other), tell[other]
+    return frame.assign(**{entity: names}).drop(columns=other)
 
 
-def _read_again(table: Table, time: str, share: float) -> str:
-    """Return a sentence on rows that have the stamp of another one, of which the last counts; "" for a small share.
+def _read_again(table: Table, time: str, times: pd.DatetimeIndex, is_again: np.ndarray) -> tuple[str, ...]:
+    """Return what is said of rows (n,) that have the stamp of another one, of which the last counts; nothing of few.
 
     Raises `StudyError` where stamps are days, as the time of day must stand elsewhere then.
     """
+    share = float(is_again.mean())
     if share <= AGAIN:
-        return ""
-    stamps = table.frame[time].astype(str)
-    if not stamps.str.replace(NO_CLOCK, "", regex=True).str.contains(":").any():
-        wrong = f"many rows have the stamp {stamps.iloc[0]}, which tells no time of day"
+        return ()
+    days = times[is_again].tz_localize(None)
+    if (days == days.normalize()).all():
+        wrong = f"many rows have the stamp {table.frame[time].iloc[int(is_again.argmax())]}, which tells no time of day"
         raise refusal(table.where, wrong, "name its column 'hour' or 'time', or write it behind the day")
-    return f"{Path(table.where).name}: {share:.0%} of the rows have the stamp of another one: the last counts."
+    return (f"{Path(table.where).name}: {share:.0%} of the rows have the stamp of another one: the last counts.",)
 
 
 def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
@@ -227,18 +224,24 @@ def _long(
     values = _value_columns(table, time, entity)
     unit = next(iter(_units(frame)), None)
     times = _at_ends(stamps_of(frame[time], time_format, table.where), frame, time)
+    groups = frame.groupby(names, sort=True, observed=True).indices
+    is_again = np.zeros(len(frame), dtype=bool)
+    for places in groups.values():
+        is_again[places] = times[places].duplicated()
+    notes = _read_again(table, time, times, is_again)
     frame = frame.drop(columns=time)
-    for name, places in frame.groupby(names, sort=True, observed=True).indices.items():
+    for name, places in groups.items():
         rows = frame.iloc[places]
         told = _unit_told(Table(table.where, rows), unit, str(name))
         if len(values) == 1:
-            yield Readings(str(name), table.where, times[places], rows[values[0]], told)
+            yield Readings(str(name), table.where, times[places], rows[values[0]], told, notes=notes)
             continue
         for value in values:
             what, own_unit = parted(value)
             is_there = rows[value].notna().to_numpy()
             own_unit = units.get(value, own_unit or told)
-            yield Readings(f"{name} {what}", table.where, times[places][is_there], rows.loc[is_there, value], own_unit)
+            at = times[places][is_there]
+            yield Readings(f"{name} {what}", table.where, at, rows.loc[is_there, value], own_unit, notes=notes)
 
 
 def _unit_told(table: Table, column: str | None, entity: str) -> str:
@@ -275,6 +278,7 @@ def _wide(
     if not rest:
         raise refusal(table.where, "has stamps and no readings", EXPECTED)
     times = _at_ends(stamps_of(frame[time], time_format, table.where), frame, time)
+    notes = _read_again(table, time, times, times.duplicated())
     of_units = _units(frame)
     unit_of_all = _unit_told(table, next(iter(of_units), None), " ".join(each for each in rest if each not in of_units))
     parts = {column: parted(column) for column in rest if column not in of_units}
@@ -284,9 +288,8 @@ def _wide(
         if name.lower() in VALUE or (len(rest) == 1 and (not name or PLACED.fullmatch(name))):
             name = _named_after(file)
         is_there = frame[column].notna().to_numpy()
-        yield Readings(
-            name, table.where, times[is_there], frame.loc[is_there, column], units.get(column, unit or unit_of_all)
-        )
+        unit = units.get(column, unit or unit_of_all)
+        yield Readings(name, table.where, times[is_there], frame.loc[is_there, column], unit, notes=notes)
 
 
 def _at_ends(times: pd.DatetimeIndex, frame: pd.DataFrame, time: str) -> pd.DatetimeIndex:
