@@ -190,7 +190,8 @@ def _spelt(written: pd.Series, times: pd.Series) -> pd.Series:
     """Return stamps read again without a zone, a weekday or a word between; 24 h is 0 h of the next day."""
     unread = times.isna() & written.notna()
     zone = written.str.extract(ZONE_BEHIND, expand=False)
-    spelt = written.where(~unread, in_english(written))
+    spelt = written.copy()
+    spelt[unread] = in_english(spelt[unread])
     for rest, instead in ((ZONE_BEHIND, ""), (WEEKDAY, ""), (BETWEEN, " "), (GLUED, " ")):
         spelt[unread] = spelt[unread].str.replace(rest, instead, regex=True)
     ends_day = spelt.str.contains(MIDNIGHT, na=False)
