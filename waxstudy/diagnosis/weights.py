@@ -79,6 +79,7 @@ class Weights:
     heat_share: float
     heat_least_W: float
     clear_sd: float
+    at_end: float
 
     def softness(self, is_by_noise: bool) -> float:
         return self.noise_soft if is_by_noise else self.soft

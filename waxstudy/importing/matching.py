@@ -70,7 +70,7 @@ def matched(entities: Sequence[Seen], stated: Mapping[str, str], room: str) -> d
 
 
 def _flow_and_return(found: dict[str, Match]) -> dict[str, Match]:
-    """Return a flow that may be a temperature as that: in Britain water flows to a floor, and returns."""
+    """Return a flow without a unit, beside a return, as the supply temperature that it may be: it is called so, too."""
     flow, back = found.get("flow_L_h"), found.get("return_temperature_C")
     if flow is None or back is None or "supply_temperature_C" in found or flow.confidence == 1.0:
         return found

@@ -27,9 +27,9 @@ OFF = (
 WORDS = {**STATES, **dict.fromkeys(ON, 1.0), **dict.fromkeys(OFF, 0.0)}
 # from here on nothing is known: what was read before is not held
 NOTHING = ("unavailable", "unknown", "none", "nan", "null", "n/a", "na", "error", "fault", "offline", "-", "--", "")
-# what goes on as a date, a time of day or a range has no unit
 SIGN = "[-+\u2212\u2013]?"  # also as typesetters write a minus
 MINUS = re.compile(r"^[\u2212\u2013]\s*(?=\d)")
+# what goes on as a date, a time of day or a range has no unit
 NUMBER = re.compile(
     r"(?P<number>[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>(?![:/-]\s*\d|-[A-Za-z])[^\d\s.,].*)?"
 )

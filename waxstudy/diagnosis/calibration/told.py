@@ -17,7 +17,6 @@ from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Prior, Room
 
 NORMAL = 1.96
-AT_END = 0.98  # of the farthest departure that is looked for, from which on one ends there
 
 
 def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibrated]:
@@ -149,7 +148,7 @@ def doubts(calibration: Calibration, documented: Belief) -> Iterator[str]:
     for knob, departure in (*zip(known.knobs, known.departures.tolist(), strict=True), *known.chain):
         if isinstance(knob, Knob) and knob.effect in always:
             continue  # told below, with all of it
-        if abs(departure) >= AT_END * limits()["odd"].value * knob.sd:
+        if abs(departure) >= WEIGHTS.at_end * limits()["odd"].value * knob.sd:
             usual = _deviations(knob, departure)
             yield f"the baseline itself: {knob.name} lies {usual} from the documents, or farther; is it healthy?"
     for effect, values in always.items():

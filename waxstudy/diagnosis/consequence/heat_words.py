@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from waxstudy.diagnosis.consequence.heat_estimate import NORMAL
 from waxstudy.diagnosis.result import HeatBy, HeatPer, Interval, MissingHeat
 from waxstudy.diagnosis.weights import WEIGHTS
 
-NORMAL = 1.96  # standard deviations of half an interval
 COURSES = {"outdoor difference": ("the cold outside", "kelvin"), "sun": ("the sun", "watt of sun")}
 
 
