@@ -180,6 +180,8 @@ def test_a_record_says_in_four_lines_what_it_is(frame: pd.DataFrame, tmp_path: P
         ({"units": {"air": "degF"}}, "has a unit, but the frame has no such column"),
         ({"believed": {"controller": {"use": "on-of"}}}, "on-off"),
         ({"believed": "nowhere.toml"}, "cannot be read"),
+        ({"columns": {"air_temperature_C": "T_rooom"}}, "is to be column 'T_rooom', but the frame has no such column"),
+        ({"columns": {"air_temperature_c": "sensor_temperature_C"}}, "did you mean 'air_temperature_C'"),
     ],
 )
 def test_a_frame_that_cannot_be_used_is_refused(frame: pd.DataFrame, changes: dict[str, object], wrong: str) -> None:
@@ -193,6 +195,34 @@ def test_times_in_utc_do_not_say_where_the_room_is(frame: pd.DataFrame) -> None:
         wx.Dataset.from_frame(in_utc, believed=NOMINAL, room={"use": "nzeb"})
     there = wx.Dataset.from_frame(in_utc, believed=NOMINAL, room={"use": "nzeb"}, timezone="Europe/Tallinn")
     assert there.time[0] - frame.index[0] == pd.Timedelta("2h")
+
+
+def test_two_channels_may_be_one_column_and_it_is_said(frame: pd.DataFrame) -> None:
+    both = {"air_temperature_C": "T_room", "sensor_temperature_C": "T_room"}
+    one = frame[["sensor_temperature_C"]].set_axis(["T_room"], axis="columns")
+    record = wx.Dataset.from_frame(one, columns=both, units={"T_room": "degC"}, believed=NOMINAL, room={"use": "nzeb"})
+    assert list(record.values) == ["sensor_temperature_C", "air_temperature_C"]
+
+
+def test_what_is_said_in_the_call_counts_before_the_file(frame: pd.DataFrame, tmp_path: Path) -> None:
+    file = tmp_path / "dataset.toml"
+    file.write_text(
+        "[dataset]\nroom_tolerance = 2.5\n[nominal]\nsetpoint_C = 21.0\n[room]\nuse = 'nzeb'\n"
+        "[site]\nlatitude = 10.0\nlongitude = 20.0\n",
+        encoding="utf-8-sig",
+    )
+    record = wx.Dataset.from_frame(frame, believed=file, site={"latitude": 59.0})
+    assert record.site
+    assert (record.site.latitude, record.site.longitude, record.room_tolerance) == (59.0, 20.0, 2.5)
+    own = wx.Dataset.from_frame(frame, believed=file, dataset={"room_tolerance": 1.5})
+    assert own.room_tolerance == 1.5
+
+
+def test_a_building_is_told_by_its_floor(frame: pd.DataFrame) -> None:
+    room = {"floor_area_m2": 20.0, "facade_m": {"south": 5.0}, "window_area_m2": {"south": 2.5}}
+    record = wx.Dataset.from_frame(frame, believed=NOMINAL, room=room)
+    assert record.room
+    assert record.room.parameters.floor_area_m2 == 20.0  # type: ignore[attr-defined]
 
 
 @pytest.mark.slow

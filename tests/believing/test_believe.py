@@ -8,6 +8,7 @@ import subprocess
 import tomllib
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from docs_site.keys import dataset_keys
@@ -255,3 +256,40 @@ def test_the_reference_shows_every_spread() -> None:
     page = dataset_keys()
     rows = [f"| `{each.key}` | `{each.unknown}` | {each.spread:g} | {each.why} |" for each in SPREADS]
     assert [row for row in rows if row not in page] == []
+
+
+@pytest.mark.parametrize("floor_m2", [2, 500])
+def test_every_default_is_one_that_is_allowed_in_the_smallest_and_the_largest_room(
+    entry: Entry, living: Path, floor_m2: int
+) -> None:
+    done = entry("believe", "living", "--yes", "--set", f"floor_area_m2={floor_m2}")
+    assert done.code == 0, done.stderr
+
+
+def test_a_file_with_a_byte_order_mark_is_read_and_written(entry: Entry, living: Path) -> None:
+    (living / "dataset.toml").write_text(HEAD, encoding="utf-8-sig")
+    assert entry("believe", "living", "--yes").code == 0
+    assert about(living)["dataset"]["origin"] == "ours"
+
+
+def test_the_curve_follows_a_record_that_has_grown_unless_somebody_changed_it(entry: Entry, living: Path) -> None:
+    assert entry("believe", "living", "--yes").code == 0
+    curve = about(living)["building"]["heating_curve_C"]
+    data = pd.read_csv(living / "data.csv")
+    data.assign(supply_temperature_C=data["supply_temperature_C"] + 3.0).to_csv(living / "data.csv", index=False)
+    done = entry("believe", "living", "--yes")
+    assert "by hand" not in done.stderr
+    grown = about(living)["building"]["heating_curve_C"]
+    assert grown != curve
+    path = living / "dataset.toml"
+    path.write_text(path.read_text().replace(f"[[-20.0, {grown[0][1]}]", "[[-20.0, 41.5]", 1))
+    done = entry("believe", "living", "--yes")
+    assert "[building] heating_curve_C" in done.stderr
+    assert about(living)["building"]["heating_curve_C"][0] == [-20.0, 41.5]
+
+
+def test_the_offset_of_an_import_s_stamps_is_the_site_s_zone(entry: Entry, living: Path) -> None:
+    path = living / "dataset.toml"
+    path.write_text(HEAD + '[import]\ntimezone = "UTC+02:00"\n')
+    assert entry("believe", "living", "--yes", "--set", "place=59.44, 24.75").code == 0
+    assert about(living)["site"]["timezone"] == "UTC+02:00"

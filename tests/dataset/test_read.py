@@ -654,3 +654,33 @@ def test_a_number_beyond_all_channels_is_missing_and_told(good: Path, value: flo
     for name in ("air_temperature_C", "flow_L_h"):
         assert list(np.flatnonzero(read.values[name].isna())) == [7, 900]
         assert told(read, f"{name}: 2 cells are no numbers of at most 1e+12")
+
+
+# --- rows that lie unevenly --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("second", [0, 20, 27, 30, 33, 45])
+def test_stamps_that_jitter_around_any_second_of_a_minute_lose_nothing(good: Path, second: int) -> None:
+    jitter_s = np.random.default_rng(1).integers(-2, 3, len(data_of(good)))
+
+    def late(data: pd.DataFrame) -> pd.DataFrame:
+        return data.assign(time=pd.to_datetime(data["time"]) + pd.to_timedelta(second + jitter_s, unit="s"))
+
+    ours = read_dataset(good)
+    read = reread(good, late)
+    assert not told(read, "left out")
+    np.testing.assert_array_equal(read.values.to_numpy(), ours.values.to_numpy())
+    assert abs((read.time[0] - ours.time[0]).total_seconds() - second) <= 15.0
+
+
+def test_an_interval_of_which_most_rows_are_lost_is_missing(good: Path) -> None:
+    def outage(data: pd.DataFrame) -> pd.DataFrame:
+        return data.drop(index=data.index[3 * 15 + 1 : 3 * 15 + 15])  # one row of fifteen stays
+
+    path = good / "dataset.toml"
+    path.write_text(re.sub("interval_s = .*", "interval_s = 900", path.read_text()))
+    read = reread(good, outage)
+    assert read.interval_s == 900.0
+    assert np.isnan(read.values.iloc[3].to_numpy(dtype=float)).all()
+    assert read.values["flow_L_h"].isna().sum() == 1
+    assert told(read, "hold less than half of the usual rows")

@@ -171,6 +171,18 @@ def test_one_room_alone_has_no_control(tmp_path: Path) -> None:
         read_dataset(folder)
 
 
+def test_samples_of_sun_and_rooms_are_looked_at_as_those_of_channels_are(tmp_path: Path) -> None:
+    record = made(3, days=6, rooms=3).resample("1h").last()
+    record.iloc[40:52, record.columns.get_loc("sun")] = -9999.0
+    record.iloc[20, record.columns.get_loc("room0")] -= 5.5  # by the hour air may fall so far
+    read = read_dataset(written(tmp_path, record, 3))
+    assert read.neighbours
+    assert np.isnan(read.neighbours.sun["sun"]).sum() == 12
+    assert np.isfinite(read.neighbours.rooms[0].air_C).all()
+    # what judges rooms is not said to be left unread
+    assert [each.split(":")[0] for each in read.warnings] == ["sun sun"]
+
+
 def test_a_room_of_its_own_is_held_against_those_named(tmp_path: Path) -> None:
     folder = written(tmp_path, made(0, days=5, rooms=3), 3)
     text = toml(2) + '[columns]\nair_temperature_C = "room2"\noutdoor_temperature_C = "outdoor_temperature_C"\n'

@@ -13,10 +13,14 @@ import tomli_w
 
 from waxstudy.dataset import read
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.zones import is_zone
 from waxstudy.importing.units import conversion
 from waxstudy.importing.zone import standard_time
 from waxstudy.plugin.files import read_file
+from waxstudy.plugin.registry import hint
 from waxstudy.study.problems import Problem, StudyError
+
+TRUSTED = ("room_tolerance", "room_error_factor")  # keys of [dataset] that say how far a room is trusted
 
 
 @dataclass(frozen=True, repr=False)
@@ -45,13 +49,16 @@ class Dataset(read.Dataset):
         The index is the time at the end of each interval, in local standard time, or in any zone if it says which;
         `timezone` takes summer time out. Columns are named as channels, or `columns` says which channel is which
         column. `units` are those of the frame's columns, by default those of the channels. `believed` is [nominal],
-        or a dataset.toml to take it and the room from; `room` is [room], or [building] if it has an `area_m2`.
-        Other tables go by their name, such as `dataset={"room_tolerance": 2.0}`.
+        or a dataset.toml to take it, the room, and how far it is trusted from; `room` is [room], or [building] if it
+        has a `floor_area_m2`. Other tables go by their name, such as `dataset={"room_tolerance": 2.0}`: what they say
+        counts before what the file does.
         """
-        named = {column: channel for channel, column in (columns or {}).items()}
-        values = _in_channel_units(frame.rename(columns=named), {named.get(k, k): u for k, u in (units or {}).items()})
+        values = _named(_in_channel_units(frame, units or {}, columns or {}), columns or {})
         values.index = standard_time(_times(frame), timezone).rename("time")
         described = _described(believed, room, tables)
+        zone = timezone or str(_times(frame).tz)
+        if "site" in described and is_zone(zone):
+            described["site"] = {"timezone": zone, **described["site"]}
         described["dataset"] = {"name": "frame", **described.get("dataset", {})}
         with tempfile.TemporaryDirectory(prefix="waxstudy-record-") as place:
             folder = Path(place)
@@ -66,21 +73,34 @@ def _times(frame: pd.DataFrame) -> pd.DatetimeIndex:
     return frame.index
 
 
-def _in_channel_units(frame: pd.DataFrame, units: Mapping[str, str]) -> pd.DataFrame:
+def _named(frame: pd.DataFrame, columns: Mapping[str, str]) -> pd.DataFrame:
+    """Return a frame whose columns are named as the channels that they are; two channels may be one column."""
+    rest = [name for name in frame if name not in {*columns, *columns.values()}]
+    return frame[[*columns.values(), *rest]].set_axis([*columns, *rest], axis="columns")
+
+
+def _in_channel_units(frame: pd.DataFrame, units: Mapping[str, str], columns: Mapping[str, str]) -> pd.DataFrame:
     frame = frame.copy()
-    for name, unit in units.items():
+    channels = {column: channel for channel, column in columns.items()}
+    there = f"its columns: {', '.join(map(str, frame))}"
+    for channel, name in columns.items():
+        if channel not in CHANNELS:
+            raise _refusal(channel, f"is no channel{hint(channel, CHANNELS)}", "columns={CHANNEL: COLUMN}")
         if name not in frame:
-            raise _refusal(
-                name, "has a unit, but the frame has no such column", f"its columns: {', '.join(map(str, frame))}"
-            )
-        if name not in CHANNELS:
+            raise _refusal(channel, f"is to be column '{name}', but the frame has no such column", there)
+    for key, unit in units.items():
+        name = columns.get(key, key)
+        if name not in frame:
+            raise _refusal(name, "has a unit, but the frame has no such column", there)
+        channel = channels.get(name, name)
+        if channel not in CHANNELS:
             raise _refusal(name, "is no channel", "columns={CHANNEL: COLUMN} says which it is")
         try:
-            found = conversion(unit, CHANNELS[name].quantity)
+            found = conversion(unit, CHANNELS[channel].quantity)
         except ValueError as error:
             raise _refusal(name, str(error)) from error
         if found is None or found.is_counter:
-            raise _refusal(name, f"'{unit}' is no unit of it", f"as {CHANNELS[name].unit}")
+            raise _refusal(name, f"'{unit}' is no unit of it", f"as {CHANNELS[channel].unit}")
         frame[name] = frame[name] * found.scale + found.offset
     return frame
 
@@ -88,27 +108,25 @@ def _in_channel_units(frame: pd.DataFrame, units: Mapping[str, str]) -> pd.DataF
 def _described(
     believed: Mapping[str, Any] | str | Path, room: Mapping[str, Any] | None, tables: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, Any]:
-    described: dict[str, Any] = {name: dict(table) for name, table in tables.items()}
-    if isinstance(believed, Mapping):
-        described["nominal"] = dict(believed)
-    else:
-        described |= _stated(Path(believed))
+    described = {"nominal": dict(believed)} if isinstance(believed, Mapping) else _stated(Path(believed))
     if room is not None:
         for name in ("room", "building"):
             described.pop(name, None)
-        described["building" if "area_m2" in room else "room"] = dict(room)
-    return described
+        described["building" if "floor_area_m2" in room else "room"] = dict(room)
+    return described | {name: {**described.get(name, {}), **table} for name, table in tables.items()}
 
 
 def _stated(path: Path) -> dict[str, Any]:
-    """Return what another dataset believes of its loop."""
+    """Return what another dataset believes of its loop, and how far."""
     import tomllib
 
     try:
-        known = tomllib.loads(read_file(path).decode())
+        known = tomllib.loads(read_file(path).decode("utf-8-sig"))
     except (OSError, ValueError) as error:
         raise _refusal("believed", f"{path} cannot be read: {error}") from error
-    return {name: known[name] for name in ("nominal", "room", "building", "site") if name in known}
+    about = known.get("dataset", {})
+    found = {name: known[name] for name in ("nominal", "room", "building", "site") if name in known}
+    return found | {"dataset": {name: about[name] for name in TRUSTED if name in about}}
 
 
 def _refusal(key: str, wrong: str, allowed: str = "") -> StudyError:

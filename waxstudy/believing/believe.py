@@ -30,6 +30,7 @@ FROM_DATASET = ("room_tolerance", "room_error_factor")
 SHOWN = "as the record shows"
 STATED = "stated"
 OF_ROOM = ("building", "room")
+CURVE = "heating_curve_C"  # as it was written: a record that has grown may show another
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,7 @@ class Believed:
     widened: Sequence[Widened]
     command: str
     told: Sequence[str]  # sentences for the user
+    curve_C: Any = None  # that the record shows, or the usual one
 
     @property
     def room_tolerance(self) -> float:
@@ -78,15 +80,17 @@ def believe(request: Request, ask: Ask) -> Believed:
     _refuse_kept(request, asked)
     answers = _answers(request, asked, earlier, record, ask)
     known = {answer.key: answer.value for answer in answers}
-    made = _made(known, asked, record, whole, request.folder)
+    curve_C = shown.heating_curve_C(record)
+    made = _made(known, asked, curve_C, whole, request.folder)
+    curve_C = made.get("building", {}).get(CURVE)
     is_known = all(each.key in earlier.values for each in asked if each.table == "building")
-    before = _made(earlier.values, asked, record, whole, request.folder) if is_known else {}
+    before = _made(earlier.values, asked, earlier.curve_C or curve_C, whole, request.folder) if is_known else {}
     made, told = _with_edits(made, before, whole)
     checked = _read(request.folder, {**whole, **{name: _joined(whole.get(name, {}), made[name]) for name in made}})
     guessed = {answer.key for answer in answers if answer.is_guess}
     room = checked.room if "building" in made else None
     own = {each.name: each.sd for each in room.component.uncertainties(room.parameters)} if room else {}  # type: ignore[attr-defined]
-    return Believed({**taken, **made}, answers, widened(guessed, own), _command(request, answers), told)
+    return Believed({**taken, **made}, answers, widened(guessed, own), _command(request, answers), told, curve_C)
 
 
 # --- what is there ------------------------------------------------------------------------------------
@@ -98,6 +102,7 @@ class Earlier:
 
     values: Mapping[str, Any] = field(default_factory=dict)
     stated: Mapping[str, str] = field(default_factory=dict)  # as typed, those that somebody gave
+    curve_C: Any = None
 
 
 def _earlier(values: Mapping[str, Any]) -> Earlier:
@@ -110,7 +115,8 @@ def _earlier(values: Mapping[str, Any]) -> Earlier:
             read |= {question.key: question.read(answers[question.key])} if question.key in answers else {}
         except (ValueError, AttributeError):  # somebody edited it: it is asked again
             continue
-    return Earlier(read, {key: answers[key] for key in read if key in given})
+    curve_C = about.get(CURVE) if isinstance(about, dict) else None
+    return Earlier(read, {key: answers[key] for key in read if key in given}, curve_C)
 
 
 def _is_open(question: Question, values: Mapping[str, Any], earlier: Earlier, record: Dataset) -> bool:
@@ -233,7 +239,7 @@ def _command(request: Request, answers: Sequence[Answer]) -> str:
 
 
 def _made(
-    known: Mapping[str, Any], asked: Sequence[Question], record: Dataset, values: Mapping[str, Any], folder: Path
+    known: Mapping[str, Any], asked: Sequence[Question], curve_C: Any, values: Mapping[str, Any], folder: Path
 ) -> dict[str, dict[str, Any]]:
     """Return the tables that answers make."""
     imported = values.get("import")
@@ -242,7 +248,7 @@ def _made(
     motor_from = _seen_from(folder, Path(motor)) if motor.endswith(".toml") else ""
     made = {"nominal": dict(tables.nominal(known, motor_from)), "site": tables.site(known, str(zone))}
     if any(question.table == "building" for question in asked):
-        made["building"] = tables.building(known, shown.heating_curve_C(record))
+        made["building"] = tables.building(known, curve_C)
     return {name: table for name, table in made.items() if table}
 
 

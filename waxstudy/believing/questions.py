@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import sqrt
 from typing import Any
 
 from waxstudy.believing import typical
@@ -117,11 +118,12 @@ def usual(text: str, source: str) -> Callable[[Values], Proposal]:
 
 
 def _windows(values: Values) -> Proposal:
-    outer = list(values["outer_walls"])
     source = "an eighth of the floor, which German building codes ask for at least"
-    if not outer:
+    if not values["outer_walls"]:
         return Proposal(UNASKED, "no outer wall")
-    return Proposal(f"{outer[0]} {typical.WINDOW_SHARE * values['floor_area_m2']:.1f}", source)
+    side, length_m = next(iter(values["outer_walls"].items()))
+    fits_m2 = 0.9 * typical.WINDOW_HEIGHT_m * (length_m or sqrt(values["floor_area_m2"]))
+    return Proposal(f"{side} {min(fits_m2, typical.WINDOW_SHARE * values['floor_area_m2']):.1f}", source)
 
 
 def _of_year(name: str) -> Callable[[Values], Proposal]:

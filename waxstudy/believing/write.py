@@ -9,7 +9,7 @@ from typing import Any
 import tomlkit
 from tomlkit.items import Table
 
-from waxstudy.believing.believe import STATED, Believed
+from waxstudy.believing.believe import CURVE, STATED, Believed
 from waxstudy.importing.write import STILL
 from waxstudy.plugin.files import read_file
 from waxstudy.results.atomic import whole_file
@@ -22,7 +22,7 @@ ORDER = ("site", "nominal", "building", "room", "believe")
 def write(folder: Path, believed: Believed) -> None:
     """Write the tables; raise `OSError` where that cannot be done."""
     path = folder / "dataset.toml"
-    text = described(read_file(path).decode(), believed)
+    text = described(read_file(path).decode("utf-8-sig"), believed)
     with whole_file(path) as file:
         file.write_text(text, encoding="utf-8")
 
@@ -79,6 +79,8 @@ def _put_answers(document: tomlkit.TOMLDocument, believed: Believed) -> None:
     about["room_tolerance"] = believed.room_tolerance
     about["stated"] = [answer.key for answer in believed.answers if answer.source == STATED]
     about["guessed"] = [answer.key for answer in believed.answers if answer.is_guess]
+    if believed.curve_C:
+        about[CURVE] = believed.curve_C
     for answer in believed.answers:
         answers[answer.key] = answer.text
         _comment(answers, answer.key, answer.source)

@@ -65,7 +65,7 @@ def command(dataset: Path, stated: dict[str, str], other: Path | None, yes: bool
                 believed = believe(Request(dataset, stated, other), asking)
             finally:
                 asking.refuse_unsettled()
-            own = stays(read_file(dataset / "dataset.toml").decode(), believed)
+            own = stays(read_file(dataset / "dataset.toml").decode("utf-8-sig"), believed)
             write(dataset, believed)
     except StudyError as error:
         raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error

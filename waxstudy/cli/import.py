@@ -125,10 +125,9 @@ def command(out: Path, yes: bool, replaces: bool, **stated: Any) -> None:
 
 
 def _refuse_unknown(stated: dict[str, Any]) -> None:
-    from zoneinfo import available_timezones
 
     from waxstudy.dataset.channels import CHANNELS
-    from waxstudy.dataset.zones import zone_hint
+    from waxstudy.dataset.zones import is_zone, zone_hint
     from waxstudy.plugin.registry import hint
 
     for channel in stated["entities"]:
@@ -137,7 +136,7 @@ def _refuse_unknown(stated: dict[str, Any]) -> None:
                 f"--map {channel}: no such channel{hint(channel, CHANNELS)} (there are: {', '.join(CHANNELS)})", USAGE
             )
     zone = stated["timezone"]
-    if zone is not None and zone not in available_timezones():
+    if zone is not None and not is_zone(zone):
         raise CommandError(f"--timezone {zone}: no such time zone{zone_hint(zone)}", USAGE)
 
 

@@ -24,13 +24,18 @@ NAMED = 20  # columns that a message lists
 TOLD = 5  # columns that get a warning each
 
 
-def channels_of(table: pd.DataFrame, columns: Mapping[str, Column], time: str, notes: Notes) -> pd.DataFrame | None:
-    """Return the channels that the file has, in our units; a channel is found by its own name or by [columns]."""
+def channels_of(
+    table: pd.DataFrame, columns: Mapping[str, Column], time: str, notes: Notes, others: Sequence[str] = ()
+) -> pd.DataFrame | None:
+    """Return the channels that the file has, in our units; a channel is found by its own name or by [columns].
+
+    `others` are columns that something else reads.
+    """
     wanted = {name: columns.get(name, Column(column=name)) for name in CHANNELS}
     found = {
         name: column for name, column in wanted.items() if name in columns or (name in table.columns and name != time)
     }
-    _tell_others(table, found, time, bool(columns), notes)
+    _tell_others(table, found, {time, *others}, bool(columns), notes)
     _tell_shared(table, {name: [part.column for part in each.parts] for name, each in found.items()}, time, notes)
     if not found:
         allowed = f"columns: {named(table)}; channels: {listed(CHANNELS)}"
@@ -118,13 +123,15 @@ def _in_words(channel: str, written: pd.Series, notes: Notes) -> pd.Series:
     return words.astype(object).where(words.notna(), written)
 
 
-def _tell_others(table: pd.DataFrame, found: Mapping[str, Column], time: str, is_mapped: bool, notes: Notes) -> None:
+def _tell_others(
+    table: pd.DataFrame, found: Mapping[str, Column], read: set[str], is_mapped: bool, notes: Notes
+) -> None:
     """Say which columns are not read: in a file of our own each may be a misspelled channel."""
-    used = {part.column for column in found.values() for part in column.parts} | {time}
+    used = {part.column for column in found.values() for part in column.parts} | read
     others = [name for name in table.columns if name not in used]
     if is_mapped and others:
         columns = "1 column" if len(others) == 1 else f"{len(others)} columns"
-        notes.assume(f"Not read: {columns} of the data file that [columns] does not name.")
+        notes.assume(f"Not read: {columns} of the data file that the dataset does not name.")
     strange = [] if is_mapped else others
     for name in strange[:TOLD]:
         notes.warn(f"column '{name}' is no channel and is not read{hint(name, CHANNELS)}")

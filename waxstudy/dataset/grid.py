@@ -7,7 +7,7 @@ import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.columns import TIME
-from waxstudy.dataset.limits import COARSER, FEWEST_ROWS, FINER, MOST_INTERVALS, UNEVEN
+from waxstudy.dataset.limits import COARSER, FEWEST_ROWS, FINER, LEAST_KNOWN, MOST_INTERVALS, TOGETHER, UNEVEN
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin import FloatArray
@@ -62,9 +62,13 @@ def _fits(steps_s: FloatArray, interval_s: float, notes: Notes) -> bool:
 
 
 def _phase(seconds: np.ndarray, step: int) -> int:
-    """Return where the grid lies: where most stamps do, or at whole intervals of the day."""
+    """Return where the grid lies: where most stamps do, around which they jitter, or at whole intervals of the day."""
     phases, counts = np.unique(seconds % step, return_counts=True)
-    return int(phases[np.argmax(counts)]) if counts.max() * 2 > len(seconds) else 0
+    if counts.max() * 2 > len(seconds):
+        return int(phases[np.argmax(counts)])
+    middle = complex(np.exp(2j * np.pi * phases / step) @ counts) / len(seconds)
+    is_apart = abs(middle) > TOGETHER and abs(np.angle(middle)) > np.pi / 2.0  # near 0 each has one nearest place
+    return round((np.angle(middle) / (2.0 * np.pi) % 1.0) * step / NS) * NS if is_apart else 0
 
 
 def _nearest(rows: pd.DataFrame, off_s: FloatArray, notes: Notes) -> pd.DataFrame:
@@ -94,7 +98,10 @@ def _tell_uneven(interval_s: float, usual_s: float, notes: Notes) -> None:
 
 
 def _means(rows: pd.DataFrame, interval_s: float, usual_s: float, notes: Notes) -> pd.DataFrame:
-    """Return means over the interval for channels that are means, and the last value for all others."""
+    """Return means over the interval for channels that are means, and the last value for all others.
+
+    An interval with less than half of its usual rows is missing, and so is a mean of less than half of its values.
+    """
     places = rows.groupby(level=0, sort=True)
     _tell_uneven(interval_s, usual_s, notes)
     sentence = f"The file's rows are {usual_s:g} s apart: over {interval_s:g} s, flow and gains are averaged"
@@ -102,5 +109,10 @@ def _means(rows: pd.DataFrame, interval_s: float, usual_s: float, notes: Notes) 
     gridded = places.last()
     for name in rows.columns:
         if CHANNELS[name].is_mean:
-            gridded[name] = places[name].mean()
-    return gridded
+            values, count = places[name].mean(), places[name].count()
+            gridded[name] = values.where(count >= LEAST_KNOWN * count.median())
+    size = places.size()
+    is_poor = (size < LEAST_KNOWN * size.median()).to_numpy()
+    if is_poor.any():
+        notes.warn(f"{is_poor.sum()} intervals of {interval_s:g} s hold less than half of the usual rows: missing")
+    return gridded[~is_poor]

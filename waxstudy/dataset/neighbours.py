@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.channels import CHANNELS, GLOBAL
 from waxstudy.dataset.checks import AS_LOGGED, SAMPLES, Record, run
 from waxstudy.dataset.columns import channels_of
 from waxstudy.dataset.grid import on_grid
@@ -45,6 +45,12 @@ class NeighbourTable:
 
     rooms: Sequence[Neighbour] = ()
     sun: Sequence[str] = ()  # columns of irradiance
+
+    @property
+    def read(self) -> list[str]:
+        """The columns of the file that are read."""
+        columns = [each for room in self.rooms for each in room.columns.values()]
+        return [*self.sun, *(part.column for each in columns for part in each.parts)]
 
 
 @dataclass(frozen=True)
@@ -120,8 +126,9 @@ def measured(
     table: pd.DataFrame, times: pd.DatetimeIndex, described: NeighbourTable, about: DatasetTable, notes: Notes
 ) -> Neighbours | None:
     """Return the rooms on the grid of the record's stamps; note what makes them unusable."""
-    rows = {each.name: _samples(table, each, notes) for each in described.rooms}
-    sun = _sun(table, described.sun, notes)
+    usual_s = float(np.median(np.diff(times.as_unit("ns").asi8))) / 1e9
+    rows = {each.name: _samples(table, each, usual_s, notes) for each in described.rooms}
+    sun = _sun(table, described.sun, usual_s, notes)
     if notes.problems or sun is None:
         return None
     found = []
@@ -147,13 +154,12 @@ def _gridded(sun: pd.Series, times: pd.DatetimeIndex, about: DatasetTable, notes
     return found[0][GAIN].to_numpy(dtype=float)
 
 
-def _samples(table: pd.DataFrame, room: Neighbour, notes: Notes) -> pd.DataFrame | None:
+def _samples(table: pd.DataFrame, room: Neighbour, usual_s: float, notes: Notes) -> pd.DataFrame | None:
     """Return a room's columns as they were logged, looked at as the channels of the same name are."""
     own = Notes(notes.file, line_of=notes.line_of)
     rows = channels_of(table[_used(table, room)], room.columns, "", own)
     if rows is not None:
-        record = Record(rows, 1.0)
-        run((*SAMPLES, *AS_LOGGED), record, own)
+        run((*SAMPLES, *AS_LOGGED), Record(rows, usual_s), own)
         known = rows[AIR].dropna()
         if known.empty:
             own.refuse(AIR, "holds no value at all")
@@ -171,16 +177,21 @@ def _used(table: pd.DataFrame, room: Neighbour) -> list[str]:
     return wanted if has_all else [str(name) for name in table.columns if name not in CHANNELS or name in wanted]
 
 
-def _sun(table: pd.DataFrame, names: Sequence[str], notes: Notes) -> pd.DataFrame | None:
+def _sun(table: pd.DataFrame, names: Sequence[str], usual_s: float, notes: Notes) -> pd.DataFrame | None:
+    """Return columns of light, samples looked at as those of a record's are; in which unit they are does not count."""
     found = {}
     for name in names:
         if name not in table.columns:
             notes.refuse("[neighbours] sun", f"there is no column '{name}'", near=nearest(name, table.columns))
             continue
-        numbers = pd.to_numeric(table[name], errors="coerce").astype(float)
-        if numbers.notna().sum() == 0:
+        own = Notes(notes.file, line_of=notes.line_of)
+        rows = channels_of(table[[name]], {GLOBAL: Column(column=name)}, "", own)
+        if rows is None or rows[GLOBAL].isna().all():
             notes.refuse("[neighbours] sun", f"column '{name}' holds no numbers")
-        found[name] = numbers
+            continue
+        run(SAMPLES, Record(rows, usual_s), own)
+        notes.warnings += [f"sun {name}: {each}" for each in own.warnings]
+        found[name] = rows[GLOBAL]
     return pd.DataFrame(found, index=table.index)
 
 

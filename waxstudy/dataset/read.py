@@ -21,6 +21,7 @@ from waxstudy.dataset.stamps import stamps_of
 from waxstudy.dataset.stand_ins import why_dark
 from waxstudy.dataset.tables import Site
 from waxstudy.dataset.text import read_table
+from waxstudy.dataset.zones import is_zone
 from waxstudy.plugin import Belief, Inputs
 from waxstudy.plugin.files import lacking
 from waxstudy.plugin.registry import Registry, installed
@@ -103,7 +104,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
     problems = [*check.problems, *notes.problems]
     if problems or record is None:
         raise StudyError(problems)
-    values, interval_s, neighbours = record
+    values, interval_s, neighbours, zone = record
     return Dataset(
         name=described.about.name or folder.resolve().name,
         folder=folder,
@@ -116,7 +117,7 @@ def read_dataset(folder: Path, registry: Registry | None = None) -> Dataset:
         room=described.room,
         room_tolerance=described.about.room_tolerance,
         noise=described.noise,
-        site=described.site,
+        site=_with_zone(described.site, zone),
         spreads=described.about.spreads,
         warnings=tuple(dict.fromkeys(notes.warnings)),
         assumptions=tuple(dict.fromkeys(notes.assumptions)),
@@ -146,15 +147,20 @@ def _data_path(check: Check, folder: Path) -> Path | None:
 
 def _record(
     path: Path, described: Description, full_L_h: float | None, notes: Notes
-) -> tuple[pd.DataFrame, float, Neighbours | None] | None:
-    """Return the channels on the grid, looked at, its interval [s], and the rooms; note what is wrong with them."""
+) -> tuple[pd.DataFrame, float, Neighbours | None, str | None] | None:
+    """Return the channels on the grid, looked at, its interval [s], the rooms, and the zone of its clock.
+
+    Note what is wrong with them.
+    """
     table = read_table(path, described.about, notes)
     if table is None:
         return None
-    times = stamps_of(table, described.time, described.about, notes)
-    channels = channels_of(table, described.columns, described.time, notes)
-    if times is None or channels is None:
+    zone = described.site.timezone if described.site else None
+    stamps = stamps_of(table, described.time, described.about, notes, zone)
+    channels = channels_of(table, described.columns, described.time, notes, described.neighbours.read)
+    if stamps is None or channels is None:
         return None
+    times, zone = stamps
     logged = (table if described.neighbours.rooms else table.iloc[:0], times)
     del table  # a long record is several times in memory here, if what is done with stays
     usual_s = float(np.median(np.diff(times.as_unit("ns").asi8))) / 1e9
@@ -171,7 +177,12 @@ def _record(
     del record
     run(ON_GRID, Record(values, interval_s, has_modulator="modulator" in described.nominal), notes)
     values = without_empty(as_levels(values, described.nominal, notes), notes)
-    return values, interval_s, _neighbours(logged, described, values, notes)
+    return values, interval_s, _neighbours(logged, described, values, notes), zone
+
+
+def _with_zone(site: Site | None, zone: str | None) -> Site | None:
+    """Return where a room is, with the zone that stamps tell where none is stated."""
+    return site.model_copy(update={"timezone": zone}) if site and zone and is_zone(zone) else site
 
 
 def _neighbours(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from datetime import timedelta
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -11,18 +13,28 @@ from waxstudy.dataset.columns import TIME, named
 from waxstudy.dataset.limits import LATE_S, YEARS
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
+from waxstudy.dataset.zones import fixed_name, standard_ahead, zone_of
 from waxstudy.plugin.registry import nearest
 from waxstudy.study.problems import shown
 
 ISO = "expected ISO 8601, as 2020-01-31T12:00:00"
 # so written, pandas looks for it in compiled code
-ZONED = r"(?:Z|[+-][0-9]{2}:?[0-9]{2}|(?:T|:)[0-9.,]+ *[+-][0-9]{2}) *\Z"
+ZONED = r"(?:Z|[+-](?:0[0-9]|1[0-4]):?[0-5][0-9]|(?:T|:)[0-9.,]+ *[+-][0-9]{2}) *\Z"
 HOUR_S = 3600.0  # of a clock change
 DAY_FIRST = r"\s*\d{1,2}([./-])\d{1,2}\1\d{4}"
 
 
-def stamps_of(table: pd.DataFrame, column: str, about: DatasetTable, notes: Notes) -> pd.DatetimeIndex | None:
-    """Return the stamps as naive local standard time; note why they cannot be used."""
+class Stamps(NamedTuple):
+    """Stamps as naive local standard time, and its zone, None where nothing tells it."""
+
+    times: pd.DatetimeIndex
+    zone: str | None
+
+
+def stamps_of(
+    table: pd.DataFrame, column: str, about: DatasetTable, notes: Notes, zone: str | None = None
+) -> Stamps | None:
+    """Return the stamps, in standard time of a zone if they have offsets from UTC; note why they cannot be used."""
     if column not in table.columns:
         allowed = f'if the time has another name, say [columns] {TIME} = "..."; columns: {named(table)}'
         notes.refuse(column, "there is no such column", near=nearest(column, table.columns), allowed=allowed)
@@ -38,11 +50,11 @@ def stamps_of(table: pd.DataFrame, column: str, about: DatasetTable, notes: Note
         row = int(strange[0])
         notes.refuse(TIME, f"{times[row]} is not within the years {YEARS[0]} to {YEARS[1]}", line=row + 2)
         return None
-    times = _local(times, notes)
-    if not _in_order(times, notes):
+    found = _local(times, table[column], zone, notes)
+    if not _in_order(found.times, notes):
         return None
-    _tell_clock_changes(times, notes)
-    return times
+    _tell_clock_changes(found.times, notes)
+    return found
 
 
 def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
@@ -53,29 +65,15 @@ def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.Dat
         notes.refuse(TIME, "is a number, not a date and time", line=2, value=shown(written.iloc[0]), allowed=ISO)
         return None
     written = written.where(written.isna(), written.astype(str))
-    zoned = written.str.contains(ZONED, na=False)
+    zoned = written.str.contains(ZONED, na=False) & (time_format is None or "%z" in time_format)
     if 0 < zoned.sum() < written.notna().sum():
         row = int(np.argmin(zoned.to_numpy()))
         notes.refuse(TIME, "some stamps have an offset from UTC and some have none", line=row + 2)
         return None
-    return (_standard if zoned.any() else _read)(written, time_format, notes)
+    return _read(written, time_format, notes, utc=bool(zoned.any()))
 
 
-def _standard(written: pd.Series, time_format: str | None, notes: Notes) -> pd.DatetimeIndex | None:
-    """Return stamps with offsets from UTC in the smallest of their offsets: standard time, not summer time."""
-    read = _read(written, time_format, notes, utc=True)
-    if read is None:
-        return None
-    offsets = written.str.extract(r"([+-])(\d\d)(?::?(\d\d))?\s*$")
-    signs = np.where(offsets[0] == "-", -1.0, 1.0)
-    hours, minutes = (offsets[place].astype(float).fillna(0.0).to_numpy() for place in (1, 2))
-    minutes = (60.0 * hours + minutes) * signs
-    least = float(minutes.min())
-    notes.assume(f"Stamps are taken as local standard time at UTC{least / 60:+g} h, the smallest offset in the file.")
-    return read.tz_convert(None) + pd.Timedelta(minutes=least)
-
-
-def _read(written: pd.Series, time_format: str | None, notes: Notes, utc: bool = False) -> pd.DatetimeIndex | None:
+def _read(written: pd.Series, time_format: str | None, notes: Notes, utc: bool) -> pd.DatetimeIndex | None:
     """Return the stamps; note the first that cannot be read, or a format that is none."""
     try:
         times = pd.to_datetime(written, format=time_format or "ISO8601", errors="coerce", utc=utc)
@@ -119,13 +117,27 @@ def _days_first(written: pd.Series, between: str) -> bool:
     return bool((second.astype(float) <= 12.0).all())
 
 
-def _local(times: pd.DatetimeIndex, notes: Notes) -> pd.DatetimeIndex:
-    """Return stamps of a parquet file without their zone, in its standard time."""
+def _local(times: pd.DatetimeIndex, written: pd.Series, zone: str | None, notes: Notes) -> Stamps:
+    """Return stamps in standard time: of the zone that is stated, of their own, or of their smallest offset."""
     if times.tz is None:
-        return times.as_unit("ns")
-    summer = [stamp.dst() or pd.Timedelta(0) for stamp in times]
-    notes.assume(f"Stamps in {times.tz} are taken as its standard time.")
-    return (times.tz_localize(None) - pd.TimedeltaIndex(summer)).as_unit("ns")
+        return Stamps(times.as_unit("ns"), zone)
+    if zone or pd.api.types.is_datetime64_any_dtype(written):
+        ahead = standard_ahead(zone_of(zone) if zone else times.tz, times[0].to_pydatetime())
+        said = f"standard time of {zone or times.tz}, UTC{ahead / timedelta(hours=1):+g} h"
+        zone = zone or str(times.tz)
+    else:
+        ahead = _least_offset(written.astype(str))
+        said = f"local standard time at UTC{ahead / timedelta(hours=1):+g} h, the smallest offset in the file"
+        zone = fixed_name(ahead)
+    notes.assume(f"Stamps are taken as {said}.")
+    return Stamps((times.tz_convert("UTC").tz_convert(None) + ahead).as_unit("ns"), zone)
+
+
+def _least_offset(written: pd.Series) -> timedelta:
+    """Return the smallest offset from UTC of texts: that of standard time, where some are of summer time."""
+    offsets = written.str.extract(r"([+-])(\d\d)(?::?(\d\d))?\s*$")
+    hours, minutes = (offsets[place].astype(float).fillna(0.0).to_numpy() for place in (1, 2))
+    return timedelta(minutes=float(((60.0 * hours + minutes) * np.where(offsets[0] == "-", -1.0, 1.0)).min()))
 
 
 def _in_order(times: pd.DatetimeIndex, notes: Notes) -> bool:

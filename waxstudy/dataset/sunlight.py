@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime, timedelta
 from typing import TYPE_CHECKING, Any, NamedTuple
-from zoneinfo import ZoneInfo
 
 import numpy as np
 
 from waxstudy.dataset.channels import DIFFUSE, GLOBAL, PANELS
+from waxstudy.dataset.zones import standard_ahead, zone_of
 from waxstudy.plugin import Facade, FloatArray, LinearRoom, WeatherRecord
 from waxstudy.plugin.glass import diffuse_through_glass, through_glass
 from waxstudy.simulation.recorded import sun_W
@@ -173,7 +172,7 @@ def _sky(time: pd.DatetimeIndex, interval_s: float, site: Site) -> Sky:
     from pvlib.irradiance import get_extra_radiation
     from pvlib.solarposition import get_solarposition
 
-    zone_h = _zone_h(site)
+    zone_h = _zone_h(site, time[0])
     longitude = zone_h * DEG_PER_H if site.longitude is None else site.longitude
     middle = (time - pd.Timedelta(seconds=0.5 * interval_s + 3600.0 * zone_h)).tz_localize("UTC")
     sun = get_solarposition(middle, site.latitude, longitude, site.altitude)
@@ -228,9 +227,8 @@ def _on_facade(facade: Facade, sky: Sky, light: tuple[FloatArray, FloatArray, Fl
     return found
 
 
-def _zone_h(site: Site) -> float:
+def _zone_h(site: Site, at: pd.Timestamp) -> float:
     """Return how far the record's clock, local standard time, is ahead of UTC."""
     if site.timezone is not None:
-        there = datetime(2001, 1, 1, tzinfo=ZoneInfo(site.timezone))
-        return ((there.utcoffset() or timedelta()) - (there.dst() or timedelta())).total_seconds() / 3600.0
+        return standard_ahead(zone_of(site.timezone), at.to_pydatetime()).total_seconds() / 3600.0
     return 0.0 if site.longitude is None else float(round(site.longitude / DEG_PER_H))

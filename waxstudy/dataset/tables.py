@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
-from zoneinfo import available_timezones
 
 from pydantic import Field, field_validator, model_validator
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.limits import MOST_UNCERTAIN
-from waxstudy.dataset.zones import zone_hint
+from waxstudy.dataset.zones import is_zone, zone_hint
 from waxstudy.plugin import Parameters, parameter
 from waxstudy.plugin.registry import hint
 
@@ -78,7 +77,7 @@ class Site(Parameters):
     latitude: float = given("north of the equator", ..., unit="deg", ge=-90.0, le=90.0)
     longitude: float | None = given("east of Greenwich; noon at 12 h, if not given", unit="deg", ge=-180.0, le=180.0)
     altitude: float = given("above the sea", 0.0, unit="m", ge=-500.0, le=9000.0)
-    timezone: str | None = given('of the stamps, as "Europe/Tallinn"; by the longitude, if not given')
+    timezone: str | None = given('of the stamps, as "Europe/Tallinn"; by stamps or longitude, if not given')
     # of photovoltaic panels whose power was recorded
     panels_peak_W: float | None = given("peak power of the panels", unit="W", gt=0.0, le=1e7)
     panels_tilt_deg: float = given("tilt of the panels; 90 is upright", 35.0, unit="deg", ge=0.0, le=90.0)
@@ -87,7 +86,7 @@ class Site(Parameters):
     @field_validator("timezone")
     @classmethod
     def _is_known(cls, timezone: str | None) -> str | None:
-        if timezone is not None and timezone not in available_timezones():
+        if timezone is not None and not is_zone(timezone):
             raise ValueError(f"'{timezone}' is no time zone{zone_hint(timezone)}")
         return timezone
 

@@ -82,7 +82,7 @@ class Called:
             "heat_W": self._of("water_heat_W")[call],
             "without_W": self._of("water_heat_W", self.without)[call],
             "flow_L_h": flow * self.full_flow_L_h,
-            "later_W": _means(more_W[self.begin :], round(LATER_S / self.step_s)),
+            "later_W": _means(more_W[self.begin :], later_steps(self.step_s)),
         }
 
     def _of(self, channel: str, trace: FloatArray | None = None) -> FloatArray:
@@ -97,8 +97,12 @@ class Called:
         return (int(np.argmax(answered)) + 1) * self.step_s if answered.any() else np.nan
 
 
+def later_steps(step_s: float) -> int:
+    """Return the steps of a mean of what comes later, which takes about `LATER_S`."""
+    return max(1, round(LATER_S / step_s))
+
+
 def _means(values: FloatArray, steps: int) -> FloatArray:
     """Return means over so many steps; what is left at the end is left out."""
-    steps = max(1, steps)
     whole = len(values) // steps * steps
     return np.asarray(values[:whole].reshape(-1, steps).mean(axis=1))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from waxstudy.fleet.figures import LATER_S
+from waxstudy.fleet.figures import later_steps
 from waxstudy.plugin import FloatArray
 from waxstudy.study.activation import ActivationTable
 
@@ -70,7 +70,7 @@ def response(loops: pd.DataFrame, call: ActivationTable, step_s: float) -> pd.Da
     """Return the whole fleet's response: a row for each time after the call, NaN where a channel is not sampled.
 
     What is `added` is beyond what the loops take without the call; the call itself is sampled step by step, what
-    comes `later` in means over `LATER_S` that end at `time_s`, and begins with the call.
+    comes `later` in means over `later_steps` that end at `time_s`, and begins with the call.
     """
     fleets, frames = Fleets(call.loops, call.seed), []
     for (week, state, at_h), rows in calls(loops):
@@ -78,7 +78,7 @@ def response(loops: pd.DataFrame, call: ActivationTable, step_s: float) -> pd.Da
         channels = samples(rows)
         now = {name: channels[name] for name in ("added_W", "flow_L_h", "flow_share")}
         frames.append(_frame(place, fleets, now, step_s).assign(**_nothing("later_W")))
-        later = _frame(place, fleets, {"later_W": channels["later_W"]}, max(LATER_S, step_s))
+        later = _frame(place, fleets, {"later_W": channels["later_W"]}, later_steps(step_s) * step_s)
         frames.append(later.assign(**{name: np.nan for key in now for name in _nothing(key)}))
     return pd.concat(frames, ignore_index=True)[list(UNITS)]
 

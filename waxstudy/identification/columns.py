@@ -122,7 +122,7 @@ def seconds_of(table: pd.DataFrame, named: Named, about: DatasetTable, notes: No
         first = pd.to_numeric(written.dropna().head(FIRST), errors="coerce")
         if pd.api.types.is_datetime64_any_dtype(written) or first.isna().any():
             stamps = stamps_of(table, named.column, about, notes)
-            return None if stamps is None else np.asarray((stamps - stamps[0]).total_seconds(), dtype=float)
+            return None if stamps is None else np.asarray((stamps.times - stamps.times[0]).total_seconds(), dtype=float)
         numbers = pd.to_numeric(written, errors="coerce")
         return _elapsed(numbers.to_numpy(dtype=float), named, notes, [str(cell) for cell in written[numbers.isna()]])
     return _elapsed(written.to_numpy(dtype=float), named, notes)

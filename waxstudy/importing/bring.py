@@ -6,13 +6,12 @@ import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from zoneinfo import available_timezones
 
 import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS, SHOW_ROOM
 from waxstudy.dataset.notes import Notes
-from waxstudy.dataset.zones import zone_hint
+from waxstudy.dataset.zones import is_zone, zone_hint
 from waxstudy.importing import units
 from waxstudy.importing.asking import NONE, Ask, Question
 from waxstudy.importing.channels import channels_of
@@ -104,8 +103,7 @@ def _zone(request: Request, readings: Sequence[Readings], ask: Ask) -> str:
         return told
 
     def allowed(answer: str) -> str:
-        is_known = answer in available_timezones()
-        return "" if is_known else f"'{answer}' is no time zone{zone_hint(answer)}"
+        return "" if is_zone(answer) else f"'{answer}' is no time zone{zone_hint(answer)}"
 
     text = "Stamps are in UTC. In which time zone is the room (as Europe/Tallinn)"
     return ask(Question(text, (), None, "--timezone ", readings[0].where, "UTC", allowed))

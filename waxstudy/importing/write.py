@@ -9,12 +9,12 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from zoneinfo import available_timezones
 
 import tomli_w
 
 from waxstudy.dataset.channels import DIFFUSE, GLOBAL
 from waxstudy.dataset.stand_ins import ASSUMED, GAINS, GAINS_FACTOR, RECORDED, SUN
+from waxstudy.dataset.zones import is_zone
 from waxstudy.importing.request import Imported, Request
 from waxstudy.plugin.files import read_file
 from waxstudy.results.atomic import sole_use, whole_file, whole_folder
@@ -141,7 +141,7 @@ def _site(imported: Imported) -> dict[str, Any]:
     if imported.place is None:
         return {}
     zone = imported.request.timezone
-    return {**imported.place._asdict(), **({"timezone": zone} if zone in available_timezones() else {})}
+    return {**imported.place._asdict(), **({"timezone": zone} if zone and is_zone(zone) else {})}
 
 
 def _clock(imported: Imported) -> str:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
-from datetime import UTC, timedelta, timezone, tzinfo
+from datetime import UTC, timedelta
 from pathlib import Path
-from zoneinfo import ZoneInfo
 
 import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.stamps import hour_left_out
-from waxstudy.dataset.zones import fixed_zone
+from waxstudy.dataset.zones import fixed_zone, standard_ahead, zone_of
 from waxstudy.importing.limits import UNSET
 from waxstudy.importing.reading import Readings, refusal
 
@@ -132,8 +130,8 @@ def wall_to_utc(times: pd.DatetimeIndex, zone: str, rows: pd.Index, where: str) 
     Raises `StudyError` for stamps within the hour that is left out: that clock is not put forward.
     """
     flags = np.ones(len(times), dtype=bool)
-    summer = times.tz_localize(_tz(zone), ambiguous=flags, nonexistent="NaT")
-    winter = times.tz_localize(_tz(zone), ambiguous=~flags, nonexistent="NaT")
+    summer = times.tz_localize(zone_of(zone), ambiguous=flags, nonexistent="NaT")
+    winter = times.tz_localize(zone_of(zone), ambiguous=~flags, nonexistent="NaT")
     lost = np.asarray(summer.isna())
     if lost.any():
         place = int(np.argmax(lost))
@@ -178,13 +176,4 @@ def _second_pass(times: pd.DatetimeIndex, twice: np.ndarray) -> tuple[np.ndarray
 
 def _standard(zone: str, at: pd.Timestamp) -> timedelta:
     """Return how far local standard time is ahead of UTC at an instant, or what the wall shows."""
-    there = (at if at.tz is not None else at.tz_localize(UTC)).tz_convert(_tz(zone)).to_pydatetime()
-    return (there.utcoffset() or timedelta()) - (there.dst() or timedelta())
-
-
-def _tz(zone: str) -> tzinfo:
-    """Return a zone by its name, or by its offset as `UTC+02:00`."""
-    if found := re.fullmatch(r"UTC([+-])(\d\d):(\d\d)", zone):
-        ahead = timedelta(hours=int(found[2]), minutes=int(found[3]))
-        return timezone(ahead if found[1] == "+" else -ahead)
-    return ZoneInfo(zone)
+    return standard_ahead(zone_of(zone), (at if at.tz is not None else at.tz_localize(UTC)).to_pydatetime())
