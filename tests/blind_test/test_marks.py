@@ -168,6 +168,13 @@ def test_findings_where_the_model_differs_in_form_are_counted_apart() -> None:
     assert mark(truth(ALONE, departs="valve actuator"), effect("let-by"), slow).right_group
 
 
+def test_who_saw_a_healthy_record_is_not_excused_by_the_model_s_form() -> None:
+    named = mark(truth(departs="valve room", has_baseline=True), effect("low-authority"), unexplained="room")
+    assert not named.false_alarm
+    seen = replace(named, saw_baseline=True)
+    assert (seen.false_alarm, seen.has_apart) == (True, False)
+
+
 def test_a_wrong_name_at_the_cause_s_own_stage_is_wrong_whatever_the_model_s_form() -> None:
     named = mark(truth(ALONE, departs="valve"), effect("low-authority"))
     assert named.misdiagnosis
@@ -248,6 +255,14 @@ def test_goals_take_full_channels_nominal_noise_and_gaps_above_twice_the_floor()
     assert (goals["right group", "fast room"]["count"], goals["right group", "fast room"]["of"]) == (1, 1)
 
 
+def test_temperatures_only_count_with_up_to_twice_the_nominal_noise() -> None:
+    noises = [truth(ALONE, channels="temperatures only", noise_factor=factor) for factor in (0.5, 1.9, 2.1)]
+    goals = {
+        (goal["name"], goal["where"]): goal for goal in scored([mark(each) for each in noises], 3, [], {})["goals"]
+    }
+    assert goals["temperatures only: right group", "fast room"]["of"] == 2
+
+
 def test_failures_are_listed_with_their_truth() -> None:
     own = [mark(truth(cause("let-by", fraction=0.02), name="a"), effect("sensor-bias")), mark(truth(name="b"))]
     (failure,) = scored(own, 2, [], {})["failures"]
@@ -283,6 +298,16 @@ def test_a_brier_score_is_of_all_hypotheses_that_of_the_truth_among_them() -> No
     assert half.log_score == pytest.approx(math.log(2.0))
     assert believing(truth(ALONE), none=1.0).log_score == pytest.approx(math.log(1e4))
     assert mark(truth(ALONE)).brier is None
+
+
+def test_a_failure_costs_what_knowing_nothing_costs_and_is_no_silent_null() -> None:
+    failed = Mark(truth(), Answer.failed())
+    found = figures([believing(truth(), none=1.0), failed])
+    assert found["brier"].value == 0.5
+    assert found["log_score"].value == pytest.approx(0.5 * math.log(1e4))
+    assert found["false_alarm"].of == 1
+    assert posteriors([believing(truth(), none=1.0), failed])["fast room"]["failed"] == 1
+    assert figures([mark(truth()), failed])["brier"].value is None  # of one who never states any
 
 
 def test_hypotheses_are_names_joined_in_any_order_and_a_family_is_unknown() -> None:

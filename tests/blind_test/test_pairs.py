@@ -17,12 +17,13 @@ import pytest
 from tests.blind_test.conftest import DATA, NONE, answering
 from tests.conftest import ROOT, Waxstudy
 from waxstudy.blind_test.box import BOX_BYTES, OVERHEAD_BYTES, close_box, open_box
-from waxstudy.blind_test.draw import BUILT_SETS, NO_SUN, Case, drawn
+from waxstudy.blind_test.draw import BUILT_SETS, NO_SUN, Case, Measured, drawn
 from waxstudy.blind_test.key import Key, canonical
 from waxstudy.blind_test.make import Place, begun, make
-from waxstudy.blind_test.plan import Plan, Slot
-from waxstudy.blind_test.record import FILES, PAGE_BYTES, WIDTH
-from waxstudy.blind_test.truth import Size, told
+from waxstudy.blind_test.plan import DRAW, Plan, Slot
+from waxstudy.blind_test.record import FILES, PAGE_BYTES, WIDTH, without_noise
+from waxstudy.blind_test.shrinkage import true_shrinkage
+from waxstudy.blind_test.truth import Size, sizes, told
 from waxstudy.dataset.read import read_dataset
 from waxstudy.plugin.trial import Staged, engine_of, engines
 from waxstudy_trials.as_built import BASELINE_DAYS, EVERY_DAY, SCATTER, Scatter, as_built
@@ -192,6 +193,37 @@ def test_the_strata_of_pairs_and_a_share_of_them() -> None:
     assert {slot.engine for slot in slots} == set(PAIRED) == {n for n, e in engines().items() if e.has_baselines}
     part = Plan(share=0.2, strata=("built-null",), engines=PAIRED).slots(KEY)
     assert len(part) == 12
+
+
+def test_a_share_has_as_much_of_each_engine_and_causes_that_the_key_draws() -> None:
+    def part(key: Key, draw: int = DRAW) -> list[Slot]:
+        return Plan(share=0.2, strata=("built-single", "other-single"), engines=PAIRED, draw=draw).slots(key)
+
+    for stratum, many in (("built-single", 8), ("other-single", 6)):
+        engines_of = [slot.engine for slot in part(KEY) if slot.stratum == stratum]
+        assert {engine: engines_of.count(engine) for engine in PAIRED} == dict.fromkeys(PAIRED, many)
+    other = Key(12, 32 * "e")
+    assert {slot.cause for slot in part(KEY)} != {slot.cause for slot in part(other)}
+    assert sum(slot.engine == "thin-floor-plant" for slot in part(KEY, draw=2)) < 6  # as it was
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("built_K", [0.0, 0.2, -0.2])
+def test_a_change_is_as_large_however_far_the_house_was_off_before(built_K: float) -> None:
+    engine = engine_of("other-plant")
+    scene = engine.draw_built(np.random.default_rng(3), ["sensor-bias"], 4)
+    scene["as_built"] = {**scene["as_built"], "room_sensor_K": built_K}
+    scene["causes"] = [{"name": "sensor-bias", "values": {"bias_K": 0.3}}]
+    staged, measured = engine.make(scene), Measured("all", 60.0, 4, 1.0, 0.0, 5)
+    case = Case("x", "built-single", "single", "other-plant", 0, measured, scene, measured)
+    (size,) = sizes(case, staged, without_noise(staged, measured))
+    assert size
+    assert size.gap == pytest.approx(0.3, rel=0.1)
+    assert size.beyond == pytest.approx(size.over, rel=0.1)
+    assert size.alike == ()
+    box = {**case.described(), "causes": [{"size": {"channel": "sensor_temperature_C"}}]}
+    assert true_shrinkage("x", box, "sensor-bias", {"bias_K": 0.3}) == pytest.approx(1.0, abs=0.01)
+    assert true_shrinkage("x", box, "sensor-bias", {"bias_K": 0.15}) == pytest.approx(0.75, abs=0.05)
 
 
 # --- when a cause acts -----------------------------------------------------------------------------

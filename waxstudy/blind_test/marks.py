@@ -102,12 +102,14 @@ class Mark:
     """What an answer is worth.
 
     Where the believed model differs in form, and no cause lies, one claim of a stage is counted apart: a finding there
-    is right in its way, a list of everything is not. What is left unexplained there is counted apart as well.
+    is right in its way, a list of everything is not. What is left unexplained there is counted apart as well. Who saw
+    a healthy record of the same loop is not excused: a difference in form is no change.
     """
 
     truth: Truth
     answer: Answer
     seconds: float = 0.0
+    saw_baseline: bool = False
 
     # --- what it says, without what is counted apart ---
 
@@ -130,7 +132,9 @@ class Mark:
         return self._is_form(claim.stages) and is_only_one and not is_named
 
     def _is_form(self, stages: frozenset[str]) -> bool:
-        """Whether the believed model differs in form at these stages, and no cause lies there."""
+        """Whether the believed model differs in form at these stages, no cause lies there, and no baseline tells it."""
+        if self.saw_baseline:
+            return False
         return stages <= self.truth.departs and not any(stages & cause.stages for cause in self.truth.causes)
 
     # --- figures ---
@@ -165,7 +169,9 @@ class Mark:
 
     @property
     def brier(self) -> float | None:
-        """The squared errors of the probabilities of all hypotheses, from 0 to 2."""
+        """The squared errors of the probabilities of all hypotheses, from 0 to 2; of a failure 1, as of none at all."""
+        if self.answer.has_failed:
+            return 1.0
         said = self.answer.posterior
         if said is None:
             return None
@@ -174,7 +180,9 @@ class Mark:
 
     @property
     def log_score(self) -> float | None:
-        """Minus the logarithm of the truth's probability."""
+        """Minus the logarithm of the truth's probability; a failure gave it none."""
+        if self.answer.has_failed:
+            return -math.log(LEAST_TRUE)
         said = self.answer.posterior
         return None if said is None else -math.log(max(LEAST_TRUE, said.get(self.truth.hypothesis, 0.0)))
 
@@ -285,6 +293,13 @@ class Mark:
                 told = {n: said for n, said in claim.parameters.items() if n in cause.values}
                 found += [(f"{cause.name}.{n}", turned(n, cause.values[n], said[0]), said) for n, said in told.items()]
         return found
+
+
+def with_probabilities(own: Sequence[Mark]) -> list[Mark]:
+    """Return marks whose answers state probabilities or failed to; none of a diagnoser that never states any."""
+    if all(mark.answer.posterior is None for mark in own):
+        return []
+    return [mark for mark in own if mark.answer.posterior is not None or mark.answer.has_failed]
 
 
 def overlap(one: Spans, other: Spans) -> float:

@@ -12,7 +12,9 @@ from waxstudy.plugin.trial import Engine, broken_engines, engine_of, engines
 
 Kind = Literal["null", "single", "pair", "family"]
 LEAST_OVER = 2.0  # true gap over its noise floor, in the goal strata
-DRAW = 2  # of records that are made now: the second has channel sets without sun or gains; a key keeps its first one
+# of records that are made now: the second has channel sets without sun or gains, of the third a share has as much of
+# each engine; a key keeps its first one
+DRAW = 3
 PER_EFFECT = 8  # records of each effect in the goal stratum
 
 
@@ -51,7 +53,7 @@ class Plan:
     def slots(self, key: Key) -> list[Slot]:
         """Return the records to draw, in an order that only the key knows."""
         chosen = [engine_of(name) for name in self.engines]
-        slots = _judged(chosen, self) if self.is_judged else _mixture(chosen, self.cases, key)
+        slots = _judged(chosen, self, key) if self.is_judged else _mixture(chosen, self.cases, key)
         order = key.random("order").permutation(len(slots))
         return [replace(slots[place], draw=self.draw) for place in order]
 
@@ -80,21 +82,30 @@ def causes_of(engine: type[Engine], kind: Kind, is_judged: bool) -> list[str]:
 # --- a judged run ---
 
 
-def _judged(chosen: Sequence[type[Engine]], plan: Plan) -> list[Slot]:
+def _judged(chosen: Sequence[type[Engine]], plan: Plan, key: Key) -> list[Slot]:
     strata = _strata(chosen)
     for name in plan.strata:
         if name not in strata:
             raise PlanProblem(f"no stratum '{name}' (there are: {', '.join(strata)})")
     wanted = plan.strata or tuple(strata)
-    return [slot for name in wanted for slot in _shared(strata[name], plan.share)]
+    return [slot for name in wanted for slot in _shared(strata[name], plan, key)]
 
 
-def _shared(slots: Sequence[Slot], share: float) -> list[Slot]:
-    """Return a share of each kind, cause and engine of a stratum, rounded up, so that none is lost."""
-    groups: dict[tuple[str, str], list[Slot]] = {}
+def _shared(slots: Sequence[Slot], plan: Plan, key: Key) -> list[Slot]:
+    """Return a share of each kind and engine of a stratum, rounded up, its causes in turn from one that the key draws.
+
+    Before the third draw it was a share of each kind and cause, nearly all of the engines named first.
+    """
+    is_old = plan.draw < 3
+    groups: dict[tuple[str, ...], list[Slot]] = {}
     for slot in slots:
-        groups.setdefault((slot.kind, slot.cause or slot.engine), []).append(slot)
-    return [slot for group in groups.values() for slot in _spread(group, math.ceil(share * len(group)))]
+        place = (slot.kind, slot.cause or slot.engine) if is_old else (slot.stratum, slot.kind, slot.engine)
+        groups.setdefault(place, []).append(slot)
+    found = []
+    for place, group in groups.items():
+        first = 0 if is_old else int(key.random("share", *place).integers(len(group)))
+        found += _spread([*group[first:], *group[:first]], math.ceil(plan.share * len(group)))
+    return found
 
 
 def _spread(group: Sequence[Slot], count: int) -> list[Slot]:

@@ -13,9 +13,9 @@ from waxstudy.blind_test.figures import Figure, mean, median, share
 from waxstudy.blind_test.goals import HALF, WHERE, described_goals, where_of
 from waxstudy.blind_test.key import Key, KeyProblem, canonical
 from waxstudy.blind_test.make import FORMAT, BlindTestError, Place
-from waxstudy.blind_test.marks import Mark, Truth
+from waxstudy.blind_test.marks import Mark, Truth, with_probabilities
 from waxstudy.blind_test.record import digest_of
-from waxstudy.blind_test.solve import LEAVE_ONE_OUT, answer_path, is_answered, stored
+from waxstudy.blind_test.solve import LEAVE_ONE_OUT, OURS, WITHOUT_BASELINES, answer_path, is_answered, stored
 from waxstudy.plugin.files import read_file
 from waxstudy.plugin.trial import Unmakeable
 
@@ -89,7 +89,8 @@ def marks(place: Place, who: str, truths: Mapping[str, Truth]) -> list[Mark]:
         path = answer_path(place, who, name)
         if is_answered(path):
             said = stored(path)
-            found.append(Mark(truth, _answer(said["answer"]), said.get("seconds", 0.0)))
+            saw = truth.has_baseline and not who.endswith(WITHOUT_BASELINES)
+            found.append(Mark(truth, _answer(said["answer"]), said.get("seconds", 0.0), saw))
     return found
 
 
@@ -108,7 +109,7 @@ def score(place: Place, opened: Opened, shrinkages: Mapping[str, Mapping[str, fl
     told = {}
     for name in everybody:
         own = marks(place, name, truths)
-        also = left_out if LEAVE_ONE_OUT.startswith(name) else []
+        also = left_out if name == OURS else []
         told[name] = scored(own, len(truths), also, shrinkages.get(name, {}))
     about = place.about
     return {
@@ -164,7 +165,7 @@ def figures(own: Sequence[Mark]) -> dict[str, Figure]:
         "group_size": mean([len(claim.group) for claim in claims]),
         "top_1": share([m.top_1 for m in singles if m.is_nameable]),
         "stage": share([m.right_stage for m in singles]),
-        "false_alarm": share([m.false_alarm for m in own if m.truth.kind == "null"]),
+        "false_alarm": share([m.false_alarm for m in own if m.truth.kind == "null" and not m.answer.has_failed]),
         "misdiagnosis": share([m.misdiagnosis for m in singles + pairs]),
         "over_claim": share([m.over_claim for m in singles]),
         "unknown_found": share([m.unknown_found for m in families]),
@@ -176,8 +177,8 @@ def figures(own: Sequence[Mark]) -> dict[str, Figure]:
         "parameter_error": median([abs(value / true - 1.0) for _, true, (value, _, _) in said if true]),
         "parameter_close": share([abs(value / true - 1.0) <= CLOSE for _, true, (value, _, _) in said if true]),
         "shrinkage": median([claim.shrink for claim in claims if claim.shrink is not None]),
-        "brier": mean([m.brier for m in own if m.brier is not None]),
-        "log_score": mean([m.log_score for m in own if m.log_score is not None]),
+        "brier": mean([m.brier for m in with_probabilities(own) if m.brier is not None]),
+        "log_score": mean([m.log_score for m in with_probabilities(own) if m.log_score is not None]),
         "when": share([found >= HALF for m in own for _, found in m.overlaps]),
         "when_of_some": share([found >= HALF for m in own for is_timed, found in m.overlaps if is_timed]),
     }
@@ -193,11 +194,12 @@ def posteriors(own: Sequence[Mark]) -> dict[str, Any]:
     """
     found = {}
     for where in WHERE:
-        said = [m for m in own if where_of(m) == where and m.answer.posterior is not None]
+        said = with_probabilities([m for m in own if where_of(m) == where])
         if said:
             every = [each for m in said for each in m.stated]
             found[where] = {
                 "answers": len(said),
+                "failed": sum(m.answer.has_failed for m in said),
                 "brier": _figure(mean([m.brier for m in said if m.brier is not None])),
                 "log_score": _figure(mean([m.log_score for m in said if m.log_score is not None])),
                 "every": _binned(every),

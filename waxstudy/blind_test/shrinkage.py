@@ -69,12 +69,12 @@ def _job(mark: Mark, boxes: Mapping[str, Mapping[str, Any]]) -> Job | None:
 def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: Mapping[str, float]) -> float | None:
     """Return 1 - after^2 / before^2 of the channel where the true gap stands out, on the last days; or None.
 
-    What nobody knows of the room follows the days before; a short record has no days to hold out.
+    What nobody knows of the room follows the days before, or a healthy record; a short record has no days to hold out.
     """
     from waxstudy.blind_test.record import without_noise
     from waxstudy.blind_test.sizes.missed import gaps
     from waxstudy.blind_test.sizes.record import Record
-    from waxstudy.blind_test.truth import Stand, library
+    from waxstudy.blind_test.truth import Stand, library, without_cause
 
     case = _case(box)
     staged = engine_of(case.engine).make(case.scene)
@@ -87,7 +87,10 @@ def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: 
         return None
     chosen = effect
     held_out = _held_out(case.measured.days)
-    refit = replace(stand.refit(stretch, free, (), gaps(stand.missed(stretch, free, ()))), held_out=held_out)
+    limits = gaps(stand.missed(stretch, free, ()))
+    refit = replace(stand.refit(stretch, free, (), limits), held_out=held_out)
+    if "baseline" in box:  # what is claimed has changed since
+        refit = refit.beside(stand.refit(stretch, without_cause(case, staged, stand, 0), (), limits))
     after = refit.fitted(lambda belief: chosen.apply(belief, chosen.Parameters(**values)))
     if after is None:
         return None

@@ -29,7 +29,7 @@ from waxstudy.synthetic.effects import EffectError, applied
 
 TIMES = 4  # that a record is measured for its floor: whether a switch comes early hangs on single samples
 TIMING = 12.0**-0.5  # of an interval: no switch is known better
-HARDLY = 0.3  # of what is missed of a measured record anyway
+HARDLY = 0.3  # of what is missed of a measured record anyway, or of a gap
 HOUSE_K, RETURN_K = (
     0.1,
     0.2,
@@ -121,16 +121,20 @@ def _size(case: Case, staged: Staged, stand: Stand, place: int, with_alike: bool
     stretch = stand.stretch_of(cause)
     if stretch is None:
         return None
+    healthy = without_cause(case, staged, stand, place) if case.baseline else None
     try:
-        cut = _cut(case, staged, stand, stretch, place, with_form=with_alike)
+        cut = _cut(case, staged, stand, stretch, place, with_form=with_alike and healthy is None)
     except EffectError:
         return None  # as pipes where no flow is recorded
     channel = max(cut.gaps, key=lambda name: cut.gaps[name] / cut.floors[name])
     gap, floor = cut.gaps[channel], cut.floors[channel]
     if not with_alike:
         return Size(stretch.name, channel, gap, floor, 0.0, ())
-    limits = {name: math.hypot(each, cut.form[name]) for name, each in cut.floors.items()}
+    limits = {name: math.hypot(each, cut.form.get(name, 0.0)) for name, each in cut.floors.items()}
     refit = stand.refit(stretch, stand.free, others, limits)
+    if healthy:
+        refit = refit.beside(stand.refit(stretch, healthy, others, cut.floors))
+        refit = replace(refit, limits=_as_near(refit, case.scene["causes"][place], cut))
     tried = [each for each in library() if each.name != cause.name and each.stage in stretch.stages]
     alike = tuple(each.name for each in tried if gap > floor and refit.is_alike(each))
     return Size(stretch.name, channel, gap, floor, refit.beyond, alike)
@@ -141,11 +145,33 @@ def _cut(case: Case, staged: Staged, stand: Stand, stretch: Stretch, place: int,
     own, effects = staged.effects[place], [choice for choice in staged.effects if choice is not None]
     if own is not None:
         return cut_of_effect(stand, stretch, effects, [choice for choice in effects if choice is not own])
-    still = replace(staged, channels={**staged.channels, **staged.without[place]})
-    null = _record(still, case.measured, stand.about)
+    null = without_cause(case, staged, stand, place)
     if staged.is_measured:
         return _cut_of_house(stand, stretch, null)
     return _cut_of_channels(stand, stretch, effects, null, with_form)
+
+
+def without_cause(case: Case, staged: Staged, stand: Stand, place: int) -> Record:
+    """Return the record that the engine gives without one cause, without noise."""
+    still = replace(staged, channels={**staged.channels, **staged.without[place]})
+    return _record(still, replace(case.measured, missing=0.0), stand.about)
+
+
+def _as_near(refit: Refit, cause: Mapping[str, Any], cut: Cut) -> Gaps:
+    """Return what an effect may leave to be alike: the floor, or what the cause of that name and size leaves itself.
+
+    The engine has another form than what is believed, so that leaves something, of which little of the gap counts.
+    """
+    effect = next((each for each in library() if each.name == cause["name"]), None)
+    if effect is None:
+        return cut.floors
+    try:
+        parameters = effect.Parameters(**cause["values"])
+    except ValueError:
+        return cut.floors
+    found = refit.fitted(lambda belief: effect.apply(belief, parameters))
+    left = gaps(found.missed) if found else {}
+    return {c: max(floor, min(left.get(c, 0.0), HARDLY * cut.gaps[c])) for c, floor in cut.floors.items()}
 
 
 def cut_of_effect(stand: Stand, stretch: Stretch, effects: Sequence[Choice], others: Sequence[Choice]) -> Cut:

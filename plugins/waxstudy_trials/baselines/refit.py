@@ -41,8 +41,8 @@ def diagnose(dataset: Dataset) -> Json:
             missed_K, values = _best(effect, belief, free)
             found.append((_criterion(missed_K, len(effect.priors), count), effect, values))
     none = _criterion(free.missed_K(belief), 0, count)
-    best = min(found, key=lambda each: each[0])
-    return answer(dataset, [best[1:]] if best[0] < none else [])
+    best = min(found, key=lambda each: each[0], default=None)
+    return answer(dataset, [best[1:]] if best and best[0] < none else [])
 
 
 def _criterion(missed_K: float, parameters: int, count: float) -> float:
@@ -91,7 +91,8 @@ class _FreeLoop:
         (week,) = Loop(Chain(belief.blocks, driven.step_s), driven, limit_C=-99.0).weeks(
             self.setpoint_C, [START], trace=True
         )
-        air_C: FloatArray = week.trace[:, 0][:: max(1, round(self.record.interval_s / driven.step_s))]
+        steps = max(1, round(self.record.interval_s / driven.step_s))
+        air_C: FloatArray = week.trace[:, 0][steps - 1 :: steps]  # at the ends of intervals
         seen_C = self.record.filled(self.record.air_channel)
         count = min(len(air_C), len(seen_C))
         return max(1e-6, float(np.sqrt(np.mean((air_C[:count] - seen_C[:count]) ** 2))))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -56,7 +56,8 @@ class Refit:
 
     What lies in the last part of the record, the share `held_out`, is not fitted. Where it is known by how much the
     true room and its heat stray from the belief (`departures`), everything is looked for from there, and as far from
-    the belief as ever; `others` are effects that are known.
+    the belief as ever; `others` are effects that are known. `healthy` is what the same belief misses of the house
+    without the cause: that counts for nothing, and nothing of the room follows the record any more.
     """
 
     stretch: Stretch
@@ -67,6 +68,15 @@ class Refit:
     held_out: float = 0.0
     departures: Departures = field(default_factory=dict)
     others: Edit = as_believed
+    healthy: Missed | None = None
+
+    def beside(self, healthy: Refit) -> Refit:
+        """Return a refit of the room as it follows a healthy record, which the same house gave without the cause."""
+        found, belief = healthy.base, self.belief
+        departures = dict(zip((each.name for each in healthy._unknowns), found.departures, strict=True))
+        for each, true in zip(self._unknowns, self._centre, strict=True):
+            belief = each.apply(belief, each.usual * (true + departures.get(each.name, 0.0)))
+        return replace(self, belief=belief, departures={}, healthy=found.missed)
 
     @property
     def beyond(self) -> float:
@@ -128,7 +138,8 @@ class Refit:
 
     @cached_property
     def _unknowns(self) -> list[Unknown]:
-        return list(unknowns(self.belief, self.record, self.room_tolerance)) if self.stretch.has_room else []
+        is_open = self.stretch.has_room and self.healthy is None
+        return list(unknowns(self.belief, self.record, self.room_tolerance)) if is_open else []
 
     @cached_property
     def _centre(self) -> FloatArray:
@@ -197,8 +208,15 @@ class Refit:
             shown = self._shown(edit(self._departed(tuple(departures))))
         except (SimulationError, ValueError, ArithmeticError):
             return None
-        errors = missed(self.stretch, self.record, shown)
+        errors = self._beside_healthy(missed(self.stretch, self.record, shown))
         return Fit(departures, errors, np.concatenate([self._weighed(c, each) for c, each in errors.items()]))
+
+    def _beside_healthy(self, errors: Missed) -> Missed:
+        """Return errors without those of the healthy record, but for the seconds around switches, which are others."""
+        if self.healthy is None:
+            return errors
+        known = {c: each for c, each in self.healthy.items() if c in errors and c not in self.record.switches}
+        return {c: each - known[c] if c in known else each for c, each in errors.items()}
 
     def _weighed(self, channel: str, errors: FloatArray) -> FloatArray:
         fitted = errors[: round((1.0 - self.held_out) * len(errors))]
