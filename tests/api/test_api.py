@@ -232,6 +232,8 @@ def test_a_diagnosis_shows_where_what_and_how_far(frame: pd.DataFrame) -> None:
     record = wx.Dataset.from_frame(frame, believed={**NOMINAL, "controller": controller}, room={"use": "nzeb"})
     found = wx.diagnose(record, quick=True, progress=lambda what, share: told.append(share))
     assert "dead-band" in list(found.effects["name"])
+    assert found.provenance["command"] is None  # a frame lies in no folder
+    assert found.diagnosis.begins == str(frame.index[0] - pd.Timedelta("1min")).replace(" ", "T")
     controller_gap = found.how_far.set_index("stage").loc["controller"]
     assert controller_gap["gap_after"] < 0.5 * controller_gap["gap"]
     assert (found.where["over_floor"] >= 0.0).all()

@@ -163,7 +163,8 @@ def test_an_effect_is_taken_out_of_the_library(small_study: Path, waxstudy: Waxs
     said = json.loads(done.stdout)
     assert "let-by" not in {each["name"] for each in said["tried"]}
     assert "stuck-open" in {each["name"] for each in said["tried"]}
-    assert waxstudy("blind-test", "without", "let-bye", "valve").returncode == 4
+    misspelled = waxstudy("blind-test", "without", "let-bye", "valve")
+    assert (misspelled.returncode, "did you mean 'let-by'" in misspelled.stderr) == (2, True)
 
 
 def _listening() -> None:

@@ -116,7 +116,7 @@ EFFECTS = {
     "unknown parameter": (["--effect", "let-by", "--set", "fractoin=1"], USAGE, "did you mean 'fraction'?"),
     "out of bounds": (["--effect", "let-by", "--set", "fraction=2"], USAGE, "'let-by': fraction: must be at most 1"),
     "no number": (["--effect", "let-by", "--set", "fraction=a"], USAGE, "'fraction=a' is not a parameter, '='"),
-    "a parameter of none": (["--set", "fraction=0.1"], USAGE, "no parameter 'fraction'"),
+    "a parameter of none": (["--set", "fraction=0.1"], USAGE, "--set fraction: is of an effect: name one"),
     "twice": (["--effect", "let-by", "--effect", "let-by"], USAGE, "effect 'let-by' is asked for twice"),
     "of two": (
         ["--effect", "infiltration", "--effect", "solar-factor", "--set", "factor=2"],

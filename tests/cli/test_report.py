@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -263,3 +264,20 @@ def test_a_run_without_the_paper_s_cases_is_told_which_the_findings_lack(
     assert {cell["case"] for cell in printed["against"]["cells"]} == {"O_0", "O_CP", "O_WM"}
     small_study.write_text(small_study.read_text().replace('"small"', '"small"\nagainst = "paper"'))
     assert entry("run", "small.toml", "--out", "run").code == 0
+
+
+def test_a_file_has_neither_the_colours_nor_the_width_of_the_terminal_it_was_asked_for_on(
+    entry: Entry, small_run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert entry("report", "run", "--out", "plain.txt").code == 0
+    monkeypatch.setenv("COLUMNS", "60")
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    assert entry("report", "run", "--out", "typed.txt").code == 0
+    assert Path("typed.txt").read_bytes() == Path("plain.txt").read_bytes()
+
+
+def test_formats_that_contradict_each_other_are_refused_and_htm_is_a_page(entry: Entry, small_run: Path) -> None:
+    refused = entry("report", "run", "--json", "--format", "csv")
+    assert (refused.code, refused.stdout) == (2, "")
+    assert entry("report", "run", "--out", "page.htm").code == 0
+    assert Path("page.htm").read_text().startswith("<!DOCTYPE html>")

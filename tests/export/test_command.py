@@ -117,6 +117,7 @@ def test_a_block_that_cannot_be_compiled_is_refused_with_the_reason(plugin: Plug
         (("--use", "nzeb", "--out", "motor.fmu"), USAGE, "no block of a chain"),
         (("--use", "variable-times", "--set", "product=C", "--out", "motor.fmu"), USAGE, "product"),
         (("study.toml", "--case", "O_XX", "--out", "motor.fmu"), USAGE, "no case of study.toml"),
+        (("study.toml", "--kind", "actuator", "--out", "motor.fmu"), USAGE, "--kind goes with --use"),
         (("study.toml", "--out", "motor.fmu"), INVALID, "study.toml"),
         (("--use", "linear-ramp", "--platform", "linux-arm64", "--out", "m.fmu"), USAGE, "use --fmi 3"),
         (("--use", "linear-ramp", "--out", "there.fmu"), USAGE, "there is something of this name already"),

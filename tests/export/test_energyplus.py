@@ -82,6 +82,14 @@ def test_the_chain_of_a_case_is_stepped_as_here_with_the_rest_of_a_time_step_car
         assert chain.mean_flow(air_C, 62.0) == pytest.approx(np.mean(flows), abs=1e-9)
 
 
+def test_a_dead_band_is_refused_where_the_chain_has_a_controller_of_its_own(entry: Entry, tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(SMALL)
+    options = ("study.toml", "--case", "O_WM", *WHERE, "--dead-band-k", "1.5", "--out", "motor.py")
+    done = entry("export", "energyplus", *options)
+    assert (done.code, "--dead-band-k is of a motor alone" in done.stderr) == (2, True)
+    assert not (tmp_path / "motor.py").exists()
+
+
 def test_the_plugin_reads_the_zone_and_sets_the_flow_of_the_radiant_object(
     entry: Entry, monkeypatch: pytest.MonkeyPatch
 ) -> None:

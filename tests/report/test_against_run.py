@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.report.conftest import computed
-from waxstudy.report.comparison import COLUMNS, CORRECTED_DIFFERENCE, DIFFERENCE, estimate, unpaired_interval
+from waxstudy.report.comparison import COLUMNS, CORRECTED_DIFFERENCE, DIFFERENCE, FIGURES, estimate, unpaired_interval
 from waxstudy.report.content import Content, gather
 from waxstudy.report.figures.overview import figure_overview
 from waxstudy.report.input_differences import differences
@@ -102,6 +102,29 @@ def test_what_was_changed_is_resolved_and_what_was_not_is_no_difference(base: Co
     score = next(score for score in against.scores if score.column == "mae_K")
     assert score.rmse == pytest.approx(found["rough", "mae_K"].difference * np.sqrt(2.0 / 3.0))
     assert score.within_range == 1
+
+
+def test_each_week_counts_its_own_members_and_weathers_that_runs_share_are_told(tmp_path: Path) -> None:
+    """Of the cold week two weathers with two starts each, of the sunny one two starts."""
+    sunny = '[weather.sunny]\nuse = "tallinn-week"\nmonth = "february"\n[ensemble]\n'
+    text = STUDY.replace("members = 4", "members = 2").replace("[ensemble]\n", sunny)
+    found = computed(text + "[ensemble.weather.cold]\nseed = [1, 2]\n", tmp_path)
+    _, against = held(found, found.run)
+    assert {(cell.week, cell.members, cell.their_members) for cell in against.cells} == {
+        ("cold", 4, 4),
+        ("sunny", 2, 2),
+    }
+    for row in found.rows:
+        assert np.isnan(row.setpoint_shift_K.runs) == (row.week == "sunny")
+        assert np.isnan(row.mae_K.runs) == (row.week == "sunny")
+
+
+def test_a_difference_that_nobody_knows_is_no_zero(base: Content) -> None:
+    of_reference = next(row for row in base.rows if row.resolved is None)
+    unknown = replace(base.rows[0], heat_vs_most_detailed_percent=estimate(np.array([np.nan, 1.0])), resolved=None)
+    difference = next(column.value for column in FIGURES if column.key == DIFFERENCE)
+    assert difference
+    assert [difference(row) for row in (of_reference, unknown)] == ["0", "not known"]
 
 
 def test_what_is_called_resolved_is_written_as_no_zero() -> None:

@@ -278,6 +278,25 @@ def test_a_quick_look_says_so_before_anything_else_and_where_the_cause_is_told()
     assert "alternatives were compared" not in page_text(page_of(nothing_judged))
 
 
+def test_where_nothing_was_tried_a_quick_look_and_likelihoods_are_not_spoken_of() -> None:
+    rooms_only = replace(NONE, is_quick=True, tried=(), compared_with="before", posterior={})
+    assert not {"quick look", "likely"} & set(dict(lines(rooms_only)))
+
+
+def test_days_told_by_their_number_have_the_date_of_the_first() -> None:
+    on_days = replace(LET_BY, when=When("from day 3 on", [(48.0, 240.0)]))
+    told = replace(EFFECT, effects=[on_days], begins="2026-01-11T00:00:00")
+    assert dict(lines(told))["days"] == "day 1 is 2026-01-11"
+    assert "day 1 is 2026-01-11" in page_text(as_html(told))
+    assert "days" not in dict(lines(replace(EFFECT, begins="2026-01-11T00:00:00")))
+
+
+def test_a_value_at_the_end_of_what_is_tried_is_said_to_be_one() -> None:
+    least = replace(LET_BY, at_end=["fraction"])
+    assert "; fraction may be further off: nothing beyond is tried." in flat(replace(EFFECT, effects=[least]))
+    assert "nothing beyond" not in flat(EFFECT)
+
+
 def test_a_gap_without_a_cause_claims_none() -> None:
     assert "gap without a known cause" in flat(UNKNOWN)
     assert "emitter and room: air temperature 0.421 K, floor 0.0711, p = 0.0025" in flat(UNKNOWN)

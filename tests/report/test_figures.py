@@ -15,7 +15,7 @@ from tests.diagnosis.realities import study as gap_study
 from waxstudy.plugin import OutsideRoom, PublishedRow, changed
 from waxstudy.report.activation import activations
 from waxstudy.report.against import Published
-from waxstudy.report.comparison import Estimate, estimate
+from waxstudy.report.comparison import Estimate, estimate, members_by_week
 from waxstudy.report.content import Content
 from waxstudy.report.figures import (
     PAPER_FIGURES,
@@ -242,7 +242,7 @@ def test_the_overview_marks_what_is_resolved_and_what_was_published(small: Conte
         PublishedRow("rough", "cold", 0.5, 0.6, 2.5, 5.7),
         PublishedRow("precise", "cold", 0.1, 0.2, 2.4, 0.0),
     ]
-    paired = cells(small.rows, published, small.members)
+    paired = cells(small.rows, published, members_by_week(small.run))
     told = [replace(row, resolved=row.case == "usual" if row.resolved is not None else None) for row in small.rows]
     shown = replace(small, rows=told, against=Published("book", paired, scores(paired), ()))
     left, middle, right = figure_overview(shown).axes

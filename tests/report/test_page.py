@@ -19,6 +19,7 @@ from tests.report.diagnoses import EFFECT
 from waxstudy.plugin import Finding, PublishedRow
 from waxstudy.report.against import Published
 from waxstudy.report.cases import told_same
+from waxstudy.report.comparison import members_by_week
 from waxstudy.report.content import Content
 from waxstudy.report.diagnosis.page import as_html as diagnosis_as_html
 from waxstudy.report.figures import PAPER_FIGURES
@@ -90,7 +91,7 @@ def text(small: Content) -> str:
 def against(small: Content) -> Content:
     """The small run held against made-up published figures, with words that HTML must escape."""
     published = [PublishedRow("rough", "cold", 0.51, 0.612, 2.53, 5.71)]
-    paired = cells(small.rows, published, small.members)
+    paired = cells(small.rows, published, members_by_week(small.run))
     findings = [Finding("X1", "dQ < 1 % & more", "not held", "<b>2 %</b>"), Finding("X2", "fine", "held", "0 K")]
     rows = [replace(row, resolved=row.case == "usual" if row.resolved is not None else None) for row in small.rows]
     return replace(small, rows=rows, notes=("a note",), against=Published("book", paired, scores(paired), findings))

@@ -32,7 +32,7 @@ def test_a_narrow_terminal_hides_no_figure(small: Content, width: int) -> None:
 
 
 def test_the_tables_of_a_run_fit_100_columns_beside_published_figures_as_well(small: Content) -> None:
-    beside = replace(small, against=published(Book, small.run, small.rows, small.members))
+    beside = replace(small, against=published(Book, small.run, small.rows))
     for content in (small, beside):
         lines = as_terminal(content, 100, colour=False).splitlines()
         assert max(map(len, lines)) <= 100
@@ -90,7 +90,7 @@ class Other(Book):
 def test_weeks_without_a_published_figure_have_no_empty_columns_and_a_note_says_why(small: Content) -> None:
     shown = {}
     for reference in (Book, Other):
-        against = replace(small, against=published(reference, small.run, small.rows, small.members))
+        against = replace(small, against=published(reference, small.run, small.rows))
         shown[reference] = [table.names.count("book") for table in tables(against)[:4:2]], all_notes(against)[-2:]
     lacking = (
         "cases of which book has no figures: precise, usual, pulsed, motor",

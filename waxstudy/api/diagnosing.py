@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from waxstudy.dataset import read
 from waxstudy.dataset.baseline import checked, named_baseline, parted, read_baseline
 from waxstudy.dataset.excerpt import excerpt
 from waxstudy.diagnosis import diagnose as core
-from waxstudy.diagnosis.result import Diagnosis
+from waxstudy.diagnosis.result import Diagnosis, FoundEffect
 from waxstudy.study.model import Study
 
 Record = str | Path | read.Dataset
@@ -59,7 +60,8 @@ class Found:
     @property
     def effects(self) -> pd.DataFrame:
         """A row for each effect that was found: stage, parameters with their intervals, group, probability."""
-        return pd.DataFrame(self.diagnosis.described()["effects"])
+        columns = [each.name for each in fields(FoundEffect)]
+        return pd.DataFrame(self.diagnosis.described()["effects"], columns=columns)
 
     @property
     def where(self) -> pd.DataFrame:
@@ -75,7 +77,7 @@ class Found:
 
     @property
     def posterior(self) -> Mapping[str, float]:
-        """Probability of each hypothesis; empty without a healthy record."""
+        """Probability of each hypothesis; empty where nothing could be judged."""
         return self.diagnosis.posterior
 
     @property

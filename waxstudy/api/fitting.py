@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -77,6 +78,6 @@ def _named(frames: Frames) -> list[tuple[str, pd.DataFrame]]:
 
 
 def _written(folder: Path, name: str, frame: pd.DataFrame) -> Path:
-    path = folder / f"{name}.csv"
+    path = folder / f"{re.sub(r'[^-.+ 0-9A-Za-z_]', '_', name)}.csv"  # a file's name, by which the record is told
     frame.to_csv(path, index=not isinstance(frame.index, pd.RangeIndex))
     return path

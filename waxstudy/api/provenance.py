@@ -19,9 +19,13 @@ FILE = "diagnosis.json"
 
 
 def provenance(judged: Dataset, baseline: Dataset | None, seed: int, options: Sequence[str]) -> dict[str, Any]:
-    """Return where a diagnosis comes from; `options` beside the dataset give the same one again."""
+    """Return where a diagnosis comes from; `options` beside the dataset give the same one again.
+
+    There is no such command for a record that lies in no folder.
+    """
     chosen = [*judged.nominal.values(), *([judged.room] if judged.room else [])]
     used = [each.component for each in chosen]
+    is_kept = all(each.folder.is_dir() for each in (judged, baseline) if each)
     return {
         **software([*used, *installed_effects()]),
         "data_sha256": dict(judged.sha256),
@@ -33,7 +37,7 @@ def provenance(judged: Dataset, baseline: Dataset | None, seed: int, options: Se
             "room_tolerance": judged.room_tolerance,
         },
         "seed": seed,
-        "command": shlex.join(["waxstudy", "diagnose", str(judged.folder), *options]),
+        "command": shlex.join(["waxstudy", "diagnose", str(judged.folder), *options]) if is_kept else None,
     }
 
 

@@ -99,7 +99,8 @@ def _shared(slots: Sequence[Slot], plan: Plan, key: Key) -> list[Slot]:
     is_old = plan.draw < 3
     groups: dict[tuple[str, ...], list[Slot]] = {}
     for slot in slots:
-        place = (slot.kind, slot.cause or slot.engine) if is_old else (slot.stratum, slot.kind, slot.engine)
+        old, new = (slot.kind, slot.cause or slot.engine), (slot.stratum, slot.kind, slot.engine)
+        place: tuple[str, ...] = old if is_old else new
         groups.setdefault(place, []).append(slot)
     found = []
     for place, group in groups.items():

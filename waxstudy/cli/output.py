@@ -16,6 +16,7 @@ import click
 from waxstudy.cli.errors import FAILED, PLUGIN, CommandError
 from waxstudy.study.visible import visible_lines
 
+COLUMNS = 120  # where no terminal tells
 COLOUR = re.compile("(\x1b\\[[0-9;]*m)")
 MOST_PRINTED = 10  # lines; a block that prints does so at every step
 
@@ -56,9 +57,11 @@ def stdout() -> TextIO:
     return stream
 
 
-def terminal() -> tuple[int, bool]:
-    """Return how many columns the reader's terminal has, and whether it shows colours."""
-    return shutil.get_terminal_size((120, 24)).columns, stdout().isatty()
+def terminal(out: Path | None = None) -> tuple[int, bool]:
+    """Return how many columns the reader's terminal has, and whether it shows colours; a file has 120 and none."""
+    if out is not None:
+        return COLUMNS, False
+    return shutil.get_terminal_size((COLUMNS, 24)).columns, stdout().isatty()
 
 
 def print_out(text: str) -> None:

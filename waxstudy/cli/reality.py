@@ -161,6 +161,8 @@ def chosen(names: Sequence[str], values: Mapping[str, float]) -> list[Choice]:
     registry = installed()
     _refuse_unknown(("effect", names, registry.names("effect")))
     models = {name: registry.components["effect", name].component.Parameters.model_fields for name in names}
+    if values and not names:
+        raise CommandError(f"--set {next(iter(values))}: is of an effect: name one with --effect", USAGE)
     given: dict[str, dict[str, float]] = {name: {} for name in names}
     for key, value in values.items():
         name, parameter = _place(key, models)

@@ -53,26 +53,28 @@ def command(
     Of a fleet that was called, print its tables. The cases that --attribution computes are kept in the run folder;
     those that it holds are not computed again.
     """
+    if as_json and form not in (None, "json"):
+        raise click.UsageError(f"--json stands for --format json and goes with no --format {form}")
     form = "json" if as_json else form or _by_suffix(out)
     if attribution and against is not None:
         raise click.UsageError("--attribution stands in place of the comparison and goes with no --against")
     if sensitivity and (attribution or against is not None or form == "html"):
         raise click.UsageError("--sensitivity goes with --format table, csv, md or json only")
-    text = _of_fleet(run_folder, form, attribution or sensitivity or against is not None)
+    text = _of_fleet(run_folder, form, attribution or sensitivity or against is not None, out)
     if not text and sensitivity:
-        text = render_sensitivity(run_folder, form)
+        text = render_sensitivity(run_folder, form, out)
     elif not text and attribution:
-        text = render_attribution(run_folder, form, quiet)
+        text = render_attribution(run_folder, form, quiet, out)
     elif not text:
         with bar(quiet) as tick:
-            text = render(run_folder, form, None if against is None else _folder_or_name(against), tick)
+            text = render(run_folder, form, None if against is None else _folder_or_name(against), tick, out)
     if out is None:
         print_out(text)
     else:
         write_file(out, text)
 
 
-def _of_fleet(folder: Path, form: str, has_options: bool) -> str:
+def _of_fleet(folder: Path, form: str, has_options: bool, out: Path | None) -> str:
     """Return the report of an activation; nothing for other folders."""
     from waxstudy.fleet.folder import holds_activation
 
@@ -91,13 +93,14 @@ def _of_fleet(folder: Path, form: str, has_options: bool) -> str:
             return as_html(found)
         from waxstudy.report.fleet.tables import render
 
-        return render(found, form, *terminal())
+        return render(found, form, *terminal(out))
     except RunError as error:
         raise CommandError(str(error), INVALID) from error
 
 
 def _by_suffix(out: Path | None) -> str:
     suffix = out.suffix[1:].lower() if out else ""
+    suffix = {"htm": "html"}.get(suffix, suffix)
     return suffix if suffix in FORMATS else "table"
 
 
@@ -125,7 +128,13 @@ def _plugin_error(message: str, against: Path | str | None) -> CommandError:
     return CommandError(message, PLUGIN if blamed else INVALID)
 
 
-def render(of: Path | Run, form: str, against: Path | str | None, tick: Tick = lambda what, share: None) -> str:
+def render(
+    of: Path | Run,
+    form: str,
+    against: Path | str | None,
+    tick: Tick = lambda what, share: None,
+    out: Path | None = None,
+) -> str:
     """Return a run's report in one of the formats, against another run's folder or a registered reference's name.
 
     What is wrong with a run becomes exit code 3 or 4.
@@ -152,11 +161,11 @@ def render(of: Path | Run, form: str, against: Path | str | None, tick: Tick = l
     from waxstudy.report import render as formats
 
     if form == "table":
-        return formats.as_terminal(content, *terminal())
+        return formats.as_terminal(content, *terminal(out))
     return {"csv": formats.as_csv, "md": formats.as_markdown, "json": formats.as_json}[form](content)
 
 
-def render_attribution(folder: Path, form: str, quiet: bool) -> str:
+def render_attribution(folder: Path, form: str, quiet: bool, out: Path | None) -> str:
     """Return the order-free ladder of a run in one of the formats; compute what it needs and the folder lacks."""
     from waxstudy.results.folder import RunError
     from waxstudy.results.run import Run
@@ -174,7 +183,7 @@ def render_attribution(folder: Path, form: str, quiet: bool) -> str:
     from waxstudy.report.attribution import render as formats
 
     if form == "table":
-        return formats.as_terminal(found, *terminal())
+        return formats.as_terminal(found, *terminal(out))
     return {"csv": formats.as_csv, "md": formats.as_markdown, "json": formats.as_json}[form](found)
 
 
@@ -189,7 +198,7 @@ def _attributed(run: Run, study: Study, quiet: bool) -> OrderFree:
             raise CommandError(str(error), INVALID) from error
 
 
-def render_sensitivity(folder: Path, form: str) -> str:
+def render_sensitivity(folder: Path, form: str, out: Path | None) -> str:
     """Return the Sobol indices of a sweep in one of the formats."""
     from waxstudy.plugin import BackendMissing
     from waxstudy.report import sensitivity
@@ -198,7 +207,7 @@ def render_sensitivity(folder: Path, form: str) -> str:
 
     try:
         swept = read_swept(folder)
-        return sensitivity.render(sensitivity.indices(swept), swept, form, *terminal())
+        return sensitivity.render(sensitivity.indices(swept), swept, form, *terminal(out))
     except BackendMissing as error:
         raise CommandError(str(error), BACKEND) from error
     except RunError as error:

@@ -50,7 +50,9 @@ from waxstudy.diagnosis.select.stated import stated
 from waxstudy.diagnosis.select.testability import doubts_of_sampling, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import slight, stage_of, unexplained
 from waxstudy.diagnosis.sentences import Stages, filled_in, logged, needless, summary, warned, why_not
-from waxstudy.plugin import STAGES, Belief
+from waxstudy.plugin import STAGES, Belief, Prior
+
+AT_END = 1e-3  # of a parameter's range: as near to its end as a search comes
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,7 @@ def assembled(
         parts=_parts(work, selections),
         seed=work.seed,
         is_quick=quick,
+        begins=(work.dataset.time[0] - pd.Timedelta(seconds=work.dataset.interval_s)).isoformat(),
         compared_with=_days(work.baseline) if work.baseline else "",
         as_built=list(calibrated(work.calibration, work.documented)) if work.calibration else [],
         baseline=list(fits(work.calibration)) if work.calibration else [],
@@ -195,7 +198,14 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             alternatives=[_alternative(each) for each in found.others],
             probability=found.inclusion if selection.posterior else nan,
             when=_when(found, values, selection.problem.record),
+            at_end=[name for name, prior in found.effect.priors.items() if _is_at_end(name, values[name], prior)],
         )
+
+
+def _is_at_end(name: str, value: float, prior: Prior) -> bool:
+    """Whether a parameter is the least or the most that is tried; hours of the day have no such end."""
+    is_hour = name.endswith("_h") and not name.endswith("_L_h")
+    return not is_hour and min(abs(value - prior.low), abs(value - prior.high)) <= AT_END * (prior.high - prior.low)
 
 
 def _sentence(selection: Selection, effect: EffectType, values: Values) -> str:
@@ -355,6 +365,8 @@ def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:
 
 def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence[str]]:
     """Return first and last day of each part, as the chain has them; a room alone has days in turn."""
+    if not selections:
+        return {}
     has_chain = any(not selection.segment.with_room for selection in selections)
     part = parts_of(work.record, days_in_turn=not has_chain)
     days = (work.dataset.time - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")  # midnight ends a day

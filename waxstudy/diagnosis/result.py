@@ -137,6 +137,7 @@ class FoundEffect:
     probability: float = nan  # that it, or one of its group, is there; where hypotheses were weighed
     slight: str = ""  # why it hardly matters, where it is there and hardly does
     when: When | None = None
+    at_end: Sequence[str] = ()  # parameters whose value is the least or the most that is tried
 
 
 @dataclass(frozen=True)
@@ -333,6 +334,7 @@ class Diagnosis:
     parts: Mapping[str, Sequence[str]]  # "fit", "select", "shrinkage" -> first and last day
     seed: int
     is_quick: bool
+    begins: str = ""  # when the judged days begin, from which hours and days count
     # probability of each hypothesis: names joined by "+", "none", "unknown"; empty where nothing can be judged
     posterior: Mapping[str, float] = field(default_factory=dict)
     not_judged: Sequence[str] = ()  # stages of which no effect could be

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 from waxstudy.plugin import Finding, PublishedRow, Reference
 from waxstudy.plugin.registry import PluginError, one_line, told
 from waxstudy.plugin.shapes import findings_problems, rows_problems
-from waxstudy.report.comparison import COLUMNS, CORRECTED_FIGURES, FIGURES, Row
+from waxstudy.report.comparison import COLUMNS, CORRECTED_FIGURES, FIGURES, Row, members_by_week
 from waxstudy.report.score import Cell, ColumnScore, cells, scores
 from waxstudy.report.table import Column, Table, text
 from waxstudy.report.words import MEAN_DECIDES, SINGLE_RUN, counted, percent
@@ -211,13 +211,13 @@ def _figures(finding: Finding) -> str:
     return finding.figure + more
 
 
-def published(reference: type[Reference], run: Run, rows: Sequence[Row], members: int) -> Published:
+def published(reference: type[Reference], run: Run, rows: Sequence[Row]) -> Published:
     """Hold a run against a registered reference; raise `PluginError` where that breaks its contract."""
     name = reference.name
     with told(f"reference '{name}': rows failed"):
         figures = list(reference.rows())
     _keeps_its_contract(name, rows_problems(figures))
-    paired, missing = cells(rows, figures, members), list(_missing(name, rows, figures))
+    paired, missing = cells(rows, figures, members_by_week(run)), list(_missing(name, rows, figures))
     try:
         with told(f"reference '{name}': findings failed", ValueError):
             found = list(reference.findings(run))

@@ -122,7 +122,7 @@ FIGURES: Sequence[Column[Row]] = (  # of Table 5
     Column("setpoint_shift_K", heading="shift", unit="K", form=".2f"),
     Column("mae_K", heading="MAE", unit="K", form=".3f"),
     Column(HEAT, heading="heat", unit="kWh/m²", form=".2f"),
-    Column(DIFFERENCE, lambda row: "0" if row.resolved is None else getattr(row, DIFFERENCE), ".2f", "difference", "%"),
+    Column(DIFFERENCE, lambda row: _difference(row, DIFFERENCE), ".2f", "difference", "%"),
 )
 CORRECTED_FIGURES: Sequence[Column[Row]] = (
     Column(CORRECTED, lambda row: _known(row, CORRECTED), ".2f", "corrected heat", "kWh/m²"),
@@ -136,6 +136,11 @@ BESIDE = {CORRECTED: HEAT, CORRECTED_DIFFERENCE: DIFFERENCE}
 def comparison(run: Run) -> list[Row]:
     """Return the rows in the order of the study: weeks, then ladders, then cases."""
     return [_row(run.kpis, ladder, case, week) for week in run.weeks for ladder in run.ladders for case in ladder.cases]
+
+
+def members_by_week(run: Run) -> dict[str, int]:
+    """Return how many members each week has: one may have several weathers."""
+    return {str(week): int(rows["member"].nunique()) for week, rows in run.kpis.groupby("week")}
 
 
 def member_values(kpis: pd.DataFrame, case: str, week: str, column: str) -> FloatArray:
@@ -179,12 +184,19 @@ def single_run_share(differences: FloatArray) -> float:
     return float(np.mean(differences * mean > 0.0)) if np.isfinite(mean) else np.nan
 
 
+def _difference(row: Row, column: str) -> Estimate | str:
+    """What a table says of a difference: none of the reference, and not known where a member of that has no heat."""
+    value: Estimate = getattr(row, column)
+    if np.isnan(value.mean):
+        return "not known"
+    return "0" if row.resolved is None else value
+
+
 def _known(row: Row, column: str) -> Estimate | str:
     """What a table says of corrected heat."""
-    value: Estimate = getattr(row, column)
     if np.isnan(row.heat_corrected_kWh_m2_week.mean):
         return "not known"
-    return "0" if column == CORRECTED_DIFFERENCE and row.resolved is None else value
+    return getattr(row, column) if column == CORRECTED else _difference(row, column)
 
 
 def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
@@ -208,7 +220,7 @@ def _row(kpis: pd.DataFrame, ladder: Ladder, case: str, week: str) -> Row:
         case=case,
         week=week,
         setpoint_shift_K=Estimate(
-            shift, singles.sd, shift + singles.low - singles.mean, shift + singles.high - singles.mean
+            shift, singles.sd, shift + singles.low - singles.mean, shift + singles.high - singles.mean, singles.runs
         ),
         mae_K=of("mae_K"),
         heat_kWh_m2_week=of(HEAT),

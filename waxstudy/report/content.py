@@ -74,7 +74,7 @@ def gather(run: Run, study: Study, against: str | Run | None = None) -> Content:
         rows=rows,
         activations=activations(study),
         starts=starts(run),
-        against=None if against is None else _against(run, rows, members, against),
+        against=None if against is None else _against(run, rows, against),
         notes=[*_off_comfort(run, study.comfort.hours_below_per_week), *_notes(study, rows, members)],
         spreads=spreads(run),
         months=by_month(run),
@@ -82,12 +82,12 @@ def gather(run: Run, study: Study, against: str | Run | None = None) -> Content:
     )
 
 
-def _against(run: Run, rows: Sequence[Row], members: int, against: str | Run) -> Against:
+def _against(run: Run, rows: Sequence[Row], against: str | Run) -> Against:
     if isinstance(against, Run):
-        return other_run(run, rows, members, against)
+        return other_run(run, rows, against)
     reference = installed().get("reference", against)
     assert issubclass(reference, Reference)
-    return published(reference, run, rows, members)
+    return published(reference, run, rows)
 
 
 def starts(run: Run) -> list[Starts]:

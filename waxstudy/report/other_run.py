@@ -20,6 +20,7 @@ from waxstudy.report.comparison import (
     comparison,
     differences_percent,
     estimate,
+    members_by_week,
 )
 from waxstudy.report.input_differences import differing_inputs
 from waxstudy.report.score import Cell, cells, scores
@@ -140,17 +141,17 @@ class OtherRun(Against):
 # --- pairing two runs --------------------------------------------------------------------------------
 
 
-def other_run(run: Run, rows: Sequence[Row], members: int, other: Run) -> OtherRun:
+def other_run(run: Run, rows: Sequence[Row], other: Run) -> OtherRun:
     """Hold a run against another; raise `RunError` where its key figures cannot be read."""
-    their_members = int(other.kpis["member"].nunique())
+    members, their_members = members_by_week(run), members_by_week(other)
     paired = _comparable(cells(rows, comparison(other), members, their_members), _references(run), _references(other))
     return OtherRun(
         name=_name(run, other),
         cells=paired,
         scores=scores(paired),
         folder=str(other.folder),
-        members=their_members,
-        steps=list(_steps(run, other)) if min(members, their_members) > 1 else (),
+        members=max(their_members.values()),
+        steps=list(_steps(run, other)) if min(max(members.values()), max(their_members.values())) > 1 else (),
         notes=[*_missing(run, other), *differing_inputs(run, other), *_alone(paired)],
     )
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from scipy.special import stdtrit
@@ -87,15 +88,26 @@ class ColumnScore:
 
 
 def cells(
-    rows: Sequence[Row], theirs: Sequence[PublishedRow | Row], members: int, their_members: int = 1
+    rows: Sequence[Row],
+    theirs: Sequence[PublishedRow | Row],
+    members: Mapping[str, int],
+    their_members: Mapping[str, int] = MappingProxyType({}),
 ) -> list[Cell]:
-    """Pair every figure of theirs with ours, published heat with corrected heat, too.
+    """Pair every figure of theirs with ours, published heat with corrected heat, too; members are by week.
 
     The difference of a reference case, zero by definition, is left out, and what is not known of ours.
     """
     known = {(row.case, row.week): row for row in theirs}
     return [
-        Cell(row.case, row.week, column, getattr(row, column), members, _estimate(other, column), their_members)
+        Cell(
+            row.case,
+            row.week,
+            column,
+            getattr(row, column),
+            members[row.week],
+            _estimate(other, column),
+            their_members.get(row.week, 1),
+        )
         for row in rows
         if (other := known.get((row.case, row.week)))
         for column in COLUMNS

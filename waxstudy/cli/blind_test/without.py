@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from waxstudy.cli.blind_test.common import failures
+from waxstudy.cli.errors import USAGE, CommandError
 from waxstudy.cli.existing import Existing
 from waxstudy.cli.output import Command
 
@@ -18,10 +19,11 @@ from waxstudy.cli.output import Command
 def command(ctx: click.Context, name: str, dataset: Path) -> None:
     """Print the diagnosis of a dataset as JSON, with an effect taken out of the library."""
     with failures(dataset):
-        from waxstudy.plugin.registry import installed
+        from waxstudy.plugin.registry import hint, installed
 
         registry = installed()
-        registry.get("effect", name)
+        if name not in (names := registry.names("effect")):
+            raise CommandError(f"no effect '{name}'{hint(name, names)} (there are: {', '.join(names)})", USAGE)
         del registry.components["effect", name]
     from waxstudy.cli.diagnose import command as diagnose
 

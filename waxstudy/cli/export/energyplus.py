@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 RADIANT = "Its ZoneHVAC:LowTemperatureRadiant:VariableFlow or ConstantFlow."
 THERMOSTAT = "on-off"  # that a motor alone gets
-BAND = "Dead band of the thermostat that a motor alone gets."
+DEAD_BAND_K = 0.5
+BAND = f"Dead band of the thermostat that a motor alone gets [K]  [default: {DEAD_BAND_K:g}]"
 POSITIVE = click.FloatRange(0.0, 1e6, min_open=True)
 
 
@@ -33,7 +34,7 @@ POSITIVE = click.FloatRange(0.0, 1e6, min_open=True)
 @click.option("--radiant", required=True, metavar="NAME", help=RADIANT)
 @click.option("--full-flow-kg-s", required=True, type=POSITIVE, help="Water flow with the valve open [kg/s].")
 @click.option("--setpoint-c", type=click.FloatRange(-50, 100), default=21.0, show_default=True, help="Setpoint [C].")
-@click.option("--dead-band-k", type=click.FloatRange(0, 20), default=0.5, show_default=True, help=BAND)
+@click.option("--dead-band-k", type=click.FloatRange(0, 20), help=BAND)
 @click.option("--step", "step_s", type=click.FloatRange(0.01, 60.0), help="Step of a motor alone [s]  [default: 5]")
 @click.option("--out", type=Written(), required=True, metavar="FILE.py", help="The plugin to write.")
 def command(
@@ -45,7 +46,7 @@ def command(
     radiant: str,
     full_flow_kg_s: float,
     setpoint_c: float,
-    dead_band_k: float,
+    dead_band_k: float | None,
     step_s: float | None,
     out: Path,
 ) -> None:
@@ -69,8 +70,11 @@ def command(
         blocks = {"actuator": chosen(file, use, "actuator" if use else None, values)}
         if (kind := blocks["actuator"].component.kind) != "actuator":
             raise CommandError(f"{file}: describes a {kind}; a motor is an [actuator], a whole chain a --case", USAGE)
+    if "controller" in blocks and dead_band_k is not None:
+        raise CommandError(f"--dead-band-k is of a motor alone: case '{case}' has a controller of its own", USAGE)
     if "controller" not in blocks:
-        blocks = {**blocks, "controller": chosen(None, THERMOSTAT, "controller", {"dead_band_K": dead_band_k})}
+        band_K = DEAD_BAND_K if dead_band_k is None else dead_band_k
+        blocks = {**blocks, "controller": chosen(None, THERMOSTAT, "controller", {"dead_band_K": band_K})}
     _write(out, (blocks, step_s or 5.0), (zone, radiant, full_flow_kg_s, setpoint_c))
 
 

@@ -57,6 +57,8 @@ def command(
             raise CommandError("--case takes a study and its step: leave --use, --kind, --set and --step out", USAGE)
         model = _made(lambda: chain(file, case))
     else:
+        if file is not None and kind:
+            raise CommandError(f"--kind goes with --use: {file} says itself what it describes", USAGE)
         model = _made(lambda: block(file, use, kind, values, step_s or 5.0))
     _write(out, model, int(fmi), list(dict.fromkeys(platforms)))
     print_out(f"{out}\n")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from rich.table import Table as Grid
@@ -82,7 +83,8 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
     yield "heat", [diagnosis.missing_heat.sentence] if diagnosis.missing_heat.is_resolved else []
     yield "rooms", _few([event_words(each) for each in diagnosis.neighbours.events], MOST_EVENTS)
     yield "cause", [_cause(effect) for effect in diagnosis.effects]
-    yield "likely", [_likely(diagnosis)] if diagnosis.compared_with else []
+    yield "days", [told] if (told := first_day(diagnosis)) else []
+    yield "likely", [_likely(diagnosis)] if diagnosis.compared_with and diagnosis.posterior else []
     yield "how far", [*(_how_far(diagnosis, effect) for effect in diagnosis.effects), *_loop(diagnosis)]
     nothing_left = ["nothing that stands out of the noise"] if diagnosis.stages else []
     yield "unexplained", _few(_left(diagnosis)) or nothing_left
@@ -93,7 +95,14 @@ def _parts(diagnosis: Diagnosis) -> Iterator[tuple[str, list[str]]]:
 
 def quick_look(diagnosis: Diagnosis) -> str:
     """What a quick look leaves open, empty where nothing was judged."""
-    return QUICK if diagnosis.is_quick and diagnosis.verdict != "untestable" else ""
+    return QUICK if diagnosis.is_quick and diagnosis.tried and diagnosis.verdict != "untestable" else ""
+
+
+def first_day(diagnosis: Diagnosis) -> str:
+    """Which day is the first, where days are told by their number."""
+    every = [*(each.when for each in diagnosis.effects), *(each.when for each in diagnosis.unexplained)]
+    is_numbered = any(re.search(r"\bday \d", when.pattern) for when in every if when)
+    return f"day 1 is {diagnosis.begins[: len('2026-01-31')]}" if is_numbered and diagnosis.begins else ""
 
 
 def event_words(event: NeighbourEvent) -> str:
@@ -164,7 +173,7 @@ def _others(diagnosis: Diagnosis) -> list[str]:
 
 
 def _cause(effect: FoundEffect) -> str:
-    values = parameter_words(effect.parameters)
+    values = "; ".join(filter(None, (parameter_words(effect.parameters), at_end_words(effect))))
     words = f"{effect.name}: {values}." if values else f"{effect.name}: {effect.sentence}"
     if others := alternatives(effect):
         words += f" This record cannot tell it from {' or '.join(others)}."
@@ -173,6 +182,12 @@ def _cause(effect: FoundEffect) -> str:
 
 def parameter_words(parameters: Mapping[str, Interval]) -> str:
     return ", ".join(f"{named(name)[0]} {interval(value, named(name)[1])}" for name, value in parameters.items())
+
+
+def at_end_words(effect: FoundEffect) -> str:
+    """What is to be said of a value beyond which nothing is tried."""
+    names = " and ".join(named(name)[0] for name in effect.at_end)
+    return f"{names} may be further off: nothing beyond is tried" if names else ""
 
 
 def alternatives(effect: FoundEffect) -> list[str]:

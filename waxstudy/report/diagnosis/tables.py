@@ -158,7 +158,7 @@ def events(diagnosis: Diagnosis) -> Table[NeighbourEvent]:
     """What departs in which room, and when."""
     columns: list[Column[NeighbourEvent]] = [
         text("room"),
-        text("when", heading="when (local time)"),
+        text("when", heading="when (local standard time)"),
         Column("departure", lambda each: words.interval(each.size_K, "K")),
         Column("heat", lambda each: words.interval(each.heat_W, "W") if each.heat_W else "not known"),
         text("reading", heading="what it may be", kind="prose"),

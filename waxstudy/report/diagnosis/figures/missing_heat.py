@@ -54,6 +54,7 @@ def figure_missing_heat(diagnosis: Diagnosis) -> Figure:
     else:
         over = axes[0, 0]
     _course(over, heat.before, heat.after if has_after else (), heat.usual_W)
+    over.set_xlabel(f"days since {diagnosis.begins.replace('T', ' ') or 'the record began'}")
     legend_below(figure, over)
     return figure
 
@@ -71,7 +72,7 @@ def _course(panel: Axes, before: Sequence[HeatPiece], after: Sequence[HeatPiece]
         for way, label in ((-1.96, "usual"), (1.96, None)):
             panel.axhline(way * usual_W, color=COLOURS[5], linestyle=":", linewidth=1.4, label=label)
     panel.axhline(0.0, color=BLACK, linewidth=0.8)
-    panel.set(xlabel="days since the record began", ylabel="heat into the room, W", xlim=(edges[0], edges[-1]))
+    panel.set(ylabel="heat into the room, W", xlim=(edges[0], edges[-1]))
     panel.set_xticks(range(int(edges[-1]) + 1))
 
 

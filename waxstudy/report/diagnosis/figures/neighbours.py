@@ -35,7 +35,7 @@ def figure_neighbours(diagnosis: Diagnosis) -> Figure:
     for panel, (name, course) in zip(axes[:, 0], courses.items(), strict=True):
         _room(panel, name, course, [each for each in diagnosis.neighbours.events if each.room == name])
     last = axes[-1, 0]
-    last.set_xlabel("local time")
+    last.set_xlabel("local standard time")
     _dates(last, pd.Timestamp(diagnosis.neighbours.begins), max(course.hours))
     _keys(last)
     legend_below(figure, last)
