@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from tests.blind_test.conftest import DATA
 from tests.conftest import Waxstudy
 from waxstudy.blind_test.draw import Case, Measured
 from waxstudy.blind_test.plan import Plan, available, causes_of, left_out
-from waxstudy.blind_test.record import write_record
+from waxstudy.blind_test.record import without_noise, write_record
 from waxstudy.blind_test.truth import Size, sizes
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import Dataset, read_dataset
@@ -71,6 +72,25 @@ def test_each_cause_gives_a_valid_record_and_shows_above_its_noise(engine: str, 
     assert size.gap > 2.0 * size.floor > 0.0
 
 
+@pytest.mark.parametrize(
+    ("cause", "channels", "judged"),
+    [
+        ("limited-travel", "no displacement", "flow_L_h"),
+        ("let-by", "no flow", "floor_surface_temperature_C"),
+        ("dead-band", "temperatures only", "floor_surface_temperature_C"),
+    ],
+)
+def test_a_cause_shows_further_on_where_the_channel_behind_it_was_not_recorded(
+    cause: str, channels: str, judged: str
+) -> None:
+    case = case_of("other-plant", [cause], 3)
+    case = replace(case, measured=replace(case.measured, channels=channels))
+    staged = engine_of(case.engine).make(case.scene)
+    (size,) = sizes(case, staged, without_noise(staged, case.measured), with_alike=False)
+    assert size
+    assert (size.channel, size.over > 2.0) == (judged, True)
+
+
 @pytest.mark.parametrize("engine", SIMULATED)
 def test_a_null_is_a_valid_record_with_all_channels_that_the_stages_need(engine: str, tmp_path: Path) -> None:
     case = case_of(engine, ["let-by"], 1)
@@ -101,10 +121,10 @@ def test_a_plant_driven_by_its_own_record_gives_it_again(engine: str) -> None:
     assert issubclass(plant, OtherPlant)
     course = weather(np.random.default_rng(1), 3, -3.0, 40.0, 6.0)
     free = simulate(plant.base, course, 21.0)
-    forced = simulate(plant.base, course, 21.0, free)
-    differs = np.abs(free - forced).max(axis=0)
-    assert [n for n, d in zip(COLUMNS, differs, strict=True) if d > 0.0] in ([], [COLUMNS[READING]])
-    assert differs[READING] < 1e-3  # of the very first second
+    for stage in ("sensor", "actuator", "room"):
+        differs = np.abs(free - simulate(plant.base, course, 21.0, free, stage)).max(axis=0)
+        assert [n for n, d in zip(COLUMNS, differs, strict=True) if d > 0.0] in ([], [COLUMNS[READING]])
+        assert differs[READING] < 1e-3  # of the very first second
 
 
 def test_a_plant_s_floor_and_air_keep_their_energy() -> None:

@@ -42,22 +42,24 @@ class Happened:
         self.channels["flow_L_h"] = house.flow * house.full_flow_L_h * self.flow_fraction
         self.channels["reading_C"] = self.stage("sensor", house)
 
-    def stage(self, name: str, house: House) -> FloatArray:
-        """Return what a stage of another house makes of what was recorded before it."""
-        given = self.sensed_C if name == "sensor" else self.channels[GIVEN[name]]
+    def stage(self, name: str, house: House, given: FloatArray | None = None) -> FloatArray:
+        """Return what a stage of another house makes of what it is given, or of what was recorded before it."""
+        if given is None:
+            given = self.sensed_C if name == "sensor" else self.channels[GIVEN[name]]
         found = replayed(stages(house, self.setpoint_C, _true(house, self.assumed))[name], given)
         return found * house.flow * house.full_flow_L_h if name == "valve" else found
 
     def without(self, put: Put, rest: House) -> dict[str, FloatArray]:
-        """Return the channels that a cause changes, as they would be without it."""
-        stage = put.cause.stages[0]
+        """Return the channels that a cause changes, as they would be without it: its stage's, and all behind it."""
         if put.logger is not None:
             return {}
-        if stage in SHOWN:
-            found = {SHOWN[stage]: self.stage(stage, rest)}
-        else:
-            played = _simulated(rest, self.assumed, self.setpoint_C, Played(self.flow_fraction))
-            found = _of_room(rest, self.assumed, played)
+        found: dict[str, FloatArray] = {}
+        given, fraction, first = None, self.flow_fraction, put.cause.stages[0]
+        if first in SHOWN:
+            for name in list(SHOWN)[list(SHOWN).index(first) :]:
+                given = found[SHOWN[name]] = self.stage(name, rest, given)
+            fraction = found["flow_L_h"] / (rest.flow * rest.full_flow_L_h)
+        found |= _of_room(rest, self.assumed, _simulated(rest, self.assumed, self.setpoint_C, Played(fraction)))
         changed = {n: v for n, v in found.items() if np.max(np.abs(v - self.channels[n])) > UNTOUCHED}
         return {name: kept(values) for name, values in changed.items()}
 

@@ -105,8 +105,9 @@ class OtherPlant(Engine):
         still = []
         for put in puts:
             rest = built(with_all(plant, [other for other in puts if other is not put]), differs)
+            how = found, put[0].cause.stages[0]
             is_logger = put[0].logger is not None
-            still.append({} if is_logger else _changed(whole, simulate(rest, true, scene["setpoint_C"], found)))
+            still.append({} if is_logger else _changed(whole, simulate(rest, true, scene["setpoint_C"], *how)))
         channels, without = logged_puts(whole, float(STEP_S), puts, still)
         return Staged(
             channels=channels,
@@ -252,6 +253,7 @@ def _inputs(assumed: Weather, setpoint_C: float) -> dict[str, FloatArray]:
 def _changed(channels: Channels, still: FloatArray) -> dict[str, FloatArray]:
     """Return the channels that a cause changes, as they would be without it."""
     without = _kept(still)
+    without["signal"] = without["output"]
     return {n: values for n, values in without.items() if np.max(np.abs(values - channels[n])) > UNTOUCHED}
 
 

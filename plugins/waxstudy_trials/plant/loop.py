@@ -1,6 +1,7 @@
 """The loop of a plant, second by second; equations in docs/blind_test_records.md.
 
-With `forced`, every stage is driven by what a record has before it, so that only its own equations can differ.
+Beside a record, stages up to one are driven by what the record has before them, and what follows by that one: so
+only its own equations differ, and all that they change shows.
 """
 
 from __future__ import annotations
@@ -32,13 +33,17 @@ COLUMNS = (
     "return_C",
     "supply_C",
 )
+# how many stages, from the sensor on, a record drives up to one
+FORCED = {"sensor": 1, "controller": 2, "modulator": 2, "actuator": 3, "valve": 4, "emitter": 5, "room": 5}
 AIR, READING, OUTPUT, OPENING, FLOW, OPERATIVE, SURFACE, RETURN, SUPPLY = range(len(COLUMNS))
 
 
-def simulate(plant: Plant, weather: Weather, setpoint_C: float, recorded: FloatArray | None = None) -> FloatArray:
-    """Return the columns of every second (n, columns), driven stage by stage by a record if there is one."""
+def simulate(
+    plant: Plant, weather: Weather, setpoint_C: float, recorded: FloatArray | None = None, stage: str = "room"
+) -> FloatArray:
+    """Return the columns of every second (n, columns); stages up to the one named are driven by a record, if any."""
     seconds = len(weather.outdoor_C) * PART_S
-    forced = recorded is not None
+    forced = FORCED[stage] if recorded is not None else 0
     before = recorded if recorded is not None else np.zeros((1, len(COLUMNS)))
     found = np.zeros((seconds, len(COLUMNS)))
     _run(plant, weather, setpoint_C, before, forced, found)
@@ -83,7 +88,7 @@ def _film_W_m2K(warmer_K: float, is_free: bool) -> float:
 
 
 @numba.njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: bool, found: Any) -> None:  # noqa: C901
+def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: int, found: Any) -> None:  # noqa: C901
     seconds = len(found)
     cells_J_K, links_W_K = _floor(p)
     floor = np.full(CELLS, setpoint_C + 2.0)
@@ -102,12 +107,12 @@ def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: bool, found: An
         hour = n / 3600.0 % 24.0
         last = max(n - 1, 0)
         # thermostat
-        true_air = before[last, AIR] if forced else air
+        true_air = before[last, AIR] if forced >= 1 else air
         seen += (true_air - seen) / p.sensor_s
         housed = seen if p.housing_s <= 0.0 else housed + (seen - housed) / max(1.0, p.housing_s)
         reading = housed + p.bias_K + p.sun_K_kW * w.sun_W[part] / 1000.0
         # controller
-        told = before[n, READING] if forced else reading
+        told = before[n, READING] if forced >= 2 else reading
         is_elsewhere = (hour - p.aim_from_h) % 24.0 < (p.aim_to_h - p.aim_from_h) % 24.0
         aim = setpoint_C + (p.aim_K if is_elsewhere else 0.0) + p.turned_K * _turn_of(n - float(WARM_UP_S))
         since_s += 1.0
@@ -119,7 +124,7 @@ def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: bool, found: An
         if wanted != output and since_s >= p.lockout_s:
             output, since_s = wanted, 0.0
         # motor
-        on = before[n, OUTPUT] if forced else output
+        on = before[n, OUTPUT] if forced >= 3 else output
         wax_C, molten = _wax_C(p, heat_J)
         power = p.power_W * max(0.0, 1.0 - p.power_fall_1_K * (wax_C - p.box_C)) * on
         if 17.0 <= hour < 23.0:
@@ -133,7 +138,7 @@ def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: bool, found: An
             stem = min(stem, pushed + p.friction if pushed > 0.0 else 0.0)
         opening = min(stem, p.stop)
         # valve
-        lifted = before[n, OPENING] if forced else opening
+        lifted = before[n, OPENING] if forced >= 4 else opening
         if lifted >= 1.0 or lifted <= 0.0:
             plug = lifted
         elif lifted > plug + p.play:
@@ -145,7 +150,7 @@ def _run(p: Any, w: Any, setpoint_C: float, before: Any, forced: bool, found: An
         if n % 7200 < p.pump_pause_s:
             flow = 0.0
         # water
-        through = before[n, FLOW] if forced else flow
+        through = before[n, FLOW] if forced >= 5 else flow
         volume_L[n] = (volume_L[last] if n else 0.0) + through / 3600.0
         while tail < n and volume_L[n] - volume_L[tail] > p.pipe_L:
             tail += 1
