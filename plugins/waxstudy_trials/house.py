@@ -42,7 +42,7 @@ def sun(channels: Channels, v: Values, step_s: float) -> dict[str, FloatArray]:
 def gains(channels: Channels, v: Values, step_s: float) -> dict[str, FloatArray]:
     """Gains are written down too early and too small."""
     steps = round(v["shift_h"] * HOUR_S / step_s)
-    return {"internal_gain_W": np.roll(channels["internal_gain_W"], -steps) / v["factor"]}
+    return {"internal_gain_W": _moved(channels["internal_gain_W"], -steps) / v["factor"]}
 
 
 def bias(channels: Channels, v: Values, step_s: float) -> dict[str, FloatArray]:
@@ -58,7 +58,14 @@ def lag(channels: Channels, v: Values, step_s: float) -> dict[str, FloatArray]:
 def clock(channels: Channels, v: Values, step_s: float) -> dict[str, FloatArray]:
     """The logger of the rooms is late."""
     steps = round(v["late_h"] * HOUR_S / step_s)
-    return {name: np.roll(channels[name], steps) for name in ROOM}
+    return {name: _moved(channels[name], steps) for name in ROOM}
+
+
+def _moved(values: FloatArray, steps: int) -> FloatArray:
+    """Return values so many steps later; what comes from beyond the record is missing."""
+    found = np.roll(values, steps)
+    found[slice(0, steps) if steps > 0 else slice(len(found) + steps, None)] = np.nan
+    return found
 
 
 def _lagged(values: FloatArray, steps: float) -> FloatArray:
@@ -133,16 +140,16 @@ class MeasuredHouse(Engine):
         start = first_midnight(house) + scene["first"] * steps
         rows = slice(start, start + scene["days"] * steps)
         channels: Channels = {
-            CHANNELS[str(name)].source: column.to_numpy(dtype=float)[rows] for name, column in house.values.items()
+            CHANNELS[str(name)].source: column.to_numpy(dtype=float) for name, column in house.values.items()
         }
         without: list[Channels] = []
         for each in scene["causes"]:
             changed = ALTERED[each["name"]][1](channels, each["values"], house.interval_s)
-            without.append({name: channels[name] for name in changed})
+            without.append({name: channels[name][rows] for name in changed})
             channels = {**channels, **changed}
         assert house.room
         return Staged(
-            channels=channels,
+            channels={name: values[rows] for name, values in channels.items()},
             step_s=house.interval_s,
             first_day=house.time[rows][0].date().isoformat(),
             described={

@@ -195,6 +195,20 @@ def test_other_physics_is_no_effect_s_own_doing() -> None:
 
 
 @pytest.mark.skipif(bool(engine_of("measured-house").hindrance()), reason=engine_of("measured-house").hindrance())
+def test_a_late_clock_shows_at_the_first_midnight_what_was_hours_before() -> None:
+    """And not what comes days later, at the end of the record."""
+    from waxstudy_trials.house import first_midnight, measured
+
+    house, late = measured(), 12  # samples
+    engine = engine_of("measured-house")
+    scene = {**engine.draw(np.random.default_rng(1), ["late-clock"], 6), "first": 0}
+    scene["causes"] = [{"name": "late-clock", "values": {"late_h": late * house.interval_s / 3600.0}}]
+    start = first_midnight(house)
+    true_C = house.values["air_temperature_C"].to_numpy(dtype=float)[start - late : start]
+    np.testing.assert_array_equal(engine.make(scene).channels["air_C"][:late], true_C)
+
+
+@pytest.mark.skipif(bool(engine_of("measured-house").hindrance()), reason=engine_of("measured-house").hindrance())
 def test_the_measured_house_is_altered_by_what_is_said_and_nothing_else(tmp_path: Path) -> None:
     case = case_of("measured-house", ["supply-offset"], 2, days=6)
     staged, seen = recorded(case, tmp_path)
