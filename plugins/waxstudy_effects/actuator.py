@@ -72,6 +72,7 @@ class WaxMotor(Effect):
     name = "wax-motor"
     api_version = "1.0"
     stage = "actuator"
+    replaces = True
     Parameters = WaxTimes
     priors = {**FOUR_PRIORS, "past": Prior(0.0, MOST_PAST, noticeable=0.3)}
 
@@ -135,6 +136,7 @@ class WithConstantTimes(Effect):
     name = "constant-times"
     api_version = "1.0"
     stage = "actuator"
+    replaces = True
     Parameters = FourTimes
     priors = FOUR_PRIORS
     absorbs = ("slow-actuator",)
@@ -220,6 +222,7 @@ class WithVariableTimes(Effect):
     name = "variable-times"
     api_version = "1.0"
     stage = "actuator"
+    replaces = True
     Parameters = Coefficients
     priors = COEFFICIENT_PRIORS
     absorbs = ("slow-actuator",)

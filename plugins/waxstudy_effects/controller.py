@@ -138,9 +138,10 @@ class AimParameters(Hours):
 def lasting_h(from_h: float, to_h: float) -> float:
     """Return how long a day it is from one hour to the other; the whole day where they are the same.
 
-    >>> lasting_h(22.0, 6.0), lasting_h(0.0, 24.0), lasting_h(5.0, 5.0)
-    (8.0, 24.0, 24.0)
+    >>> lasting_h(22.0, 6.0), lasting_h(0.0, 24.0), lasting_h(5.0, 5.0), lasting_h(24.0, 0.0)
+    (8.0, 24.0, 24.0, 24.0)
     """
+    from_h = from_h if from_h < DAY_H else from_h - DAY_H
     return to_h - from_h if to_h > from_h else to_h - from_h + DAY_H
 
 

@@ -106,7 +106,8 @@ class PipeDelay(Effect):
 def after_pipe_C(inputs: Inputs, volume_L: float) -> FloatArray:
     """Return the temperature at the end of a pipe, of the water that leaves it in each interval.
 
-    A plug may pass within an interval: the mean is taken over pieces of 10 s, all with the interval's flow.
+    A plug may pass within an interval: the mean is taken over pieces of 10 s, all with the interval's flow and the
+    temperature at its end, as a room takes its supply. So nothing changes as the volume goes to 0.
     """
     assert inputs.flow_L_h is not None
     count, pieces = len(inputs.supply_C), max(1, round(inputs.interval_s / PIECE_S))
@@ -117,7 +118,8 @@ def after_pipe_C(inputs: Inputs, volume_L: float) -> FloatArray:
     left_L = np.interp(time_s, np.append(0.0, end_s), np.append(0.0, passed_L)) - volume_L
     entered_s = np.interp(left_L, np.append(0.0, passed_L), np.append(0.0, end_s))
     kept = np.exp(-(time_s - entered_s) / STANDING_S)
-    entered_C, air_C = np.interp(entered_s, end_s, inputs.supply_C), np.repeat(inputs.air_C, pieces)
+    of = np.clip(np.ceil(entered_s / inputs.interval_s).astype(int) - 1, 0, count - 1)
+    entered_C, air_C = inputs.supply_C[of], np.repeat(inputs.air_C, pieces)
     return np.asarray((air_C + (entered_C - air_C) * kept).reshape(count, pieces).mean(axis=1))
 
 

@@ -97,6 +97,7 @@ class Modulation(Effect):
     name = "modulation"
     api_version = "1.0"
     stage = "modulator"
+    replaces = True
     Parameters = ModulationParameters
     priors = {"period_s": PERIOD, "min_pulse_s": MIN_PULSE}
 
@@ -104,6 +105,8 @@ class Modulation(Effect):
     def hindrance(cls, belief: Belief) -> str:
         if belief.has("modulator"):
             return "a modulator is believed already"
+        if not belief.has("controller"):
+            return "no controller is believed"
         return "" if is_continuous(belief) else "the believed controller switches on and off itself"
 
     @classmethod

@@ -36,6 +36,7 @@ class SensorDelay(Effect):
     name = "sensor-delay"
     api_version = "1.0"
     stage = "sensor"
+    replaces = True
     Parameters = SensorDelayParameters
     priors = {"delay_s": Prior(0.0, 1800.0, noticeable=15.0)}
 
@@ -97,6 +98,7 @@ class SensorLag(Effect):
     name = "sensor-lag"
     api_version = "1.0"
     stage = "sensor"
+    replaces = True
     Parameters = SensorLagParameters
     priors = {"time_constant_s": Prior(0.0, 3600.0, noticeable=20.0)}
 

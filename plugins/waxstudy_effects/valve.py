@@ -53,6 +53,7 @@ class QuickOpening(Effect):
     name = "quick-opening"
     api_version = "1.0"
     stage = "valve"
+    replaces = True
     Parameters = QuickOpeningParameters
     priors = {
         "h_min": Prior(0.0, 0.35, noticeable=0.03),
@@ -165,7 +166,8 @@ class LetBy(Effect):
 
     @classmethod
     def sentence(cls, p: Any) -> str:
-        return f"The valve lets {100.0 * p.fraction:.1f} % of its flow through when it is closed."
+        leak = f"{100.0 * p.fraction:.1f} % of its flow through"
+        return f"The closed valve lets {leak} at the pressure of an open one."
 
     @classmethod
     def starts(cls, belief: Belief) -> Sequence[Mapping[str, float]]:

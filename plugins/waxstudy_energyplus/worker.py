@@ -51,6 +51,10 @@ def _run(job: Job, folder: Path, answer: BinaryIO) -> Loop:
     code = engine.run(["-w", str(folder / WEATHER), "-d", str(folder), str(folder / MODEL)])
     if code:
         raise EngineFailed(f"EnergyPlus gave up with code {code}")
+    if loop.step < job.steps:
+        raise EngineFailed(
+            f"EnergyPlus ran {loop.step} of {job.steps} steps: has the weather file all days of the run?"
+        )
     loop.end()
     return loop
 

@@ -15,6 +15,7 @@ from waxstudy.conformance import blocks
 from waxstudy.conformance.beliefs import difference, outcome, sample_inputs
 from waxstudy.conformance.stage import Subject
 from waxstudy.plugin import CHAIN, STAGES, Actuator, Belief, Choice, Effect, Parameters, Prior, Ring, delayed, parameter
+from waxstudy.synthetic.effects import applied
 from waxstudy_effects.wrapping import parameter_name
 
 # section 9 of the design: name -> stage, parameters
@@ -200,6 +201,27 @@ def test_effects_around_one_block_do_not_disturb_each_other() -> None:
     flows = outcome(both)["valve"]
     assert flows.min() > outcome(leaking)["valve"].min() > closed.min() == 0.0
     assert both.blocks["valve"].component.name == "quick-opening with let-by with stuck-open"
+
+
+@pytest.mark.parametrize(
+    ("replaced", "around", "kind"),
+    [
+        ("quick-opening", "let-by", "valve"),
+        ("sensor-delay", "sensor-bias", "sensor"),
+        ("wax-motor", "limited-travel", "actuator"),
+    ],
+)
+def test_an_effect_that_replaces_a_block_leaves_what_acts_on_it_whatever_comes_first(
+    replaced: str, around: str, kind: str
+) -> None:
+    chosen = [Choice.of(EFFECTS[name], {}) for name in (around, replaced)]
+    one, other = (applied(each, belief(IDEAL)).blocks[kind] for each in (chosen, chosen[::-1]))
+    assert one.component.name == other.component.name
+    assert one.component.name.endswith(f" with {around}")
+
+
+def test_a_modulation_says_that_there_is_no_controller_to_modulate() -> None:
+    assert EFFECTS["modulation"].hindrance(Belief({})) == "no controller is believed"
 
 
 def test_a_block_that_was_not_believed_takes_its_place_in_the_chain() -> None:

@@ -51,9 +51,13 @@ def test_a_front_of_warm_water_arrives_when_the_pipe_has_been_filled_anew() -> N
     arrived_C = after_pipe_C(front, volume_L=10.5)  # ten and a half minutes at 60 L/h
     warm_K = 10.0 * np.exp(-630.0 / 3600.0)
     assert arrived_C[720:730] == pytest.approx(25.0)
-    # it was recorded at the ends of two intervals, so that it lasts a minute, half of which falls into each of two
-    assert arrived_C[730:732] == pytest.approx([25.0 + warm_K / 8.0, 25.0 + warm_K * 7.0 / 8.0], abs=0.05)
-    assert arrived_C[732:] == pytest.approx(25.0 + warm_K)
+    assert arrived_C[730] == pytest.approx(25.0 + 0.5 * warm_K, abs=0.05)  # in the middle of an interval
+    assert arrived_C[731:] == pytest.approx(25.0 + warm_K)
+
+
+def test_a_pipe_that_holds_next_to_nothing_changes_next_to_nothing() -> None:
+    rising = day(900.0, supply_C=25.0 + 0.1 * np.arange(96), air_C=25.0, flow_L_h=60.0)
+    assert after_pipe_C(rising, volume_L=1e-6) == pytest.approx(rising.supply_C, abs=1e-4)
 
 
 def test_standing_water_cools_towards_the_room() -> None:
@@ -103,12 +107,14 @@ def test_an_open_window_takes_the_heat_of_its_air_while_it_is_open() -> None:
 
 
 @given(st.floats(0.0, 24.0), st.floats(0.0, 24.0), st.sampled_from([60.0, 900.0, 3600.0]))
+@example(0.0, 24.0, 900.0)
 @example(14.5, 14.25, 3600.0)  # both ends of the pause within one interval
 def test_a_window_is_open_for_as_long_as_its_hours_say_over_midnight_too(
     from_h: float, to_h: float, interval_s: float
 ) -> None:
     share = open_share(day(interval_s), from_h, to_h)
-    assert share.sum() * interval_s / 3600.0 == pytest.approx((to_h - from_h) % 24.0, abs=1e-6)
+    lasting_h = 24.0 if (from_h, to_h) == (0.0, 24.0) else (to_h - from_h) % 24.0
+    assert share.sum() * interval_s / 3600.0 == pytest.approx(lasting_h, abs=1e-6)
     assert share.min() >= 0.0
     assert share.max() <= 1.0 + 1e-9
 

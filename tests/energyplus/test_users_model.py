@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import copy
 import json
+from calendar import isleap
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import date
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -160,6 +162,15 @@ def test_the_rest_of_the_house_is_as_its_user_made_it(written: Callable[..., Pat
 def test_the_weekdays_are_those_of_the_models_own_run_period(written: Callable[..., Path]) -> None:
     day = first_day(read_model(written(house())), 1, 7)  # its 1 January is a Tuesday
     assert (f"{day:%A}", day.month, day.day) == ("Monday", 1, 7)
+
+
+def test_a_leap_year_of_the_model_is_run_as_another_with_its_weekdays(written: Callable[..., Path]) -> None:
+    """Most weather files have no 29 February: EnergyPlus would run a day less than is asked for."""
+    model = read_model(written(house()))
+    period = next(iter(model.objects["RunPeriod"].values()))
+    period |= {"begin_year": 2024, "begin_month": 1, "begin_day_of_month": 1}
+    day = first_day(model, 1, 1)
+    assert (f"{day:%A}", day.month, day.day, isleap(day.year)) == (f"{date(2024, 1, 1):%A}", 1, 1, False)
 
 
 def test_an_idf_is_the_same_model_as_its_epjson(written: Callable[..., Path], idf: Path) -> None:

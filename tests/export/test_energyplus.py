@@ -111,6 +111,11 @@ def test_the_plugin_reads_the_zone_and_sets_the_flow_of_the_radiant_object(
     known.pop("Living floor")
     motor.handles = None
     assert motor.on_begin_zone_timestep_before_predictor(None) == 1
+    # one of constant flow has another kind of actuator
+    constant = {("Constant Flow Low Temp Radiant", "Living floor"): 5}
+    motor.api.exchange.get_actuator_handle = lambda state, kind, control, key: constant.get((kind, key), -1)
+    assert motor.on_begin_zone_timestep_before_predictor(None) == 0
+    assert was_set[-1][0] == 5
     assert said == ["waxstudy: the model has no radiant object Living floor"]
 
 

@@ -132,7 +132,7 @@ ROOM = StageGap(
 LET_BY = FoundEffect(
     "let-by",
     "valve",
-    "The valve lets 7.1 % of its flow through when it is closed.",
+    "The closed valve lets 7.1 % of its flow through at the pressure of an open one.",
     ("let-by",),
     {"fraction": Interval(0.0712, 0.0688, 0.0741)},
     0.985,

@@ -254,13 +254,14 @@ def test_a_probability_of_a_group_is_not_one_of_its_first_member() -> None:
 def test_every_member_of_a_group_has_its_say_and_of_a_long_one_the_first_three() -> None:
     (together, _) = GROUP.effects
     both = (
-        "Either the valve lets 7.1 % of its flow through when it is closed, or the valve never closes beyond 3.2 % of"
+        "Either the closed valve lets 7.1 % of its flow through at the pressure of an open one, or the valve never "
+        "closes beyond 3.2 % of its travel."
     )
-    assert group_sentence(together) == f"{both} its travel."
+    assert group_sentence(together) == both
     assert both in page_text(page_of(GROUP))
     more = [replace(STUCK, name=name, sentence=f"PI {name}.") for name in ("b", "c", "d", "e")]
     long = replace(together, group=("let-by", *(each.name for each in more)), alternatives=more)
-    assert group_sentence(long).endswith("when it is closed, or PI b, or PI c, or one of: d, e.")
+    assert group_sentence(long).endswith("of an open one, or PI b, or PI c, or one of: d, e.")
     assert group_sentence(replace(long, group=("let-by", "b", "c", "d"))).endswith(", or PI c, or d.")
     assert group_sentence(LET_BY) == LET_BY.sentence
 

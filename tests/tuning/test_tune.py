@@ -11,9 +11,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from tests.cli.conftest import Entry
+from tests.cli.conftest import entry as entry
 from tests.conftest import WAXSTUDY, Waxstudy, call
 from waxstudy.plugin.registry import installed
 from waxstudy.study.read import read_study
+from waxstudy.tuning.objectives import Goal, NoObjective
 
 USAGE, INVALID, FAILED = 2, 3, 6
 STUDY = """\
@@ -136,6 +139,24 @@ def test_a_case_that_has_nothing_of_an_objective_is_told(waxstudy: Waxstudy, stu
     assert "objective switches: of the case as it stands it is not known; a continuous signal has no switches" in (
         done.stderr
     )
+
+
+def test_what_a_mild_test_week_cannot_tell_is_a_warning_and_no_tuning_is_lost(
+    entry: Entry, study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refuse, asked = Goal.refuse, []
+
+    def of_the_second(goal: Goal, start: pd.DataFrame) -> None:
+        asked.append(start)
+        if len(asked) > 1:
+            raise NoObjective("objective switches: of the case as it stands it is 0")
+        refuse(goal, start)
+
+    monkeypatch.setattr(Goal, "refuse", of_the_second)
+    done = entry(*TUNE, "--budget", "40", "--out", "tuned")
+    assert (done.code, len(asked)) == (0, 2), done.stderr
+    assert "not tested in february: objective switches: of the case as it stands it is 0" in done.stderr
+    assert (study.parent / "tuned" / "tuned.toml").is_file()
 
 
 def test_a_folder_of_something_else_is_left_alone(waxstudy: Waxstudy, study: Path, tmp_path: Path) -> None:

@@ -106,6 +106,9 @@ class Effect(Component):
     priors: ClassVar[Mapping[str, Prior]] = {}
     # names of uncertainties that rest while it is there, and of effects that are not tried beside it
     absorbs: ClassVar[Sequence[str]] = ()
+    replaces: ClassVar[bool] = (
+        False  # puts another block in a believed one's place, and so comes before what acts on it
+    )
 
     @classmethod
     def hindrance(cls, belief: Belief) -> str:

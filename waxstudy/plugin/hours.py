@@ -10,10 +10,18 @@ from waxstudy.plugin.effect import Inputs
 DAY_H = 24.0
 
 
+def open_h(from_h: float, to_h: float) -> float:
+    """Return the hours of a day between two hours of it; none where they are the same.
+
+    >>> open_h(22.0, 6.0), open_h(5.0, 5.0), open_h(0.0, 24.0)
+    (8.0, 0.0, 24.0)
+    """
+    return DAY_H if to_h - from_h >= DAY_H else (to_h - from_h) % DAY_H
+
+
 def open_share(inputs: Inputs, from_h: float, to_h: float) -> FloatArray:
     """Return the share of each interval of a record between two hours of the day (n,); none where they are the same."""
-    half_h = inputs.interval_s / 7200.0
-    length_h = (to_h - from_h) % DAY_H
+    half_h, length_h = inputs.interval_s / 7200.0, open_h(from_h, to_h)
     # hours since it was opened, at the middle of an interval; the window of the day before and after reach over it
     since_h = (inputs.hour - from_h) % DAY_H
     overlap_h = np.zeros(len(since_h))

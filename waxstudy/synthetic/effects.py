@@ -89,8 +89,8 @@ def _with_inputs(
 
 
 def applied(effects: Sequence[Choice], belief: Belief) -> Belief:
-    """Return a belief with all effects, one after the other; raise `EffectError`, or `PluginError`."""
-    for chosen in effects:
+    """Return a belief with all effects, those that replace a block first; raise `EffectError`, or `PluginError`."""
+    for chosen in sorted(effects, key=lambda each: not getattr(each.component, "replaces", False)):
         effect = chosen.component
         assert issubclass(effect, Effect)
         what = f"effect '{effect.name}'"

@@ -17,7 +17,7 @@ from waxstudy.simulation.run import Progress
 from waxstudy.study.model import Case, Study
 from waxstudy.sweeps.run import points_folder
 from waxstudy.tuning.evaluate import EVALUATIONS, Evaluator, Settings, Weather
-from waxstudy.tuning.objectives import Goal, misses_comfort
+from waxstudy.tuning.objectives import Goal, NoObjective, misses_comfort
 from waxstudy.tuning.search import Budget, landscape, search
 from waxstudy.tuning.space import Axis
 from waxstudy.tuning.weathers import Split, split
@@ -183,7 +183,7 @@ class _Tuning:
     def _of_others(self) -> Iterator[tuple[str, dict[str, float]]]:
         """Yield settings that the controller's examples and textbooks name, as far as they set what is tuned."""
         controller = self.case.blocks["controller"]
-        for label, values in controller.component.examples.items():
+        for label, values in controller.component.examples.items() if self._of_controller() else ():
             try:
                 example = Choice.of(controller.component, values).parameters
             except ValueError:
@@ -226,6 +226,12 @@ class _Tuning:
     def _tested(self, settings: Sequence[Setting], weather: Weather) -> Iterator[Setting]:
         self.evaluator.expect(1 + len(settings))
         start = self._as_it_stands(weather)
+        try:
+            self.goal.refuse(start)
+        except NoObjective as error:
+            self._warn(f"not tested in {', '.join(weather.plan.driven)}: {error}")
+            yield from settings
+            return
         found = self.evaluator.figures(weather, [each.values for each in settings])
         for setting, figures in zip(settings, found, strict=True):
             if isinstance(figures, str):

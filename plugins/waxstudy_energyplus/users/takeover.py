@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from calendar import isleap
 from collections.abc import Mapping
 from datetime import date, timedelta
 from pathlib import Path
@@ -54,13 +55,24 @@ def steps_per_hour(model: UsersModel) -> int:
 
 
 def first_day(model: UsersModel, month: int, day: int) -> date:
-    """Return a day of the year in a year whose weekdays are those of the model's own run period."""
+    """Return a day of the year in a year whose weekdays are those of the model's own run period.
+
+    It is no leap year: most weather files have no 29 February.
+    """
     period = model.first("RunPeriod")
     weekday, year = period.get("day_of_week_for_start_day"), period.get("begin_year")
-    if weekday and not year:
-        begin = (int(period["begin_month"]), int(period["begin_day_of_month"]))
-        year = next(y for y in range(2001, 2029) if y % 4 and date(y, *begin).weekday() == WEEKDAYS.index(weekday))
-    return date(int(year or NO_DAY_YEAR), month, day)
+    if not weekday and not year:
+        return date(NO_DAY_YEAR, month, day)
+    begin = (int(period["begin_month"]), int(period["begin_day_of_month"]))
+    wanted = date(int(year), *begin).weekday() if year else WEEKDAYS.index(weekday)
+    if not year or isleap(int(year)):
+        year = next(y for y in range(2001, 2029) if not isleap(y) and date(y, *_of_any(begin)).weekday() == wanted)
+    return date(int(year), month, day)
+
+
+def _of_any(begin: tuple[int, int]) -> tuple[int, int]:
+    """Return a month and day that any year has."""
+    return (3, 1) if begin == (2, 29) else begin
 
 
 def _period(model: UsersModel, first: date, days: int) -> dict[str, Any]:

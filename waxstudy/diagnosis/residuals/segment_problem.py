@@ -119,7 +119,7 @@ class SegmentProblem:
 
     def edited(self, effects: Edits, departures: FloatArray) -> Belief:
         belief = self._departed(departures, frozenset(name for effect, _ in effects for name in effect.absorbs))
-        for effect, values in effects:
+        for effect, values in sorted(effects, key=lambda each: not each[0].replaces):
             belief = effect.apply(belief, effect.Parameters(**values))
         return belief
 

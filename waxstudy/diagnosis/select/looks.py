@@ -17,7 +17,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import BINS, Span, apart, parts_of_day, promising
 from waxstudy.diagnosis.select.days import Days, on_days
 from waxstudy.plugin import HOURS, FloatArray
-from waxstudy.plugin.hours import DAY_H
+from waxstudy.plugin.hours import DAY_H, open_h
 
 SEVERAL = 3  # spans of hours that are looked at closer, and fitted: the best one by half-hours need not be the best
 FIRST_STEP_H, LAST_STEP_H = 0.25, 0.0625  # of the closer look: half a part of the day, down to four minutes
@@ -201,7 +201,7 @@ def acts_all_day(effect: EffectType, values: Values) -> bool:
     if not is_timed(effect):
         return False
     from_h, to_h = (values[name] for name in HOURS)
-    return (to_h - from_h) % DAY_H > DAY_H - DAY_H / BINS
+    return open_h(from_h, to_h) > DAY_H - DAY_H / BINS
 
 
 def _hours(hours: Sequence[float]) -> Values:
