@@ -584,24 +584,28 @@ def test_nothing_is_weighed_as_its_best_fit_leaves_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("stage", "misfit", "pattern", "may_be"),
+    ("stage", "misfit", "pattern", "without", "may_be"),
     [
-        ("valve", 1.1, None, True),
-        ("valve", 0.9, None, False),
-        ("valve", 1.1, "always", False),
-        ("actuator", 0.9, None, True),
-        ("actuator", 0.9, "always", False),
-        ("room", 0.9, None, True),
-        ("room", 1.1, "always", False),
+        ("valve", 1.1, None, 1.5, True),
+        ("valve", 0.9, None, 1.5, False),
+        ("valve", 1.1, "always", 1.5, False),
+        ("valve", 1.1, None, 9.0, False),
+        ("actuator", 0.9, None, 1.5, True),
+        ("actuator", 0.9, "always", 1.5, False),
+        ("room", 0.9, None, 1.5, True),
+        ("room", 1.1, "always", 1.5, False),
+        ("room", 0.9, None, 9.0, False),
     ],
 )
 def test_an_effect_is_blurred_away_in_a_room_or_a_motor_and_elsewhere_where_it_leaves_something_amiss(
-    stage: str, misfit: float, pattern: str | None, may_be: bool
+    stage: str, misfit: float, pattern: str | None, without: float, may_be: bool
 ) -> None:
+    """But not where it takes away most of what is amiss."""
     search: Any = SimpleNamespace(problem=SimpleNamespace(segment=SimpleNamespace(with_room=stage == "room")))
     weighed: Any = SimpleNamespace(misfit=misfit, pattern=pattern)
+    nothing: Any = SimpleNamespace(misfit=without)
     found: Any = SimpleNamespace(effect=SimpleNamespace(stage=stage))
-    assert _may_be_blurred(search, weighed, found) == may_be
+    assert _may_be_blurred(search, weighed, nothing, found) == may_be
 
 
 @pytest.mark.parametrize(("kept", "named"), [(0.0, 0.0), (0.5, 0.45)])

@@ -28,8 +28,8 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         choice = Choice.of(beliefs)
         found = _found(search, weighed, choice, beliefs)
         selection = search.selection(found, tried)
-        best = best_of(weighed, [group[0] for group in choice.groups])
-        unsure = [each for each in found if _may_be_blurred(search, best, each)]
+        best, without = best_of(weighed, [group[0] for group in choice.groups]), best_of(weighed, [])
+        unsure = [each for each in found if _may_be_blurred(search, best, without, each)]
         blurred = [each for each in unsure if search.distinct(each, selection.after) <= WEIGHTS.notable]
         if not blurred:
             return replace(selection, posterior=beliefs)
@@ -37,13 +37,16 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         beliefs = _without(beliefs, {name for each in blurred for name in each.group}, kept)
 
 
-def _may_be_blurred(search: Search, best: Weighed, found: Found) -> bool:
+def _may_be_blurred(search: Search, best: Weighed, without: Weighed, found: Found) -> bool:
     """Return whether an effect may be nothing where its interval holds what is believed.
 
-    `best` is the likeliest hypothesis with it. No model of a room is exact, nor does one follow a motor in every pause:
-    there the interval counts. Elsewhere it counts if `best` leaves something amiss: a controller of another form looks
-    as if it were tuned otherwise each time. What comes and goes is blurred by the days without it.
+    `best` is the likeliest hypothesis with it, `without` the one that nothing is amiss. No model of a room is exact,
+    nor does one follow a motor in every pause: there the interval counts. Elsewhere it counts if `best` leaves
+    something amiss: a controller of another form looks as if it were tuned otherwise each time. What comes and goes is
+    blurred by the days without it; and what takes away more of a misfit than is open is not nothing.
     """
+    if without.misfit - best.misfit > WEIGHTS.open:
+        return False
     has_exact_model = not search.problem.segment.with_room and found.effect.stage != "actuator"
     return best.pattern is None and (not has_exact_model or best.misfit > WEIGHTS.open)
 
