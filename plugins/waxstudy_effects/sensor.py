@@ -98,7 +98,6 @@ class SensorLag(Effect):
     name = "sensor-lag"
     api_version = "1.0"
     stage = "sensor"
-    replaces = True
     Parameters = SensorLagParameters
     priors = {"time_constant_s": Prior(0.0, 3600.0, noticeable=20.0)}
 

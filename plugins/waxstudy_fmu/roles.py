@@ -67,8 +67,8 @@ class Variables:
                 yield f"{other} for {role}"
         if "floor_heat_W_m2" not in self.outputs:
             yield "the water's heat for floor_heat_W_m2"
-        if "flow" in self.inputs and not {"supply_C"} & set(self.inputs) and "water_heat_W" not in self.outputs:
-            yield "the paper's heating curve for supply_C, of which the heat is"
+        if "flow" in self.inputs and "supply_C" not in self.inputs and "water_heat_W" not in self.outputs:
+            yield "the paper's heating curve for supply_C, from which the heat is computed"
 
 
 def find(description: Any, inputs: Mapping[str, str], outputs: Mapping[str, str], sun: Mapping[str, str]) -> Variables:

@@ -197,11 +197,16 @@ def test_times_in_utc_do_not_say_where_the_room_is(frame: pd.DataFrame) -> None:
     assert there.time[0] - frame.index[0] == pd.Timedelta("2h")
 
 
-def test_two_channels_may_be_one_column_and_it_is_said(frame: pd.DataFrame) -> None:
+def test_two_channels_may_be_one_column_whose_unit_counts_once(frame: pd.DataFrame) -> None:
     both = {"air_temperature_C": "T_room", "sensor_temperature_C": "T_room"}
-    one = frame[["sensor_temperature_C"]].set_axis(["T_room"], axis="columns")
-    record = wx.Dataset.from_frame(one, columns=both, units={"T_room": "degC"}, believed=NOMINAL, room={"use": "nzeb"})
+    one = frame[["sensor_temperature_C"]].set_axis(["T_room"], axis="columns") * 1.8 + 32.0
+    units = dict.fromkeys(both, "degF")
+    record = wx.Dataset.from_frame(one, columns=both, units=units, believed=NOMINAL, room={"use": "nzeb"})
     assert list(record.values) == ["sensor_temperature_C", "air_temperature_C"]
+    np.testing.assert_allclose(record.values["air_temperature_C"], frame["sensor_temperature_C"], atol=1e-9)
+    units["sensor_temperature_C"] = "K"
+    with pytest.raises(wx.StudyError, match="is said to be in 'degF' and in 'K'"):
+        wx.Dataset.from_frame(one, columns=both, units=units, believed=NOMINAL, room={"use": "nzeb"})
 
 
 def test_what_is_said_in_the_call_counts_before_the_file(frame: pd.DataFrame, tmp_path: Path) -> None:

@@ -102,6 +102,22 @@ def test_a_date_at_the_end_of_a_stamp_is_no_offset(tmp_path: Path) -> None:
     assert not any("UTC" in each for each in read.assumptions)
 
 
+@pytest.mark.parametrize(("end", "form"), [("Z", "Z"), ("+02:00", "+02:00"), ("+0200", "%z")])
+def test_an_offset_that_a_format_states_counts(tmp_path: Path, end: str, form: str) -> None:
+    stamps = list(every_5_min("2024-01-10 00:05").strftime("%d.%m.%Y %H:%M:%S") + end)
+    site = 'latitude = 59.4\nlongitude = 24.7\ntimezone = "Europe/Tallinn"'
+    read = read_dataset(record(tmp_path, stamps, site, f'time_format = "%d.%m.%Y %H:%M:%S{form}"'))
+    assert read.time[0] == pd.Timestamp("2024-01-10 02:05" if end == "Z" else "2024-01-10 00:05")
+
+
+def test_a_frame_in_summer_time_alone_is_kept_in_the_standard_time_of_its_site() -> None:
+    times = pd.date_range("2024-09-10 00:05", periods=ROWS, freq="5min", tz="UTC")
+    site = {"latitude": 59.4, "longitude": 24.7, "timezone": "Europe/Tallinn"}
+    for zone in ("Etc/GMT-3", "UTC"):
+        frame = pd.DataFrame({"air_temperature_C": np.linspace(20.0, 22.0, ROWS)}, index=times.tz_convert(zone))
+        assert Dataset.from_frame(frame, believed={}, site=site).time[0] == pd.Timestamp("2024-09-10 02:05")
+
+
 def test_a_frame_s_zone_is_that_of_its_site() -> None:
     times = every_5_min("2024-01-10 00:05", "Europe/Paris")
     frame = pd.DataFrame({"air_temperature_C": np.linspace(20.0, 22.0, ROWS)}, index=times)

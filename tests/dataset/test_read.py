@@ -684,3 +684,26 @@ def test_an_interval_of_which_most_rows_are_lost_is_missing(good: Path) -> None:
     assert np.isnan(read.values.iloc[3].to_numpy(dtype=float)).all()
     assert read.values["flow_L_h"].isna().sum() == 1
     assert told(read, "hold less than half of the usual rows")
+
+
+def test_a_logger_that_is_set_to_another_rate_loses_nothing(good: Path) -> None:
+    def slower(data: pd.DataFrame) -> pd.DataFrame:
+        is_kept = (np.arange(len(data)) < 1440) | (np.arange(len(data)) % 5 == 4)
+        return data[is_kept]
+
+    path = good / "dataset.toml"
+    path.write_text(re.sub("interval_s = .*", "interval_s = 900", path.read_text()))
+    read = reread(good, slower)
+    assert not told(read, "less than half of the usual rows")
+    assert np.isfinite(read.values["flow_L_h"]).all()
+
+
+def test_rows_that_are_written_on_change_are_few_where_little_happens_and_stay(good: Path) -> None:
+    def on_change(data: pd.DataFrame) -> pd.DataFrame:
+        random = np.random.default_rng(1)
+        busy = (np.arange(len(data)) // 120) % 2 == 0
+        return data[random.random(len(data)) < np.where(busy, 0.6, 0.15)]
+
+    path = good / "dataset.toml"
+    path.write_text(re.sub("interval_s = .*", "interval_s = 900", path.read_text()))
+    assert not told(reread(good, on_change), "less than half of the usual rows")

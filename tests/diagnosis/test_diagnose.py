@@ -13,8 +13,8 @@ import pytest
 from tests.conftest import DATA
 from tests.diagnosis.realities import dataset, rows
 from waxstudy.dataset.read import read_dataset
-from waxstudy.diagnosis.assembly import Work, _parts
-from waxstudy.diagnosis.diagnose import diagnose, record_of
+from waxstudy.diagnosis.assembly import Work, _parts, is_at_end
+from waxstudy.diagnosis.diagnose import diagnose, installed_effects, record_of
 from waxstudy.diagnosis.result import Diagnosis, FoundEffect
 from waxstudy.plugin import Belief
 
@@ -127,3 +127,20 @@ def test_the_same_seed_gives_the_same_bytes():
     data = rows("LATE", days=3)
     texts = [json.dumps(diagnose(dataset(data, "IDEAL"), quick=True).described(), default=float) for _ in range(2)]
     assert texts[0] == texts[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "value", "is_end"),
+    [
+        ("slow-actuator", "factor", 0.3, True),
+        ("slow-actuator", "factor", 0.303, False),
+        ("infiltration", "factor", 0.12, False),  # of a range that is told by its logarithm
+        ("limited-travel", "opening", 1.0, False),  # more there cannot be
+        ("window-opening", "from_h", 0.0, False),
+    ],
+)
+def test_an_end_of_what_is_tried_is_one_unless_nothing_lies_beyond(
+    name: str, parameter: str, value: float, is_end: bool
+) -> None:
+    effect = next(each for each in installed_effects() if each.name == name)
+    assert is_at_end(effect, parameter, value) is is_end

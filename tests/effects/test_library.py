@@ -208,6 +208,7 @@ def test_effects_around_one_block_do_not_disturb_each_other() -> None:
     [
         ("quick-opening", "let-by", "valve"),
         ("sensor-delay", "sensor-bias", "sensor"),
+        ("sensor-delay", "sensor-lag", "sensor"),
         ("wax-motor", "limited-travel", "actuator"),
     ],
 )

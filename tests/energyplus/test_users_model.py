@@ -169,8 +169,10 @@ def test_a_leap_year_of_the_model_is_run_as_another_with_its_weekdays(written: C
     model = read_model(written(house()))
     period = next(iter(model.objects["RunPeriod"].values()))
     period |= {"begin_year": 2024, "begin_month": 1, "begin_day_of_month": 1}
-    day = first_day(model, 1, 1)
-    assert (f"{day:%A}", day.month, day.day, isleap(day.year)) == (f"{date(2024, 1, 1):%A}", 1, 1, False)
+    for month in (1, 7):
+        day = first_day(model, month, 1)
+        assert (f"{day:%A}", day.month, day.day, isleap(day.year)) == (f"{date(2024, month, 1):%A}", month, 1, False)
+    assert first_day(model, 2, 29).strftime("%A %m %d") == "Friday 03 01"  # as in 2024
 
 
 def test_an_idf_is_the_same_model_as_its_epjson(written: Callable[..., Path], idf: Path) -> None:

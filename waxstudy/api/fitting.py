@@ -27,7 +27,8 @@ def fit_actuator(frames: Frames, *, product: str = UNNAMED, seed: int = 1) -> Ac
     """Return the characteristic times of a motor from records of its displacement (docs/fit.md).
 
     A record is a frame with columns `time_s`, `signal` and `displacement_mm`, or such as `fit actuator` takes; a
-    mapping gives each a name. `.fragment(product)` is what a study takes. Raises `StudyError`.
+    mapping gives each a name. `.fragment(product)` is what a study takes. Raises `StudyError`,
+    `ValueError` for two records of one name.
     """
     with tempfile.TemporaryDirectory(prefix="waxstudy-fit-") as place:
         paths = [_written(Path(place), name, frame) for name, frame in _named(frames)]
@@ -78,6 +79,9 @@ def _named(frames: Frames) -> list[tuple[str, pd.DataFrame]]:
 
 
 def _written(folder: Path, name: str, frame: pd.DataFrame) -> Path:
-    path = folder / f"{re.sub(r'[^-.+ 0-9A-Za-z_]', '_', name)}.csv"  # a file's name, by which the record is told
+    plain = re.sub(r"[^-.+ \w]", "_", name)  # a file's name, by which the record is told
+    path = folder / f"{plain}.csv"
+    if path.exists():
+        raise ValueError(f"two records are named '{plain}'")
     frame.to_csv(path, index=not isinstance(frame.index, pd.RangeIndex))
     return path

@@ -53,10 +53,12 @@ class Dataset(read.Dataset):
         has a `floor_area_m2`. Other tables go by their name, such as `dataset={"room_tolerance": 2.0}`: what they say
         counts before what the file does.
         """
-        values = _named(_in_channel_units(frame, units or {}, columns or {}), columns or {})
-        values.index = standard_time(_times(frame), timezone).rename("time")
+        values, times = _named(_in_channel_units(frame, units or {}, columns or {}), columns or {}), _times(frame)
         described = _described(believed, room, tables)
-        zone = timezone or str(_times(frame).tz)
+        if timezone is None and times.tz is not None:
+            timezone = described.get("site", {}).get("timezone")
+        values.index = standard_time(times, timezone).rename("time")
+        zone = timezone or str(times.tz)
         if "site" in described and is_zone(zone):
             described["site"] = {"timezone": zone, **described["site"]}
         described["dataset"] = {"name": "frame", **described.get("dataset", {})}
@@ -82,16 +84,12 @@ def _named(frame: pd.DataFrame, columns: Mapping[str, str]) -> pd.DataFrame:
 def _in_channel_units(frame: pd.DataFrame, units: Mapping[str, str], columns: Mapping[str, str]) -> pd.DataFrame:
     frame = frame.copy()
     channels = {column: channel for channel, column in columns.items()}
-    there = f"its columns: {', '.join(map(str, frame))}"
     for channel, name in columns.items():
         if channel not in CHANNELS:
             raise _refusal(channel, f"is no channel{hint(channel, CHANNELS)}", "columns={CHANNEL: COLUMN}")
         if name not in frame:
-            raise _refusal(channel, f"is to be column '{name}', but the frame has no such column", there)
-    for key, unit in units.items():
-        name = columns.get(key, key)
-        if name not in frame:
-            raise _refusal(name, "has a unit, but the frame has no such column", there)
+            raise _refusal(channel, f"is to be column '{name}', but the frame has no such column", _there(frame))
+    for name, unit in _by_column(frame, units, columns).items():
         channel = channels.get(name, name)
         if channel not in CHANNELS:
             raise _refusal(name, "is no channel", "columns={CHANNEL: COLUMN} says which it is")
@@ -103,6 +101,22 @@ def _in_channel_units(frame: pd.DataFrame, units: Mapping[str, str], columns: Ma
             raise _refusal(name, f"'{unit}' is no unit of it", f"as {CHANNELS[channel].unit}")
         frame[name] = frame[name] * found.scale + found.offset
     return frame
+
+
+def _by_column(frame: pd.DataFrame, units: Mapping[str, str], columns: Mapping[str, str]) -> dict[str, str]:
+    """Return the unit of each column, which may be told by its own name or by that of a channel."""
+    told: dict[str, str] = {}
+    for key, unit in units.items():
+        name = key if key in frame else columns.get(key, key)
+        if name not in frame:
+            raise _refusal(name, "has a unit, but the frame has no such column", _there(frame))
+        if told.setdefault(name, unit) != unit:
+            raise _refusal(name, f"is said to be in '{told[name]}' and in '{unit}'")
+    return told
+
+
+def _there(frame: pd.DataFrame) -> str:
+    return f"its columns: {', '.join(map(str, frame))}"
 
 
 def _described(

@@ -194,7 +194,7 @@ def posteriors(own: Sequence[Mark]) -> dict[str, Any]:
     """
     found = {}
     for where in WHERE:
-        said = with_probabilities([m for m in own if where_of(m) == where])
+        said = [m for m in with_probabilities(own) if where_of(m) == where]
         if said:
             every = [each for m in said for each in m.stated]
             found[where] = {

@@ -44,8 +44,8 @@ def true_shrinkages(
 
 
 def _asked(job: Job) -> dict[str, Any]:
-    _, _, effect, values = job
-    return {"effect": effect, "values": dict(values)}
+    _, box, effect, values = job
+    return {"effect": effect, "values": dict(values), "beside": "healthy" if "baseline" in box else "believed"}
 
 
 def _kept(path: Path, job: Job) -> dict[str, Any] | None:

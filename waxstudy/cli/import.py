@@ -125,7 +125,6 @@ def command(out: Path, yes: bool, replaces: bool, **stated: Any) -> None:
 
 
 def _refuse_unknown(stated: dict[str, Any]) -> None:
-
     from waxstudy.dataset.channels import CHANNELS
     from waxstudy.dataset.zones import is_zone, zone_hint
     from waxstudy.plugin.registry import hint

@@ -7,7 +7,18 @@ import pandas as pd
 
 from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.columns import TIME
-from waxstudy.dataset.limits import COARSER, FEWEST_ROWS, FINER, LEAST_KNOWN, MOST_INTERVALS, TOGETHER, UNEVEN
+from waxstudy.dataset.limits import (
+    AROUND,
+    COARSER,
+    FEWEST_ROWS,
+    FINER,
+    LEAST_KNOWN,
+    MOST_INTERVALS,
+    OFTEN,
+    REPEATED,
+    TOGETHER,
+    UNEVEN,
+)
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.plugin import FloatArray
@@ -40,7 +51,7 @@ def on_grid(
         return None
     stamps = pd.DatetimeIndex((np.arange(count) + place[0]) * step + phase, name=TIME)
     rows = values.set_axis(place - place[0], axis="index")
-    gridded = _means(rows, interval_s, usual_s, notes) if finer else _nearest(rows, off, notes)
+    gridded = _means(rows, interval_s, steps_s, notes) if finer else _nearest(rows, off, notes)
     return gridded.reindex(np.arange(count)).set_axis(stamps, axis="index"), interval_s
 
 
@@ -97,22 +108,33 @@ def _tell_uneven(interval_s: float, usual_s: float, notes: Notes) -> None:
         notes.warn(f"{said}: {holds}; take interval_s = {nearest}")
 
 
-def _means(rows: pd.DataFrame, interval_s: float, usual_s: float, notes: Notes) -> pd.DataFrame:
+def _means(rows: pd.DataFrame, interval_s: float, steps_s: FloatArray, notes: Notes) -> pd.DataFrame:
     """Return means over the interval for channels that are means, and the last value for all others.
 
-    An interval with less than half of its usual rows is missing, and so is a mean of less than half of its values.
+    Of a file whose rows come regularly, an interval with less than half as many as those around it is missing, and so
+    is a mean of less than half as many values.
     """
-    places = rows.groupby(level=0, sort=True)
+    places, usual_s = rows.groupby(level=0, sort=True), float(np.median(steps_s))
+    is_regular = (
+        float(np.mean(np.abs(np.diff(steps_s)) <= REPEATED * steps_s[1:])) > OFTEN if len(steps_s) > 1 else False
+    )
     _tell_uneven(interval_s, usual_s, notes)
     sentence = f"The file's rows are {usual_s:g} s apart: over {interval_s:g} s, flow and gains are averaged"
     notes.assume(f"{sentence}; of all else the last value of the interval is taken.")
     gridded = places.last()
     for name in rows.columns:
         if CHANNELS[name].is_mean:
-            values, count = places[name].mean(), places[name].count()
-            gridded[name] = values.where(count >= LEAST_KNOWN * count.median())
-    size = places.size()
-    is_poor = (size < LEAST_KNOWN * size.median()).to_numpy()
+            gridded[name] = places[name].mean()
+            if is_regular:
+                gridded[name] = gridded[name].mask(_is_poor(places[name].count()))
+    is_poor = _is_poor(places.size()) & is_regular
     if is_poor.any():
         notes.warn(f"{is_poor.sum()} intervals of {interval_s:g} s hold less than half of the usual rows: missing")
     return gridded[~is_poor]
+
+
+def _is_poor(count: pd.Series) -> np.ndarray:
+    """Return which intervals hold less than half as many as both those before and those behind them usually do."""
+    before = count.shift(1).rolling(AROUND, min_periods=1).median()
+    behind = count[::-1].shift(1).rolling(AROUND, min_periods=1).median()[::-1]
+    return np.asarray(count < LEAST_KNOWN * np.fmin(before, behind))

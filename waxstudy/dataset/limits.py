@@ -23,6 +23,9 @@ FINER = 0.67  # of the interval: stamps nearer to each other are several to an i
 COARSER = 1.5  # of the interval: without any stamps nearer than that, the interval is not the file's
 UNEVEN = 0.01  # of the rows in an interval: fewer or more by less are stamps that are not exact
 TOGETHER = 0.9  # length of the mean of stamps as directions within an interval, from which they jitter around one
+# of distances between stamps, those that repeat the one before within a tenth: rows come regularly, not on change
+OFTEN, REPEATED = 0.5, 0.1
+AROUND = 5  # intervals on either side whose rows tell how many are usual: a logger may be set to another rate
 FEWEST_ROWS = 10  # from which the distance of stamps tells something
 MOST_INTERVALS = 20_000_000
 

@@ -20,6 +20,7 @@ from waxstudy.study.problems import shown
 ISO = "expected ISO 8601, as 2020-01-31T12:00:00"
 # so written, pandas looks for it in compiled code
 ZONED = r"(?:Z|[+-](?:0[0-9]|1[0-4]):?[0-5][0-9]|(?:T|:)[0-9.,]+ *[+-][0-9]{2}) *\Z"
+STATED_ZONE = r"(?:(?<!%)Z|[+-](?:0[0-9]|1[0-4]):?[0-5][0-9]) *\Z"  # of all stamps, at the end of their format
 HOUR_S = 3600.0  # of a clock change
 DAY_FIRST = r"\s*\d{1,2}([./-])\d{1,2}\1\d{4}"
 
@@ -65,6 +66,7 @@ def _parsed(written: pd.Series, time_format: str | None, notes: Notes) -> pd.Dat
         notes.refuse(TIME, "is a number, not a date and time", line=2, value=shown(written.iloc[0]), allowed=ISO)
         return None
     written = written.where(written.isna(), written.astype(str))
+    time_format = time_format and re.sub(STATED_ZONE, "%z", time_format)
     zoned = written.str.contains(ZONED, na=False) & (time_format is None or "%z" in time_format)
     if 0 < zoned.sum() < written.notna().sum():
         row = int(np.argmin(zoned.to_numpy()))

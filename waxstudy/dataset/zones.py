@@ -10,7 +10,7 @@ from waxstudy.plugin.registry import did_you_mean, hint, nearest
 
 OFFSET = re.compile(r"(?:UTC|GMT)? ?([+-]\d{1,2})(?::?00)?")  # whole hours ahead of UTC
 FIXED = re.compile(r"UTC([+-])(0\d|1[0-4]):([0-5]\d)")  # as `datetime.timezone` names itself
-MONTH = timedelta(days=30)
+MONTH, SEASON = timedelta(days=30), 3  # so many months are one
 
 
 def is_zone(name: str) -> bool:
@@ -39,16 +39,19 @@ def fixed_name(ahead: timedelta) -> str:
 def standard_ahead(zone: tzinfo, at: datetime) -> timedelta:
     """Return how far a zone's standard time is ahead of UTC around an instant, or what the wall shows.
 
-    Where a zone is said to have summer time in winter, of minus one hour (Dublin), winter has the standard time.
+    Where a zone is said to have summer time in winter, of minus one hour (Dublin), winter has the standard time; a
+    month of that (Ramadan in Casablanca) is none.
 
     >>> standard_ahead(ZoneInfo("Europe/Istanbul"), datetime(2015, 7, 1)) / timedelta(hours=1)
     2.0
     >>> standard_ahead(ZoneInfo("Europe/Dublin"), datetime(2024, 7, 1)) / timedelta(hours=1)
     0.0
+    >>> standard_ahead(ZoneInfo("Africa/Casablanca"), datetime(2024, 7, 1)) / timedelta(hours=1)
+    1.0
     """
     there = at.replace(tzinfo=zone) if at.tzinfo is None else at.astimezone(zone)
     year = [there + months * MONTH for months in range(-6, 7)]
-    if any((each.dst() or timedelta()) < timedelta() for each in year):
+    if sum((each.dst() or timedelta()) < timedelta() for each in year) >= SEASON:
         return min(each.utcoffset() or timedelta() for each in year)
     return (there.utcoffset() or timedelta()) - (there.dst() or timedelta())
 

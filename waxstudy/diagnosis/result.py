@@ -283,7 +283,7 @@ class NeighbourEvent:
     """Times at which a room departs from its neighbours: the mean departure in its hours, with 95 % intervals."""
 
     room: str
-    when: str  # in the record's local time
+    when: str  # in the record's clock, local standard time
     spans_h: Sequence[tuple[float, float]]  # from and to, since `RoomsBeside.begins`
     size_K: Interval
     heat_W: Interval | None  # that would do the same; none where no heat or capacity is known or assumed
@@ -310,7 +310,7 @@ class RoomsBeside:
     events: Sequence[NeighbourEvent] = ()
     sentence: str = ""
     courses: Mapping[str, RoomCourse] = field(default_factory=dict)  # of rooms with events
-    begins: str = ""  # first moment of the whole record, in local time; a loop may be judged on some days only
+    begins: str = ""  # first moment of the whole record, in its own clock; a loop may be judged on some days only
 
 
 @dataclass(frozen=True)

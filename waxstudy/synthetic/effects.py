@@ -88,9 +88,13 @@ def _with_inputs(
     return happened(true, week, study, setpoint_C, believed)
 
 
+def _comes_later(effect: Choice) -> bool:
+    return not (issubclass(effect.component, Effect) and effect.component.replaces)
+
+
 def applied(effects: Sequence[Choice], belief: Belief) -> Belief:
     """Return a belief with all effects, those that replace a block first; raise `EffectError`, or `PluginError`."""
-    for chosen in sorted(effects, key=lambda each: not getattr(each.component, "replaces", False)):
+    for chosen in sorted(effects, key=_comes_later):
         effect = chosen.component
         assert issubclass(effect, Effect)
         what = f"effect '{effect.name}'"

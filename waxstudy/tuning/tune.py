@@ -224,7 +224,7 @@ class _Tuning:
             yield Setting(name, values, self.goal.score(figures, self.start), figures)
 
     def _tested(self, settings: Sequence[Setting], weather: Weather) -> Iterator[Setting]:
-        self.evaluator.expect(1 + len(settings))
+        self.evaluator.expect(1)
         start = self._as_it_stands(weather)
         try:
             self.goal.refuse(start)
@@ -232,6 +232,7 @@ class _Tuning:
             self._warn(f"not tested in {', '.join(weather.plan.driven)}: {error}")
             yield from settings
             return
+        self.evaluator.expect(len(settings))
         found = self.evaluator.figures(weather, [each.values for each in settings])
         for setting, figures in zip(settings, found, strict=True):
             if isinstance(figures, str):

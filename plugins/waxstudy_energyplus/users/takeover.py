@@ -60,19 +60,25 @@ def first_day(model: UsersModel, month: int, day: int) -> date:
     It is no leap year: most weather files have no 29 February.
     """
     period = model.first("RunPeriod")
-    weekday, year = period.get("day_of_week_for_start_day"), period.get("begin_year")
-    if not weekday and not year:
-        return date(NO_DAY_YEAR, month, day)
-    begin = (int(period["begin_month"]), int(period["begin_day_of_month"]))
-    wanted = date(int(year), *begin).weekday() if year else WEEKDAYS.index(weekday)
-    if not year or isleap(int(year)):
-        year = next(y for y in range(2001, 2029) if not isleap(y) and date(y, *_of_any(begin)).weekday() == wanted)
-    return date(int(year), month, day)
+    weekday, year = period.get("day_of_week_for_start_day"), int(period.get("begin_year") or 0)
+    if year and isleap(year):
+        return date(_with_weekday(month, day, date(year, month, day).weekday()), *_of_any(month, day))
+    if weekday and not year:
+        begin = int(period["begin_month"]), int(period["begin_day_of_month"])
+        year = _with_weekday(*begin, WEEKDAYS.index(weekday))
+    return date(year or NO_DAY_YEAR, *_of_any(month, day))
 
 
-def _of_any(begin: tuple[int, int]) -> tuple[int, int]:
-    """Return a month and day that any year has."""
-    return (3, 1) if begin == (2, 29) else begin
+def _with_weekday(month: int, day: int, weekday: int) -> int:
+    """Return a year that is no leap year and has a weekday on a day."""
+    later = _of_any(month, day) != (month, day)
+    years = (year for year in range(2001, 2029) if not isleap(year))
+    return next(year for year in years if date(year, *_of_any(month, day)).weekday() == (weekday + later) % 7)
+
+
+def _of_any(month: int, day: int) -> tuple[int, int]:
+    """Return a day that any year has: the one after 29 February."""
+    return (3, 1) if (month, day) == (2, 29) else (month, day)
 
 
 def _period(model: UsersModel, first: date, days: int) -> dict[str, Any]:

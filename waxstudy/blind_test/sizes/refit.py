@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,16 @@ NEARLY = 4.0  # times the loss of all channels at their limits, from which on an
 TINY, IMPOSSIBLE = 1e-9, 1e12  # losses
 
 Edit = Callable[[Belief], Belief]
+
+
+@dataclass(frozen=True)
+class Replacing:
+    """An edit that puts another block in the place of a believed one."""
+
+    apply: Edit
+
+    def __call__(self, belief: Belief) -> Belief:
+        return self.apply(belief)
 
 
 def as_believed(belief: Belief) -> Belief:
@@ -205,7 +215,7 @@ class Refit:
     def fit(self, edit: Edit, departures: FloatArray) -> Fit | None:
         """Return what an edited belief misses at given departures, None where it cannot be simulated."""
         try:
-            shown = self._shown(edit(self._departed(tuple(departures))))
+            shown = self._shown(self._edited(edit, tuple(departures)))
         except (SimulationError, ValueError, ArithmeticError):
             return None
         errors = self._beside_healthy(missed(self.stretch, self.record, shown))
@@ -232,22 +242,29 @@ class Refit:
         fine, rough = (self.stretch.shown(self.record, self._true, is_rough=way) for way in (False, True))
         return {channel: fine[channel] - rough[channel] for channel in fine}
 
+    def _edited(self, edit: Edit, departures: tuple[float, ...]) -> Belief:
+        """Return an edited belief; what replaces a block comes before the effects that are known."""
+        if isinstance(edit, Replacing):
+            return self.others(edit(self._of_room(departures)))
+        return edit(self._departed(departures))
+
+    def _of_room(self, departures: tuple[float, ...]) -> Belief:
+        belief = self.belief
+        for each, true, departure in zip(self._unknowns, self._centre, departures, strict=True):
+            belief = each.apply(belief, each.usual * (true + departure))
+        return belief
+
     @cached_property
     def _departed(self) -> Callable[[tuple[float, ...]], Belief]:
         """departures from what is true -> the belief; the last ones are kept: most is looked at from the same."""
 
-        def departed(departures: tuple[float, ...]) -> Belief:
-            belief = self.belief
-            for each, true, departure in zip(self._unknowns, self._centre, departures, strict=True):
-                belief = each.apply(belief, each.usual * (true + departure))
-            return self.others(belief)
-
-        return lru_cache(maxsize=2)(departed)
+        return lru_cache(maxsize=2)(lambda departures: self.others(self._of_room(departures)))
 
 
 def _with(effect: type[Effect], point: FloatArray) -> Edit:
     values = {name: _value(prior, float(at)) for (name, prior), at in zip(effect.priors.items(), point, strict=True)}
-    return lambda belief: effect.apply(belief, effect.Parameters(**values))
+    apply = partial(effect.apply, p=effect.Parameters(**values))
+    return Replacing(apply) if effect.replaces else apply
 
 
 def _value(prior: Prior, at: float) -> float:

@@ -18,6 +18,11 @@ from waxstudy.plugin import Belief, Effect, FloatArray
 Edits = Sequence[tuple[type[Effect], Mapping[str, float]]]
 
 
+def in_order(effects: Edits) -> Edits:
+    """Return effects in the order in which they are applied: those that replace a block before what acts on it."""
+    return sorted(effects, key=lambda each: not each[0].replaces)
+
+
 @dataclass(frozen=True)
 class AsBuilt:
     """What differs from the documents, always, with how well it is known, and what the model leaves all the same."""
@@ -67,7 +72,7 @@ class AsBuilt:
         """Return a belief with the control chain as it was built."""
         for knob, departure in self.chain:
             belief = knob.apply(belief, departure)
-        for effect, values in self.always:
+        for effect, values in in_order(self.always):
             belief = effect.apply(belief, effect.Parameters(**values))
         return belief
 

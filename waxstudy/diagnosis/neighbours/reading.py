@@ -104,7 +104,7 @@ def _jump(samples: np.ndarray, place: int, near: int) -> float:
 
 
 def when(house: House, spans: Sequence[tuple[int, int]]) -> str:
-    """Return spans in words, in the record's local time."""
+    """Return spans in words, in the record's clock."""
     ends = [(_at(house, begin), _at(house, end)) for begin, end in spans]
     if len(ends) == 1:
         begin, end = ends[0]

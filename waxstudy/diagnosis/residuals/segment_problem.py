@@ -13,7 +13,7 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
-from waxstudy.diagnosis.model.as_built import AsBuilt
+from waxstudy.diagnosis.model.as_built import AsBuilt, in_order
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.nuisance import Nuisance, departed_inputs, habits, heats, nuisances, of_record
 from waxstudy.diagnosis.model.perturbation import Perturbation
@@ -119,7 +119,7 @@ class SegmentProblem:
 
     def edited(self, effects: Edits, departures: FloatArray) -> Belief:
         belief = self._departed(departures, frozenset(name for effect, _ in effects for name in effect.absorbs))
-        for effect, values in sorted(effects, key=lambda each: not each[0].replaces):
+        for effect, values in in_order(effects):
             belief = effect.apply(belief, effect.Parameters(**values))
         return belief
 
