@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +17,7 @@ from waxstudy.importing.units import conversion
 from waxstudy.importing.zone import standard_time
 from waxstudy.plugin.files import read_file
 from waxstudy.plugin.registry import hint
+from waxstudy.results.atomic import scratch_folder
 from waxstudy.study.problems import Problem, StudyError
 
 TRUSTED = ("room_tolerance", "room_error_factor")  # keys of [dataset] that say how far a room is trusted
@@ -62,8 +62,7 @@ class Dataset(read.Dataset):
         if "site" in described and is_zone(zone):
             described["site"] = {"timezone": zone, **described["site"]}
         described["dataset"] = {"name": "frame", **described.get("dataset", {})}
-        with tempfile.TemporaryDirectory(prefix="waxstudy-record-") as place:
-            folder = Path(place)
+        with scratch_folder("waxstudy-frame-") as folder:
             values.to_csv(folder / "data.csv", date_format="%Y-%m-%dT%H:%M:%S")
             (folder / "dataset.toml").write_bytes(tomli_w.dumps(described).encode())
             return cls.read(folder)

@@ -19,9 +19,10 @@ from waxstudy.blind_test.record import shown
 from waxstudy.blind_test.sizes.missed import Gaps, Missed, gaps, measured, missed
 from waxstudy.blind_test.sizes.record import LEVELS, Record
 from waxstudy.blind_test.sizes.refit import Refit, as_believed
-from waxstudy.blind_test.sizes.stretch import Stretch, stretch_of
+from waxstudy.blind_test.sizes.stretch import SHOWN, Stretch, stretch_of
+from waxstudy.dataset.channels import CHANNELS
 from waxstudy.dataset.read import Dataset
-from waxstudy.plugin import Belief, Choice, Effect
+from waxstudy.plugin import CHAIN, Belief, Choice, Effect, FloatArray
 from waxstudy.plugin.registry import installed
 from waxstudy.plugin.trial import Cause, Staged
 from waxstudy.synthetic.departures import Departures, departed
@@ -153,8 +154,22 @@ def _cut(case: Case, staged: Staged, stand: Stand, stretch: Stretch, place: int,
 
 def without_cause(case: Case, staged: Staged, stand: Stand, place: int) -> Record:
     """Return the record that the engine gives without one cause, without noise."""
-    still = replace(staged, channels={**staged.channels, **staged.without[place]})
+    changed = _up_to_recorded(staged.without[place], stand.free, case.causes[place])
+    still = replace(staged, channels={**staged.channels, **changed})
     return _record(still, replace(case.measured, missing=0.0), stand.about)
+
+
+def _up_to_recorded(changed: Mapping[str, FloatArray], record: Record, cause: Cause) -> Mapping[str, FloatArray]:
+    """Return what a cause changes of the chain up to the first channel that was recorded: further on that drives."""
+    if cause.stages[0] not in CHAIN:
+        return changed
+    kept: dict[str, FloatArray] = {}
+    for kind in CHAIN[CHAIN.index(cause.stages[0]) :]:
+        source = CHANNELS[SHOWN[kind]].source
+        kept |= {source: changed[source]} if source in changed else {}
+        if SHOWN[kind] in record.values:
+            return kept
+    return changed
 
 
 def _as_near(refit: Refit, cause: Mapping[str, Any], cut: Cut) -> Gaps:

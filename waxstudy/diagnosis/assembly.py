@@ -50,7 +50,7 @@ from waxstudy.diagnosis.select.stated import stated
 from waxstudy.diagnosis.select.testability import doubts_of_sampling, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import slight, stage_of, unexplained
 from waxstudy.diagnosis.sentences import Stages, filled_in, logged, needless, summary, warned, why_not
-from waxstudy.plugin import STAGES, Belief
+from waxstudy.plugin import HOURS, STAGES, Belief
 
 AT_END = 1e-3  # of a parameter's range: as near to its end as a search comes
 
@@ -127,7 +127,7 @@ def assembled(
             *needless(selections),
         ],
         departures=_departures(selections),
-        parts=_parts(work, selections),
+        parts=_parts(work, selections) if selections else {},
         seed=work.seed,
         is_quick=quick,
         begins=(work.dataset.time[0] - pd.Timedelta(seconds=work.dataset.interval_s)).isoformat(),
@@ -204,7 +204,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
 
 def is_at_end(effect: EffectType, name: str, value: float) -> bool:
     """Whether a parameter is the least or the most that is tried, and might be more; hours of the day have no end."""
-    if name.endswith("_h") and not name.endswith("_L_h"):
+    if effect.has_hours() and name in HOURS:
         return False
     prior, limits = effect.priors[name], effect.Parameters.model_fields[name].metadata
     possible = {getattr(each, way) for each in limits for way in ("ge", "gt", "le", "lt") if hasattr(each, way)}
@@ -370,8 +370,6 @@ def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:
 
 def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence[str]]:
     """Return first and last day of each part, as the chain has them; a room alone has days in turn."""
-    if not selections:
-        return {}
     has_chain = any(not selection.segment.with_room for selection in selections)
     part = parts_of(work.record, days_in_turn=not has_chain)
     days = (work.dataset.time - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")  # midnight ends a day
