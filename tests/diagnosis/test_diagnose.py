@@ -13,8 +13,9 @@ import pytest
 from tests.conftest import DATA
 from tests.diagnosis.realities import dataset, rows
 from waxstudy.dataset.read import read_dataset
-from waxstudy.diagnosis.assembly import Work, _parts, is_at_end
+from waxstudy.diagnosis.assembly import Work, _parts
 from waxstudy.diagnosis.diagnose import diagnose, installed_effects, record_of
+from waxstudy.diagnosis.estimate.parameter_space import Space
 from waxstudy.diagnosis.result import Diagnosis, FoundEffect
 from waxstudy.plugin import Belief
 
@@ -143,4 +144,5 @@ def test_an_end_of_what_is_tried_is_one_unless_nothing_lies_beyond(
     name: str, parameter: str, value: float, is_end: bool
 ) -> None:
     effect = next(each for each in installed_effects() if each.name == name)
-    assert is_at_end(effect, parameter, value) is is_end
+    middle = {each: 0.5 * (prior.low + prior.high) for each, prior in effect.priors.items()}
+    assert Space(effect).at_end({**middle, parameter: value}) == [parameter] * is_end

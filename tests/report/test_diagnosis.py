@@ -286,10 +286,11 @@ def test_where_nothing_was_tried_a_quick_look_and_likelihoods_are_not_spoken_of(
 
 def test_days_told_by_their_number_have_the_date_of_the_first() -> None:
     on_days = replace(LET_BY, when=When("from day 3 on", [(48.0, 240.0)]))
-    told = replace(EFFECT, effects=[on_days], begins="2026-01-11T00:00:00")
+    traces = EFFECT.traces.set_axis(EFFECT.traces.index - EFFECT.traces.index[0] + pd.Timestamp("2026-01-11"))
+    told = replace(EFFECT, effects=[on_days], traces=traces)  # its first sample ends the day before
     assert dict(lines(told))["days"] == "day 1 is 2026-01-11"
     assert "day 1 is 2026-01-11" in page_text(as_html(told))
-    assert "days" not in dict(lines(replace(EFFECT, begins="2026-01-11T00:00:00")))
+    assert "days" not in dict(lines(replace(EFFECT, traces=traces)))
 
 
 def test_a_value_at_the_end_of_what_is_tried_is_said_to_be_one() -> None:

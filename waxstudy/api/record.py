@@ -12,6 +12,7 @@ import tomli_w
 
 from waxstudy.dataset import read
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.tables import TRUSTED
 from waxstudy.dataset.zones import is_zone
 from waxstudy.importing.units import conversion
 from waxstudy.importing.zone import standard_time
@@ -19,8 +20,6 @@ from waxstudy.plugin.files import read_file
 from waxstudy.plugin.registry import hint
 from waxstudy.results.atomic import scratch_folder
 from waxstudy.study.problems import Problem, StudyError
-
-TRUSTED = ("room_tolerance", "room_error_factor")  # keys of [dataset] that say how far a room is trusted
 
 
 @dataclass(frozen=True, repr=False)

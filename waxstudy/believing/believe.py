@@ -18,6 +18,7 @@ from waxstudy.dataset.channels import GLOBAL, PANELS
 from waxstudy.dataset.description import FILES
 from waxstudy.dataset.read import Dataset, read_dataset
 from waxstudy.dataset.stand_ins import SUN
+from waxstudy.dataset.tables import TRUSTED
 from waxstudy.importing.asking import Ask, Proposed
 from waxstudy.importing.asking import Question as Asked
 from waxstudy.results.atomic import scratch_folder
@@ -26,7 +27,6 @@ from waxstudy.study.problems import Problem, StudyError
 from waxstudy.study.source import read_source
 
 TAKEN = ("building", "room", "nominal", "site", "believe")  # tables that another file may give
-FROM_DATASET = ("room_tolerance", "room_error_factor")
 SHOWN = "as the record shows"
 STATED = "stated"
 OF_ROOM = ("building", "room")
@@ -156,7 +156,7 @@ def _of_other(request: Request, values: Mapping[str, Any]) -> dict[str, Any]:
         if not values.get(name) and not (has_room and name in OF_ROOM)
     }
     about = other.values.get("dataset")
-    own = {key: about[key] for key in FROM_DATASET if key in about} if isinstance(about, dict) else {}
+    own = {key: about[key] for key in TRUSTED if key in about} if isinstance(about, dict) else {}
     if own.get("room_tolerance") == other.values.get("believe", {}).get("room_tolerance"):
         own.pop("room_tolerance", None)  # of guesses, which are weighed anew here
     kept = values.get("dataset") or {}

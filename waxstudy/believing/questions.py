@@ -122,7 +122,7 @@ def _windows(values: Values) -> Proposal:
     if not values["outer_walls"]:
         return Proposal(UNASKED, "no outer wall")
     side, length_m = next(iter(values["outer_walls"].items()))
-    fits_m2 = 0.9 * typical.WINDOW_HEIGHT_m * (length_m or sqrt(values["floor_area_m2"]))
+    fits_m2 = typical.WINDOW_WIDTH * typical.WINDOW_HEIGHT_m * (length_m or sqrt(values["floor_area_m2"]))
     return Proposal(f"{side} {min(fits_m2, typical.WINDOW_SHARE * values['floor_area_m2']):.1f}", source)
 
 

@@ -53,7 +53,7 @@ HEAVY = {
     "gypsum_m": 0.1,
     "partition_gypsum_m": 0.1,
 }
-WINDOW_HEIGHT_m = 1.5  # of room nzeb
+WINDOW_HEIGHT_m, WINDOW_WIDTH = 1.5, 0.9  # of room nzeb; of a wall's length at most: chosen
 WINDOW_SHARE = 1 / 8  # of the floor area (German model building code, section 47)
 FRESH_AIR_L_s_m2 = 0.42  # EN 16798-1, dwellings, category II
 SHELTER = 0.07  # air change by leaks, of that at 50 Pa (EN ISO 13789)

@@ -131,7 +131,7 @@ def _size(case: Case, staged: Staged, stand: Stand, place: int, with_alike: bool
     gap, floor = cut.gaps[channel], cut.floors[channel]
     if not with_alike:
         return Size(stretch.name, channel, gap, floor, 0.0, ())
-    limits = {name: math.hypot(each, cut.form.get(name, 0.0)) for name, each in cut.floors.items()}
+    limits = {name: math.hypot(each, cut.form[name]) for name, each in cut.floors.items()}
     refit = stand.refit(stretch, stand.free, others, limits)
     if healthy:
         refit = refit.beside(stand.refit(stretch, healthy, others, cut.floors))
@@ -185,8 +185,10 @@ def _as_near(refit: Refit, cause: Mapping[str, Any], cut: Cut) -> Gaps:
     except ValueError:
         return cut.floors
     found = refit.fitted(lambda belief: effect.apply(belief, parameters))
-    left = gaps(found.missed) if found else {}
-    return {c: max(floor, min(left.get(c, 0.0), HARDLY * cut.gaps[c])) for c, floor in cut.floors.items()}
+    if found is None:
+        return cut.floors
+    left = gaps(found.missed)
+    return {c: max(floor, min(left[c], HARDLY * cut.gaps[c])) for c, floor in cut.floors.items()}
 
 
 def cut_of_effect(stand: Stand, stretch: Stretch, effects: Sequence[Choice], others: Sequence[Choice]) -> Cut:
@@ -204,7 +206,7 @@ def _cut_of_channels(stand: Stand, stretch: Stretch, others: Sequence[Choice], n
     """Return gap and floor of a cause in an engine's own terms, or of the logger, beside the record without it."""
     noise = [_noise(stand, stretch, others, record) for record in stand.noisy]
     floors = _floors(stand.free, noise)
-    form = gaps(stand.refit(stretch, null, others, floors).base.missed) if with_form else {}
+    form = gaps(stand.refit(stretch, null, others, floors).base.missed) if with_form else dict.fromkeys(floors, 0.0)
     return Cut(gaps(missed(stretch, stand.free, measured(stretch, null))), floors, form)
 
 

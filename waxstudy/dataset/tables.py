@@ -12,6 +12,8 @@ from waxstudy.dataset.zones import is_zone, zone_hint
 from waxstudy.plugin import Parameters, parameter
 from waxstudy.plugin.registry import hint
 
+TRUSTED = ("room_tolerance", "room_error_factor")  # keys of [dataset] that say how far a room is trusted
+
 
 def given(description: str, default: Any = None, unit: str = "", **options: Any) -> Any:
     """Declare what the user may give."""

@@ -19,7 +19,7 @@ from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.missing_heat import missing_heat
 from waxstudy.diagnosis.consequence.regimes import regimes
 from waxstudy.diagnosis.consequence.times import when
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
 from waxstudy.diagnosis.model.as_built import AsBuilt, in_order
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment
@@ -50,9 +50,7 @@ from waxstudy.diagnosis.select.stated import stated
 from waxstudy.diagnosis.select.testability import doubts_of_sampling, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import slight, stage_of, unexplained
 from waxstudy.diagnosis.sentences import Stages, filled_in, logged, needless, summary, warned, why_not
-from waxstudy.plugin import HOURS, STAGES, Belief
-
-AT_END = 1e-3  # of a parameter's range: as near to its end as a search comes
+from waxstudy.plugin import STAGES, Belief
 
 
 @dataclass(frozen=True)
@@ -198,19 +196,8 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
             alternatives=[_alternative(each) for each in found.others],
             probability=found.inclusion if selection.posterior else nan,
             when=_when(found, values, selection.problem.record),
-            at_end=[name for name in found.effect.priors if is_at_end(found.effect, name, values[name])],
+            at_end=Space(found.effect).at_end(values),
         )
-
-
-def is_at_end(effect: EffectType, name: str, value: float) -> bool:
-    """Whether a parameter is the least or the most that is tried, and might be more; hours of the day have no end."""
-    if effect.has_hours() and name in HOURS:
-        return False
-    prior, limits = effect.priors[name], effect.Parameters.model_fields[name].metadata
-    possible = {getattr(each, way) for each in limits for way in ("ge", "gt", "le", "lt") if hasattr(each, way)}
-    low, high, here = np.log([prior.low, prior.high, value]) if prior.is_log else (prior.low, prior.high, value)
-    ends = {prior.low: here - low, prior.high: high - here}
-    return any(abs(far) <= AT_END * (high - low) for end, far in ends.items() if end not in possible)
 
 
 def _sentence(selection: Selection, effect: EffectType, values: Values) -> str:

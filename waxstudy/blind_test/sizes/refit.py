@@ -82,10 +82,8 @@ class Refit:
 
     def beside(self, healthy: Refit) -> Refit:
         """Return a refit of the room as it follows a healthy record, which the same house gave without the cause."""
-        found, belief = healthy.base, self.belief
-        departures = dict(zip((each.name for each in healthy._unknowns), found.departures, strict=True))
-        for each, true in zip(self._unknowns, self._centre, strict=True):
-            belief = each.apply(belief, each.usual * (true + departures.get(each.name, 0.0)))
+        found = healthy.base
+        belief = self._of_room(tuple(found.departures))
         return replace(self, belief=belief, departures={}, healthy=found.missed)
 
     @property

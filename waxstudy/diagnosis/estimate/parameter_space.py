@@ -22,7 +22,7 @@ class Space:
     """The parameters of an effect as a unit cube."""
 
     def __init__(self, effect: EffectType) -> None:
-        self.names, self.priors = list(effect.priors), list(effect.priors.values())
+        self.effect, self.names, self.priors = effect, list(effect.priors), list(effect.priors.values())
         self.wraps = np.array([effect.has_hours() and name in HOURS for name in self.names], dtype=bool)
 
     def values(self, x: FloatArray) -> Values:
@@ -32,6 +32,17 @@ class Space:
 
     def inside(self, values: Values) -> FloatArray:
         return np.array([_place(prior, values[name]) for name, prior in zip(self.names, self.priors, strict=True)])
+
+    def at_end(self, values: Values) -> list[str]:
+        """Return the parameters that are the least or the most that is tried, and might lie beyond: hours go on."""
+        places = zip(self.names, self.priors, self.wraps, self.inside(values), strict=True)
+        return [name for name, prior, wraps, at in places if not wraps and self._is_at_end(name, prior, float(at))]
+
+    def _is_at_end(self, name: str, prior: Prior, at: float) -> bool:
+        limits = self.effect.Parameters.model_fields[name].metadata
+        possible = {getattr(each, way) for each in limits for way in ("ge", "gt", "le", "lt") if hasattr(each, way)}
+        is_low, is_high = at <= QUICK_NARROW, at >= 1.0 - QUICK_NARROW
+        return (is_low and prior.low not in possible) or (is_high and prior.high not in possible)
 
     def scaled(self, values: Values, neutral: Values, strength: float) -> Values:
         """Return values that lie a number of times as far from neutral ones, within the cube."""

@@ -102,7 +102,8 @@ def first_day(diagnosis: Diagnosis) -> str:
     """Which day is the first, where days are told by their number."""
     every = [*(each.when for each in diagnosis.effects), *(each.when for each in diagnosis.unexplained)]
     is_numbered = any(re.search(r"\bday \d", when.pattern) for when in every if when)
-    return f"day 1 is {diagnosis.begins[: len('2026-01-31')]}" if is_numbered and diagnosis.begins else ""
+    # what a first sample at midnight ends belongs to the day behind it
+    return f"day 1 is {diagnosis.traces.index[0]:%Y-%m-%d}" if is_numbered and len(diagnosis.traces) else ""
 
 
 def event_words(event: NeighbourEvent) -> str:

@@ -54,7 +54,7 @@ def figure_missing_heat(diagnosis: Diagnosis) -> Figure:
     else:
         over = axes[0, 0]
     _course(over, heat.before, heat.after if has_after else (), heat.usual_W)
-    over.set_xlabel(f"days since {diagnosis.begins.replace('T', ' ') or 'the record began'}")
+    over.set_xlabel(f"days since {diagnosis.begins[:16].replace('T', ' ') or 'the record began'}")
     legend_below(figure, over)
     return figure
 
