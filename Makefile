@@ -14,7 +14,7 @@ run: .venv/installed  ## set up, run the paper's study, print its Table 5
 test: .venv/installed-dev  ## set up, check style, run every test; that of types and imports is one of them
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
+	ATTACK_SEED=$${ATTACK_SEED:-1} $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder --hypothesis-profile=landing
 
 golden: .venv/installed-dev  ## compute the golden results, the study file's schema, the tables of judged runs and of checks again
 	$(BIN)/python -m tests.golden.regenerate

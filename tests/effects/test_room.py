@@ -109,11 +109,12 @@ def test_an_open_window_takes_the_heat_of_its_air_while_it_is_open() -> None:
 @given(st.floats(0.0, 24.0), st.floats(0.0, 24.0), st.sampled_from([60.0, 900.0, 3600.0]))
 @example(0.0, 24.0, 900.0)
 @example(14.5, 14.25, 3600.0)  # both ends of the pause within one interval
+@example(1e-300, 24.0, 60.0)  # a whole day but for what no number of hours can tell
 def test_a_window_is_open_for_as_long_as_its_hours_say_over_midnight_too(
     from_h: float, to_h: float, interval_s: float
 ) -> None:
     share = open_share(day(interval_s), from_h, to_h)
-    lasting_h = 24.0 if (from_h, to_h) == (0.0, 24.0) else (to_h - from_h) % 24.0
+    lasting_h = to_h - from_h if to_h >= from_h else 24.0 - (from_h - to_h)
     assert share.sum() * interval_s / 3600.0 == pytest.approx(lasting_h, abs=1e-6)
     assert share.min() >= 0.0
     assert share.max() <= 1.0 + 1e-9
