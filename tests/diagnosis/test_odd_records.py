@@ -138,6 +138,17 @@ def test_what_only_the_last_days_show_is_looked_for_in_them_too_and_said_to_be_s
     assert any("solar-factor shows in the last days only" in warning for warning in diagnosis.warnings)
 
 
+@pytest.mark.parametrize("setpoint_C", [10.0, 40.0])
+def test_a_room_that_needs_no_heat_is_judged_without_and_one_that_does_is_not(setpoint_C: float) -> None:
+    """Where it is colder than it should be, a flow that is always nothing may be a dead meter."""
+    warm = of_room(DAYS, effects(extra_heat={"heat_W": 150.0}), flow_L_h=0.0, setpoint_C=setpoint_C)
+    diagnosis = diagnose(warm, quick=True)
+    untestable = [each.name for each in diagnosis.untestable if each.reason.endswith("never changes in this record")]
+    assert ([each.name for each in diagnosis.effects], "extra-heat" in untestable) == (
+        (["extra-heat"], False) if setpoint_C == 10.0 else ([], True)
+    )
+
+
 def test_a_flow_that_stands_still_is_no_drive_of_a_room() -> None:
     diagnosis = diagnose(of_room(DAYS, (), flow_L_h=50.0), quick=True)
     reasons = {each.name: each.reason for each in diagnosis.untestable}

@@ -38,7 +38,9 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     if record.is_still(channel):
         if not _should_move(segment, record, belief, channel):
             return f"{channel} never changes in this record"
-    elif record.is_still(segment.driven_by) and not _stands(record, channel, segment.driven_by):
+    elif record.is_still(segment.driven_by) and not (
+        _needs_none(segment, record) or _stands(record, channel, segment.driven_by)
+    ):
         return f"{segment.driven_by} never changes in this record"
     share = float(_known(record, channel).mean())
     if share < least_share:
@@ -63,6 +65,18 @@ def _should_move(segment: Segment, record: Record, belief: Belief, channel: str)
         return False
     off = np.abs(predicted - record.filled(channel))
     return float(off.max()) > STEADY * max(float(np.abs(predicted).max()), 1e-9)
+
+
+def _needs_none(segment: Segment, record: Record) -> bool:
+    """Whether a room stays warmer than its setpoint without heating: the weather alone drives it.
+
+    What else stands still may be a dead meter.
+    """
+    sensed = record.sensed_channel
+    if not (segment.with_room and sensed and record.has("setpoint_C")):
+        return False
+    above_K = record.values[sensed] - record.values["setpoint_C"]
+    return bool(np.nanmin(above_K) > 0.0 and np.nanmax(record.values[segment.driven_by]) <= 0.0)
 
 
 def _best_known(segment: Segment, record: Record) -> str:
