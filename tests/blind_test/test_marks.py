@@ -300,6 +300,30 @@ def test_a_brier_score_is_of_all_hypotheses_that_of_the_truth_among_them() -> No
     assert mark(truth(ALONE)).brier is None
 
 
+def test_names_that_are_counted_apart_do_not_count_in_hypotheses_either() -> None:
+    """A motor of another form than believed is slow in its way; a second name there, or a baseline, excuses nothing."""
+    plant = truth(ALONE, departs="actuator room")
+    assert believing(plant, **{"let-by+slow-actuator": 0.7, "let-by+slow-actuator+thermal-mass": 0.3}).brier == 0.0
+    assert believing(plant, **{"let-by+sensor-bias": 1.0}).brier == 2.0
+    assert believing(plant, **{"constant-times+let-by+slow-actuator": 1.0}).brier == 2.0
+    healthy = truth(departs="actuator room")
+    assert believing(healthy, slow_actuator=0.8, none=0.2).stated == [(1.0, True)]
+    assert replace(believing(healthy, slow_actuator=0.8, none=0.2), saw_baseline=True).stated == [
+        (0.8, False),
+        (0.2, True),
+    ]
+    assert believing(truth(cause("slow-actuator"), departs="actuator"), slow_actuator=1.0).brier == 0.0
+
+
+def test_something_unknown_does_not_count_in_hypotheses_where_all_that_is_open_is_counted_apart() -> None:
+    def said(stage: str) -> Mark:
+        unexplained = [{"stage": stage}] if stage else []
+        told = {"verdict": "unknown", "unexplained": unexplained, "posterior": {"unknown": 0.9, "none": 0.1}}
+        return Mark(truth(departs="valve room"), Answer.read(told))
+
+    assert [said(stage).brier for stage in ("valve", "sensor", "")] == pytest.approx([0.0, 1.62, 1.62])
+
+
 def test_a_failure_costs_what_knowing_nothing_costs_and_is_no_silent_null() -> None:
     failed = Mark(truth(), Answer.failed())
     found = figures([believing(truth(), none=1.0), failed])

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from waxstudy.blind_test.answer import UNKNOWN, Answer, Claim, hypothesis
+from waxstudy.blind_test.answer import NONE, UNKNOWN, Answer, Claim, hypothesis
+from waxstudy.plugin.effect import Effect
+from waxstudy.plugin.registry import installed
 from waxstudy.plugin.trial import engine_of
 
 DAY_H = 24.0
@@ -97,13 +99,20 @@ def _cause(said: Mapping[str, Any]) -> TrueCause:
     return TrueCause(said["name"], stages, said["is_family"], said["values"], size["over"], size["beyond"], alike, acts)
 
 
+def _stage_of(name: str) -> str:
+    """Return where an effect of the library acts, "" of what is none of it."""
+    entry = installed().components.get(("effect", name))
+    return entry.component.stage if entry and issubclass(entry.component, Effect) else ""
+
+
 @dataclass(frozen=True)
 class Mark:
     """What an answer is worth.
 
     Where the believed model differs in form, and no cause lies, one claim of a stage is counted apart: a finding there
-    is right in its way, a list of everything is not. What is left unexplained there is counted apart as well. Who saw
-    a healthy record of the same loop is not excused: a difference in form is no change.
+    is right in its way, a list of everything is not. What is left unexplained there is counted apart as well, and so
+    are such names in hypotheses. Who saw a healthy record of the same loop is not excused: a difference in form is no
+    change.
     """
 
     truth: Truth
@@ -137,6 +146,32 @@ class Mark:
             return False
         return stages <= self.truth.departs and not any(stages & cause.stages for cause in self.truth.causes)
 
+    @cached_property
+    def posterior(self) -> Mapping[str, float] | None:
+        """The probability of each hypothesis without what is counted apart; None where none is stated."""
+        if self.answer.posterior is None:
+            return None
+        found: dict[str, float] = {}
+        for name, probability in self.answer.posterior.items():
+            names = name.split("+")
+            counted = hypothesis(set(names) - {NONE} - {each for each in names if self._is_named_apart(each, names)})
+            found[counted] = found.get(counted, 0.0) + probability
+        return found
+
+    def _is_named_apart(self, name: str, names: Sequence[str]) -> bool:
+        """Whether a name in a hypothesis is counted apart; `unknown` where all that is left open is."""
+        if name == UNKNOWN:
+            return self._is_open_of_form
+        stage = _stage_of(name)
+        is_only_one = [_stage_of(each) for each in names].count(stage) == 1
+        is_named = any(name in cause.members for cause in self.truth.causes)
+        return bool(stage) and self._is_form(frozenset({stage})) and is_only_one and not is_named
+
+    @property
+    def _is_open_of_form(self) -> bool:
+        """Whether something is left open, and all of it where the believed model differs in form."""
+        return bool(self.answer.open_stages) and not self.open_stages
+
     # --- figures ---
 
     @property
@@ -163,7 +198,7 @@ class Mark:
     @property
     def stated(self) -> Sequence[tuple[float, bool]]:
         """Each hypothesis with a probability worth naming: that, and whether it is the truth; the likeliest first."""
-        said = self.answer.posterior or {}
+        said = self.posterior or {}
         found = [(value, name == self.truth.hypothesis) for name, value in said.items() if value >= LEAST_STATED]
         return sorted(found, key=lambda each: -each[0])
 
@@ -172,7 +207,7 @@ class Mark:
         """The squared errors of the probabilities of all hypotheses, from 0 to 2; of a failure 1, as of none at all."""
         if self.answer.has_failed:
             return 1.0
-        said = self.answer.posterior
+        said = self.posterior
         if said is None:
             return None
         every = {self.truth.hypothesis: 0.0, **said}
@@ -183,7 +218,7 @@ class Mark:
         """Minus the logarithm of the truth's probability; a failure gave it none."""
         if self.answer.has_failed:
             return -math.log(LEAST_TRUE)
-        said = self.answer.posterior
+        said = self.posterior
         return None if said is None else -math.log(max(LEAST_TRUE, said.get(self.truth.hypothesis, 0.0)))
 
     @property
@@ -236,8 +271,7 @@ class Mark:
     @property
     def unknown_claimed(self) -> bool:
         """Something that the library has, or nothing at all, said to be unknown; but not for the form alone."""
-        is_of_form = self.answer.open_stages and not self.open_stages
-        return self.answer.verdict == "unknown" and not is_of_form
+        return self.answer.verdict == "unknown" and not self._is_open_of_form
 
     @property
     def unknown_found(self) -> bool:
