@@ -177,7 +177,7 @@ def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:
         channel = found.channel
         before, after = (model.residual_of(channel) for model in (without, selection.after))
         floor = selection.floor.plain[channel]
-        values = dict(selection.after.effects)[found.effect]
+        values = {name: each.value for name, each in selection.intervals[found.effect].items()}
         yield FoundEffect(
             name=found.effect.name,
             stage=found.effect.stage,

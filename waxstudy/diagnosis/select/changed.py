@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.candidate import Candidate
+from waxstudy.diagnosis.select.intervals import Intervals, parameter_intervals
 from waxstudy.diagnosis.select.posterior import NONE, UNKNOWN, Weighed, posterior, score
-from waxstudy.diagnosis.select.search import Found, Search, Selection
+from waxstudy.diagnosis.select.search import Found, Search, Selection, distinct_in
 from waxstudy.diagnosis.select.weigh import Tick, Weighing
 from waxstudy.diagnosis.weights import WEIGHTS
 
@@ -27,28 +29,30 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
     while True:
         choice = Choice.of(beliefs)
         found = _found(search, weighed, choice, beliefs)
-        selection = search.selection(found, tried)
         best, without = best_of(weighed, [group[0] for group in choice.groups]), best_of(weighed, [])
-        unsure = [each for each in found if _may_be_blurred(search, best, without, each)]
-        blurred = [each for each in unsure if search.distinct(each, selection.after) <= WEIGHTS.notable]
+        last, intervals = _of_all_days(weighing, best) if found else (best.fitted, {})
+        unsure = found if _may_be_blurred(best, without) else []
+        blurred = [each for each in unsure if distinct_in(whole, last, each.effect, intervals) <= WEIGHTS.notable]
         if not blurred:
-            return replace(selection, posterior=beliefs)
+            return replace(search.selection(found, tried, intervals), posterior=beliefs)
         kept = WEIGHTS.blurred if search.problem.segment.with_room else 0.0
         beliefs = _without(beliefs, {name for each in blurred for name in each.group}, kept)
 
 
-def _may_be_blurred(search: Search, best: Weighed, without: Weighed, found: Found) -> bool:
+def _of_all_days(weighing: Weighing, best: Weighed) -> tuple[Hypothesis, Intervals]:
+    """Return a hypothesis fitted to all days, as acting always, with the intervals of its parameters."""
+    fitted, estimator = best.fitted, weighing.estimator
+    last = estimator.refined(fitted.effects, fitted.departures, fitted.convention, ALL) or fitted
+    return last, parameter_intervals(estimator, last)
+
+
+def _may_be_blurred(best: Weighed, without: Weighed) -> bool:
     """Return whether an effect may be nothing where its interval holds what is believed.
 
-    `best` is the likeliest hypothesis with it, `without` the one that nothing is amiss. No model of a room is exact,
-    nor does one follow a motor in every pause: there the interval counts. Elsewhere it counts if `best` leaves
-    something amiss: a controller of another form looks as if it were tuned otherwise each time. What comes and goes is
-    blurred by the days without it; and what takes away more of a misfit than is open is not nothing.
+    `best` is the likeliest hypothesis with it, `without` the one that nothing is amiss. What takes away more of a
+    misfit than is open is not nothing. What comes and goes is blurred by the days without it.
     """
-    if without.misfit - best.misfit > WEIGHTS.open:
-        return False
-    has_exact_model = not search.problem.segment.with_room and found.effect.stage != "actuator"
-    return best.pattern is None and (not has_exact_model or best.misfit > WEIGHTS.open)
+    return best.pattern is None and without.misfit - best.misfit <= WEIGHTS.open
 
 
 def _without(beliefs: Mapping[str, float], blurred: set[str], kept: float) -> dict[str, float]:

@@ -18,7 +18,7 @@ from waxstudy.diagnosis.model.travel import travel
 from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.result import Interval, in_floors
+from waxstudy.diagnosis.result import in_floors
 from waxstudy.diagnosis.select.candidate import Candidate, alike, best_of
 from waxstudy.diagnosis.select.evidence import (
     AirLeft,
@@ -30,7 +30,7 @@ from waxstudy.diagnosis.select.evidence import (
     explained,
     strongest,
 )
-from waxstudy.diagnosis.select.intervals import parameter_intervals
+from waxstudy.diagnosis.select.intervals import Intervals, parameter_intervals
 from waxstudy.diagnosis.select.null import inclusion, null
 from waxstudy.diagnosis.select.patterns import Pattern
 
@@ -89,7 +89,7 @@ class Selection:
     tried: tuple[Candidate, ...]  # of the first round
     floor: NoiseFloor
     withdrawn: tuple[Withdrawn, ...] = ()
-    intervals: Mapping[EffectType, Mapping[str, Interval]] = field(default_factory=dict)  # of what was found
+    intervals: Intervals = field(default_factory=dict)  # of what was found
     posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses, where they were weighed
 
     @property
@@ -184,29 +184,21 @@ class Search:
                 withdrawn += out
                 found = [each for each in found if each not in [one.found for one in out]]
                 models, without = self.models(found, convention if found else self.estimator.base.convention)
-        return self._selection(found, first, models, without, withdrawn)
-
-    def selection(self, found: Sequence[Found], first: Sequence[Candidate]) -> Selection:
-        """Return a selection of what was found otherwise."""
-        convention = found[-1].candidate.fitted.convention if found else self.estimator.base.convention
-        return self._selection(found, first, *self.models(found, convention), ())
-
-    def _selection(
-        self,
-        found: Sequence[Found],
-        first: Sequence[Candidate],
-        models: Models,
-        without: Models,
-        withdrawn: Sequence[Withdrawn],
-    ) -> Selection:
         floor, intervals = self.floor(models[-1]), self.intervals(models[-1]) if found else {}
         rest = tuple(found), tuple(first), floor, tuple(withdrawn), intervals
+        return Selection(self.estimator, models, without, *rest)
+
+    def selection(self, found: Sequence[Found], first: Sequence[Candidate], intervals: Intervals) -> Selection:
+        """Return a selection of what was found otherwise, with the intervals of its parameters."""
+        convention = found[-1].candidate.fitted.convention if found else self.estimator.base.convention
+        models, without = self.models(found, convention)
+        rest = tuple(found), tuple(first), self.floor(models[-1]), (), intervals
         return Selection(self.estimator, models, without, *rest)
 
     def floor(self, last: Hypothesis) -> NoiseFloor:
         return self.once("floor", last, lambda: NoiseFloor.of(self.problem, last))
 
-    def intervals(self, last: Hypothesis) -> Mapping[EffectType, Mapping[str, Interval]]:
+    def intervals(self, last: Hypothesis) -> Intervals:
         return self.once("intervals", last, lambda: parameter_intervals(self.estimator, last))
 
     def once(self, what: str, last: Hypothesis, make: Callable[[], T]) -> T:
@@ -237,16 +229,11 @@ class Search:
         """Return effects that, as fitted in the end, may as well be what is believed without them."""
         last, out = models[-1], []
         for each, before in zip(found, without, strict=True):
-            kept = Kept.of(each.effect, each.channel, before, last, distinct=self.distinct(each, last))
+            departs = distinct_in(self.problem, last, each.effect, self.intervals(last))
+            kept = Kept.of(each.effect, each.channel, before, last, distinct=departs)
             if criterion := failed(KEEP, kept):
                 out.append(Withdrawn(each, criterion))
         return out
-
-    def distinct(self, found: Found, last: Hypothesis) -> float:
-        """Return how far an effect is from what is believed, in noticeable steps of what its interval leaves out."""
-        rest = [(effect, values) for effect, values in last.effects if effect is not found.effect]
-        believed = self.problem.edited(rest, last.departures)
-        return distinct(found.effect, self.intervals(last)[found.effect], believed)
 
     def models(self, found: Sequence[Found], convention: Convention) -> tuple[Models, Models]:
         """Return the believed model and those with one more effect each, and the last without each one of them.
@@ -359,6 +346,12 @@ class Search:
         others = {c.effect.name: c for c in candidates}
         often = inclusion((*group, *pair), candidates, current, self.random)
         return Found(best, group, often, tuple(others[name] for name in group[1:]))
+
+
+def distinct_in(problem: SegmentProblem, fitted: Hypothesis, effect: EffectType, intervals: Intervals) -> float:
+    """Return how far an effect is from what is believed, in noticeable steps of what its interval leaves out."""
+    rest = [(other, values) for other, values in fitted.effects if other is not effect]
+    return distinct(effect, intervals[effect], problem.edited(rest, fitted.departures))
 
 
 def is_poor(segment: Segment, before: Hypothesis, after: Hypothesis) -> bool:
