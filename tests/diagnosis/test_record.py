@@ -293,6 +293,26 @@ def test_a_room_is_not_judged_where_its_drive_is_lost_for_over_six_hours(
     assert missing.tolist() == (list(range(200, 200 + lost + 36)) if is_long else [])
 
 
+@pytest.mark.parametrize("channel", ["solar_gain_W", "internal_gain_W"])
+def test_lost_heat_is_that_of_other_days_and_the_room_is_not_judged_there(channel: str) -> None:
+    """A straight line would hold a noon through three nights."""
+    hour = np.arange(7 * 144) / 6.0 % 24.0
+    heat_W = np.clip(np.sin((hour - 6.0) / 12.0 * np.pi), 0.0, None) * 500.0
+    values = heat_W.copy()
+    values[2 * 144 + 72 : 5 * 144 + 72] = np.nan
+    seen = plain({channel: values, "air_temperature_C": np.full(len(hour), 21.0)}, 600.0)
+    assert seen.filled(channel) == pytest.approx(heat_W, abs=1e-9)
+    assert np.flatnonzero(~seen.driven).tolist() == list(range(2 * 144 + 72, 5 * 144 + 72 + 36))
+
+
+def test_a_sun_that_is_blank_at_night_is_not_lost() -> None:
+    hour = np.arange(7 * 144) / 6.0 % 24.0
+    sun_W = np.clip(np.sin((hour - 6.0) / 12.0 * np.pi), 0.0, None) * 500.0
+    blank = plain({"solar_gain_W": np.where(sun_W > 0.0, sun_W, np.nan), "air_temperature_C": hour}, 600.0)
+    assert blank.driven.all()
+    assert blank.filled("solar_gain_W").max() == sun_W.max()
+
+
 def test_a_lost_room_temperature_loses_nothing_else() -> None:
     air = np.where(np.arange(600) < 300, np.nan, 21.0)
     seen = plain({"air_temperature_C": air, "outdoor_temperature_C": np.full(600, 0.0)}, 600.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
@@ -22,7 +22,8 @@ AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
 LOST_S = 6 * 3600.0  # chosen: of a drive of the room, from which a straight line through a gap hides a day's course
 FLOW = "flow_L_h"
 SUPPLY = "supply_temperature_C"
-ROOM_DRIVES = ("outdoor_temperature_C", SUPPLY, FLOW)
+DAILY = (SUN, GAINS)  # drives whose course is much the same every day
+ROOM_DRIVES = ("outdoor_temperature_C", SUPPLY, FLOW, *DAILY)
 LONG_GAP_S, FEW_LOST = 600.0, 3  # up to which a channel that runs on is known between its samples
 SPARSE_S = 900.0  # interval from which on a pulse may lie within a sample
 FLOWS, FLOWS_ON = 0.2, 0.9  # chosen: of the largest flow, for a return to count; of the usual one, for it to flow on
@@ -115,7 +116,10 @@ class Record:
         return self._memories.setdefault(slot, self.memory(arrays)).get(key, make)
 
     def filled(self, channel: str) -> FloatArray:
-        """Return a channel with its gaps filled: straight for what runs on, held for what switches; read-only."""
+        """Return a channel with its gaps filled: straight for what runs on, held for what switches; read-only.
+
+        Sun and gains have in long gaps what they have at that time of other days.
+        """
         return self.remembered(("filled", channel), "", lambda: _read_only(self._filled(channel)))
 
     def metered(self, channel: str, values: FloatArray) -> FloatArray:
@@ -130,8 +134,32 @@ class Record:
         """Return what drives the next segment: smoothed where noisy, snapped where it rests at an end; read-only."""
         return self.remembered(("drive", channel), "", lambda: _read_only(self._drive(channel)))
 
+    def _usual(self, channel: str) -> FloatArray:
+        """Return a drive's mean at the same time of all days (n,); NaN where it is known on none."""
+        slot = (self.clock_h * 3600.0 // self.interval_s).astype(int)
+        known = np.isfinite(self.values[channel])
+        count = np.bincount(slot[known], minlength=slot.max() + 1)
+        total = np.bincount(slot[known], self.values[channel][known], minlength=len(count))
+        return np.asarray(np.divide(total, count, out=np.full(len(count), np.nan), where=count > 0)[slot])
+
+    def _lost(self, channel: str) -> Iterator[slice]:
+        """Yield the long gaps of what drives a room. What is blank at night on all days is none of the sun's."""
+        missing = ~np.isfinite(self.values[channel])
+        if channel == SUPPLY and self.has(FLOW):
+            missing &= ~(self.values[FLOW] <= 0.0)  # how warm water is that stands is of no account
+        if channel in DAILY:
+            missing &= np.isfinite(self._usual(channel))
+        lost = np.diff(np.concatenate(([False], missing, [False])).astype(int))
+        for start, end in zip(np.flatnonzero(lost > 0).tolist(), np.flatnonzero(lost < 0).tolist(), strict=True):
+            if (end - start) * self.interval_s > LOST_S:
+                yield slice(start, end)
+
     def _filled(self, channel: str) -> FloatArray:
         values = self.values[channel]
+        if channel in DAILY and (gaps := list(self._lost(channel))):
+            values, usual = values.copy(), self._usual(channel)
+            for gap in gaps:
+                values[gap] = usual[gap]
         known = np.flatnonzero(np.isfinite(values))
         if channel in self.binary:
             last = np.searchsorted(known, np.arange(len(values)), side="right") - 1
@@ -203,13 +231,8 @@ class Record:
         known = np.ones(len(self), dtype=bool)
         after = round(SETTLING_S / self.interval_s)
         for channel in filter(self.has, channels):
-            missing = ~np.isfinite(self.values[channel])
-            if channel == SUPPLY and self.has(FLOW):
-                missing &= ~(self.values[FLOW] <= 0.0)  # how warm water is that stands is of no account
-            lost = np.diff(np.concatenate(([False], missing, [False])).astype(int))
-            for start, end in zip(np.flatnonzero(lost > 0).tolist(), np.flatnonzero(lost < 0).tolist(), strict=True):
-                if (end - start) * self.interval_s > LOST_S:
-                    known[start : end + after] = False
+            for gap in self._lost(channel):
+                known[gap.start : gap.stop + after] = False
         return known
 
     @cached_property

@@ -47,7 +47,7 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
         return f"{100 * (1 - share):.0f} % of {channel} is missing"
     driven = ~record.is_gap(segment.driven_by) & (record.driven if segment.with_room else True)
     judged = float((_known(record, channel) & driven).mean())
-    lost = "outdoor air, supply or flow" if segment.with_room else segment.driven_by
+    lost = "outdoor air, supply, flow, sun or gains" if segment.with_room else segment.driven_by
     is_lost = judged < limit(Question.JUDGE, "driven_share")
     return f"{100 * (1 - judged):.0f} % is lost in gaps of {lost}" if is_lost else ""
 
