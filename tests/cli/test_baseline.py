@@ -8,6 +8,7 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -366,6 +367,18 @@ def test_a_record_without_a_room_has_none_to_calibrate(loop: Path, entry: Entry,
     done = entry("calibrate", place, "--out", "room.toml")
     assert (done.code, done.stdout) == (INVALID, "")
     assert "the record does not show what the room does" in done.stderr
+    assert not Path("room.toml").exists()
+
+
+def test_a_room_that_was_seen_on_one_day_is_not_calibrated(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    place = shutil.copytree(loop / "before", tmp_path / "seldom")
+    data = pd.read_csv(place / "data.csv")
+    of_room = ["air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C", "return_temperature_C"]
+    data.loc[288:, [name for name in of_room if name in data]] = np.nan
+    data.to_csv(place / "data.csv", index=False)
+    done = entry("calibrate", place, "--out", "room.toml")
+    assert (done.code, done.stdout) == (INVALID, "")
+    assert "the record does not show what the room does: only 1 day of " in done.stderr
     assert not Path("room.toml").exists()
 
 

@@ -49,11 +49,13 @@ def test_a_baseline_is_read_as_its_record_was_sampled() -> None:
 
 def test_of_a_baseline_s_chain_only_what_the_record_has_is_read() -> None:
     record, before = pulsed(4, 300.0, "2024-02-01"), pulsed(5, 300.0, "2024-01-01")
-    before = replace(before, values=before.values.assign(displacement=0.5, floor_surface_temperature_C=22.0))
+    more = {"displacement": 0.5, "floor_surface_temperature_C": 22.0, "sensor_temperature_C": 21.0}
+    before = replace(before, values=before.values.assign(**more))
     same, found = alike(record, before)
-    assert "displacement" not in found.values
+    assert not {"displacement", "sensor_temperature_C"} & set(found.values)
     assert "floor_surface_temperature_C" in found.values
-    assert same.assumptions == ("The baseline is read without displacement, which the record lacks.",)
+    lacking = "sensor_temperature_C, displacement"
+    assert same.assumptions == (f"The baseline is read without {lacking}, which the record lacks.",)
 
 
 def test_where_signals_were_put_right_already_or_nothing_switches_means_are_taken() -> None:
@@ -185,6 +187,11 @@ def test_a_sun_that_was_lost_is_not_known_and_one_that_never_was_stays_dark() ->
     assert record.warnings == ("solar_gain_W: 0 throughout, though the baseline has sun; taken as not recorded",)
     assert "solar_gain_W" in alike(*dark)[0].values
     assert alike(*dark)[0].warnings == ()
+    record, baseline = alike(lost, dark[1])
+    assert "solar_gain_W" in record.values
+    assert "solar_gain_W" not in baseline.values
+    said = "solar_gain_W: 0 throughout in the baseline, though the record has sun; taken as not recorded"
+    assert record.warnings == (said,)
 
 
 def test_light_that_never_goes_out_tells_no_clock() -> None:

@@ -116,6 +116,18 @@ def foreign(data: pd.DataFrame) -> pd.DataFrame:
     )
 
 
+def test_a_setpoint_that_is_logged_when_it_changes_holds_its_value(good: Path) -> None:
+    """Also where its days are cut off afterwards: what was set before them is still meant."""
+    data = data_of(good)
+    written = data["setpoint_C"].where(np.arange(len(data)) == 0)
+    written.iloc[len(data) // 2] = 22.5
+    data.assign(setpoint_C=written).to_csv(good / "data.csv", index=False)
+    setpoint_C = read_dataset(good).values["setpoint_C"]
+    assert setpoint_C.notna().all()
+    assert setpoint_C.iloc[len(data) // 2 - 1] == data["setpoint_C"].iloc[0]
+    assert set(setpoint_C.iloc[len(data) // 2 :]) == {22.5}
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
 @pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ","), ("\t", ","), (";", ".")])
 def test_a_foreign_file_is_the_same_record(good: Path, separator: str, decimal: str, encoding: str) -> None:
@@ -217,7 +229,9 @@ def test_stamps_off_the_grid_go_to_the_nearest_place(good: Path) -> None:
 
 def test_rows_that_are_not_there_are_missing_samples(good: Path) -> None:
     read = reread(good, lambda data: data.drop(index=range(100, 220)))
-    assert read.values.iloc[100:220].isna().all(axis=None)
+    missing = read.values.iloc[100:220]
+    assert missing.drop(columns="setpoint_C").isna().all(axis=None)
+    assert set(missing["setpoint_C"]) == {read.values["setpoint_C"].iloc[99]}  # which holds until another one is set
     assert read.values.notna().all(axis=1).sum() == 2880 - 120
     assert told(read, "4.2 % of the samples are missing, at most 2 h at once")
 
@@ -681,7 +695,7 @@ def test_an_interval_of_which_most_rows_are_lost_is_missing(good: Path) -> None:
     path.write_text(re.sub("interval_s = .*", "interval_s = 900", path.read_text()))
     read = reread(good, outage)
     assert read.interval_s == 900.0
-    assert np.isnan(read.values.iloc[3].to_numpy(dtype=float)).all()
+    assert read.values.iloc[3].drop("setpoint_C").isna().all()
     assert read.values["flow_L_h"].isna().sum() == 1
     assert told(read, "hold less than half of the usual rows")
 

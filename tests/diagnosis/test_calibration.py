@@ -14,11 +14,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.diagnosis.realities import EFFECTS, dataset, effects, plain, planted, rows, with_effects
+from tests.diagnosis.realities import EFFECTS, belief, dataset, effects, plain, planted, rows, with_effects
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS
 from waxstudy.diagnosis.calibration import told
-from waxstudy.diagnosis.calibration.calibrate import Calibration, _covariance, _gain, calibrate
+from waxstudy.diagnosis.calibration.calibrate import Calibration, _covariance, _gain, calibrate, lasting_unknowns
 from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
 from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.diagnose import record_of
@@ -26,6 +26,7 @@ from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
+from waxstudy.diagnosis.model.nuisance import nuisances
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.record import Record
@@ -38,6 +39,16 @@ PUT_IN = effects(
     floor_cover={"resistance_m2K_W": 0.02}, solar_factor={"factor": 0.85}, gain_shift={"shift_h": 0.0, "factor": 1.3}
 )
 CHAIN = {"valve": effects(max_flow={"factor": 0.9}), "actuator": effects(slow_actuator={"factor": 1.2})}
+
+
+@pytest.mark.parametrize(("tolerance", "wider"), [(1.0, 2.5), (4.0, 4.0)])
+def test_a_room_that_was_guessed_may_differ_as_far_as_its_tolerance_says(tolerance: float, wider: float) -> None:
+    record = record_of(dataset(rows("REAL", 3, interval_s=300.0), "REAL"))
+    believed = belief("REAL", record)
+    (room,) = [each for each in segments(record, believed) if each.with_room and not each.is_supply]
+    found = {each.name: each.sd for each in lasting_unknowns(room, record, believed, (), tolerance)}
+    drawn = {each.name: each.sd for each in nuisances(believed, record, room.driven_by)}
+    assert {name: sd / drawn[name] for name, sd in found.items()} == pytest.approx(dict.fromkeys(found, wider))
 
 
 # --- what was put in ---------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval
-from waxstudy.diagnosis.select.intervals import CLOCK_S, _Local, _reaching, parameter_intervals, shrink
+from waxstudy.diagnosis.select.intervals import CLOCK_S, _Local, _reaching, _reaching_round, parameter_intervals, shrink
 from waxstudy.plugin import FloatArray, Prior
 
 pytestmark = pytest.mark.quick
@@ -193,3 +193,24 @@ def test_an_interval_reaches_around_what_other_readings_give_and_no_farther(
     assert reached == _reaching(own, [8.0, 1.0], prior)
     assert (reached.value, reached.low, reached.high) == pytest.approx((2.0, low, high))
     assert _reaching(own, [9.9], prior).high == 10.0
+
+
+@pytest.mark.parametrize(
+    ("own", "other_h", "reached"),
+    [
+        ((23.5, 23.2, 23.8), 0.2, (23.2, 0.5)),
+        ((23.9, 22.9, 0.9), 0.1, (22.9, 1.1)),
+        ((0.2, 23.9, 0.5), 23.5, (23.2, 0.5)),
+        ((12.0, 11.0, 13.0), 12.5, (11.0, 13.5)),
+        ((6.0, 1.0, 11.0), 18.0, (13.0, 11.0)),
+        ((6.0, 18.5, 17.5), 7.0, (0.0, 24.0)),
+    ],
+)
+def test_an_interval_of_an_hour_reaches_over_midnight(
+    own: tuple[float, float, float], other_h: float, reached: tuple[float, float]
+) -> None:
+    found = _reaching_round(Interval(*own), [other_h])
+    assert found.value == own[0]
+    assert (found.low, found.high) == pytest.approx(reached)
+    same = _reaching_round(Interval(*own), [])
+    assert (same.value, same.low, same.high) == pytest.approx(own)

@@ -135,17 +135,24 @@ def test_what_only_the_last_days_show_is_looked_for_in_them_too_and_said_to_be_s
     assert [effect.name for effect in diagnosis.effects] == ["solar-factor"]
     assert diagnosis.effects[0].parameters["factor"].value == pytest.approx(0.5, rel=0.1)
     assert not diagnosis.effects[0].is_held_out
+    assert set(diagnosis.parts) == {"fit", "select"}  # in turn, as of a room alone
     assert any("solar-factor shows in the last days only" in warning for warning in diagnosis.warnings)
 
 
-@pytest.mark.parametrize("setpoint_C", [10.0, 40.0])
-def test_a_room_that_needs_no_heat_is_judged_without_and_one_that_does_is_not(setpoint_C: float) -> None:
-    """Where it is colder than it should be, a flow that is always nothing may be a dead meter."""
-    warm = of_room(DAYS, effects(extra_heat={"heat_W": 150.0}), flow_L_h=0.0, setpoint_C=setpoint_C)
+@pytest.mark.parametrize(
+    ("setpoint_C", "signal", "is_judged"), [(10.0, 0.0, True), (40.0, 0.0, False), (10.0, 1.0, False)]
+)
+def test_a_room_that_needs_no_heat_is_judged_without_and_one_that_does_is_not(
+    setpoint_C: float, signal: float, is_judged: bool
+) -> None:
+    """Where it is too cold, or its valve opens, a flow that is always nothing may be a dead meter."""
+    chain = dict.fromkeys(("control_output", "heating_signal", "displacement"), signal)
+    heated = effects(extra_heat={"heat_W": 150.0})
+    warm = of_room(DAYS, heated, flow_L_h=0.0, setpoint_C=setpoint_C, **chain)
     diagnosis = diagnose(warm, quick=True)
     untestable = [each.name for each in diagnosis.untestable if each.reason.endswith("never changes in this record")]
     assert ([each.name for each in diagnosis.effects], "extra-heat" in untestable) == (
-        (["extra-heat"], False) if setpoint_C == 10.0 else ([], True)
+        (["extra-heat"], False) if is_judged else ([], True)
     )
 
 

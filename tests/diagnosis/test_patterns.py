@@ -47,6 +47,9 @@ def test_what_happens_at_weekends_only_is_told_so(monkeypatch: pytest.MonkeyPatc
     assert effect.name == "sensor-bias"
     assert effect.when.pattern == "on Saturdays and Sundays"
     assert list(effect.when.spans_h) == [pytest.approx((24.0, 72.0))]
+    bias_K = effect.parameters["bias_K"]
+    assert bias_K.value == pytest.approx(0.3, abs=0.05)  # as it is then, not on average over all days
+    assert bias_K.low <= 0.3 <= bias_K.high
 
 
 def test_what_is_there_always_is_not(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,8 +16,9 @@ OPEN = Unexplained("room", 1.0, 0.1, 0.001)
 TRIED = ("let-by", "max-flow", "stuck-open")
 
 
-def selection(*groups: Sequence[str]) -> Selection:
+def selection(*groups: Sequence[str], is_supply: bool = False) -> Selection:
     named: Any = SimpleNamespace(
+        segment=SimpleNamespace(is_supply=is_supply),
         tried=[SimpleNamespace(effect=SimpleNamespace(name=name)) for name in TRIED],
         found=[SimpleNamespace(group=tuple(group)) for group in groups],
     )
@@ -43,3 +44,9 @@ def test_where_nothing_is_named_an_effect_may_still_be_there() -> None:
     assert told["none"] > 0.9
     assert told["let-by"] == told["max-flow"] > 0.0
     assert stated(selection(), (OPEN,))["unknown"] > 0.5
+
+
+def test_what_would_not_show_counts_at_the_room_and_not_again_at_its_supply() -> None:
+    assert stated(selection(is_supply=True), ()) == {"none": 1.0}
+    assert stated(selection(is_supply=True), (OPEN,))["unknown"] > 0.5
+    assert stated(selection(("supply-offset",), is_supply=True), ())["supply-offset"] > 0.9

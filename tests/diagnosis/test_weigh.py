@@ -343,7 +343,8 @@ def spans_h(words: str, seen: Record) -> list[tuple[float, float]]:
 
 
 @pytest.mark.parametrize(
-    ("days", "start_h", "first_weekday"), [(5, 0.0, None), (5, 7.5, 2), (2, 0.0, 4), (9, 0.0, 5), (16, 3.0, 0)]
+    ("days", "start_h", "first_weekday"),
+    [(1, 0.0, None), (5, 0.0, None), (5, 7.5, 2), (2, 0.0, 4), (9, 0.0, 5), (16, 3.0, 0)],
 )
 def test_each_course_acts_in_its_hours_and_in_no_others(days: int, start_h: float, first_weekday: int | None) -> None:
     seen = record(days, start_h, first_weekday)
@@ -352,6 +353,7 @@ def test_each_course_acts_in_its_hours_and_in_no_others(days: int, start_h: floa
     assert len({each.words for each in tried}) == len(tried)
     assert len({each.strength.tobytes() for each in tried}) == len(tried)
     for each in tried[1:]:
+        assert 0.0 < each.strength.mean() < 1.0  # else it acts always, or never
         told = sum(((time_h >= begin) & (time_h < end)).astype(float) for begin, end in each.spans_h)
         assert np.array_equal(each.strength, np.broadcast_to(told, len(seen)))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from operator import attrgetter
 from types import SimpleNamespace
@@ -26,7 +26,7 @@ from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import _of_form, _price
-from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without, changed
+from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without, best_of, changed
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
@@ -595,6 +595,73 @@ def test_an_effect_is_blurred_away_where_it_takes_away_little_of_what_is_amiss(
     weighed: Any = SimpleNamespace(misfit=misfit, pattern=pattern)
     nothing: Any = SimpleNamespace(misfit=without)
     assert _may_be_blurred(weighed, nothing) == may_be
+
+
+@dataclass(frozen=True)
+class Told:
+    """What `changed` returns, as far as it is looked at here."""
+
+    names: list[str]
+    posterior: dict[str, float] = field(default_factory=dict)
+
+
+def told_of(monkeypatch: pytest.MonkeyPatch, beliefs: dict[str, float], misfits: dict[str, float], *sure: str) -> Told:
+    """What is told of hypotheses of a chain with these misfits; the intervals of all but some hold what is believed."""
+    weighed = [
+        SimpleNamespace(names=tuple(n.split("+")) if n != "none" else (), misfit=m, pattern=None, fitted=None)
+        for n, m in misfits.items()
+    ]
+    place = "waxstudy.diagnosis.select.changed."
+    search: Any = SimpleNamespace(
+        problem=SimpleNamespace(segment=SimpleNamespace(with_room=False)),
+        estimator=SimpleNamespace(before=None),
+        selection=lambda found, tried, intervals: Told([each.effect.name for each in found]),
+        effects=[],
+    )
+    weighing = SimpleNamespace(weighed=lambda: weighed, estimator=SimpleNamespace(followed=None, thorough=1.0))
+    monkeypatch.setattr(place + "Weighing", lambda *given: weighing)
+    monkeypatch.setattr(place + "posterior", lambda weighed: beliefs)
+    monkeypatch.setattr(place + "best_of", lambda all_, names: next(w for w in all_ if set(w.names) == set(names)))
+    monkeypatch.setattr(place + "_tried", lambda *given: [])
+    monkeypatch.setattr(place + "_of_all_days", lambda *given: (None, {}))
+    monkeypatch.setattr(place + "distinct_in", lambda problem, last, effect, intervals: float(effect.name in sure))
+    monkeypatch.setattr(
+        place + "_found",
+        lambda search, weighed, choice, beliefs: [
+            SimpleNamespace(effect=SimpleNamespace(name=g[0]), group=g) for g in choice.groups
+        ],
+    )
+    search.estimator.thorough = 1.0
+    anything: Any = None
+    found: Any = changed(search, anything, anything, anything)
+    return Told(found.names, found.posterior)
+
+
+def test_whether_an_effect_may_be_nothing_is_asked_of_each_beside_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first takes the misfit away; the second, which takes none, may as well be nothing."""
+    beliefs, misfits = {"a+b": 0.95, "a": 0.04, "none": 0.01}, {"none": 6.0, "a": 0.9, "b": 5.9, "a+b": 0.85}
+    told = told_of(monkeypatch, beliefs, misfits)
+    assert told.names == ["a"]
+    assert told.posterior == pytest.approx({"a": 0.99, "none": 0.01})
+
+
+def test_of_a_group_only_what_may_be_nothing_loses_its_probability(monkeypatch: pytest.MonkeyPatch) -> None:
+    beliefs, misfits = {"a": 0.5, "b": 0.48, "none": 0.02}, {"none": 0.5, "a": 0.0, "b": 0.0}
+    told = told_of(monkeypatch, beliefs, misfits, "b")
+    assert told.names == []
+    assert told.posterior == pytest.approx({"b": 0.48, "none": 0.52})
+
+
+def test_of_hypotheses_with_the_same_names_that_with_fewer_effects_is_told() -> None:
+    """A second effect that is too small for a name would change what is told of the first."""
+    alone, beside = (
+        SimpleNamespace(names=("a",), fitted=SimpleNamespace(effects=effects), gain=gain, spread=1.0, ease=0.0)
+        for effects, gain in (("a", 5.0), ("ab", 9.0))
+    )
+    for each in (alone, beside):
+        each.always, each.misfit, each.price = 0.0, 0.0, 1.0
+    given: Any = [beside, alone]
+    assert best_of(given, ["a"]) is alone
 
 
 @pytest.mark.parametrize(("kept", "named"), [(0.0, 0.0), (0.5, 0.45)])

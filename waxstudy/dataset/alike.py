@@ -15,7 +15,8 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.rounding import rounded_alike
 from waxstudy.study.problems import listed
 
-OF_CHAIN = ("control_output", "heating_signal", "displacement", "flow_L_h")  # between which its links lie
+# between which the links of the chain lie
+OF_CHAIN = ("sensor_temperature_C", "control_output", "heating_signal", "displacement", "flow_L_h")
 LEVELS = ("displacement", "heating_signal", "control_output")  # the first that both have tells means from instants
 
 
@@ -24,7 +25,8 @@ def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
 
     What differs so would be taken for a change. The user is told, also where the two seem to have different clocks.
     """
-    dataset = of_one_clock(without_dead_sun(dataset, baseline), baseline)
+    dataset, baseline = without_dead_sun(dataset, baseline)
+    dataset = of_one_clock(dataset, baseline)
     return rounded_alike(*_of_one_interval(*_of_one_chain(dataset, baseline)))
 
 

@@ -15,14 +15,23 @@ from waxstudy.dataset.stand_ins import SUN
 OF_SUN = (SUN, *LIGHT)
 
 
-def without_dead_sun(dataset: Dataset, baseline: Dataset) -> Dataset:
-    """Return a record without a sun that is 0 throughout where its baseline has one: it was lost, and is not known."""
+def without_dead_sun(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
+    """Return both without a sun that is 0 throughout where the other has one: it was lost, and is not known.
+
+    The record warns of it.
+    """
     both = [name for name in OF_SUN if name in dataset.values and name in baseline.values]
     dead = [name for name in both if not _is_up(dataset, name) and _is_up(baseline, name)]
-    if not dead:
-        return dataset
-    said = f"{', '.join(dead)}: 0 throughout, though the baseline has sun; taken as not recorded"
-    return replace(dataset, values=dataset.values.drop(columns=dead), warnings=(said, *dataset.warnings))
+    dead_before = [name for name in both if not _is_up(baseline, name) and _is_up(dataset, name)]
+    said = "{}: 0 throughout{}, though the {} has sun; taken as not recorded".format
+    if dead:
+        warnings = (said(", ".join(dead), "", "baseline"), *dataset.warnings)
+        dataset = replace(dataset, values=dataset.values.drop(columns=dead), warnings=warnings)
+    if dead_before:
+        warnings = (said(", ".join(dead_before), " in the baseline", "record"), *dataset.warnings)
+        dataset = replace(dataset, warnings=warnings)
+        baseline = replace(baseline, values=baseline.values.drop(columns=dead_before))
+    return dataset, baseline
 
 
 def _is_up(dataset: Dataset, name: str) -> bool:

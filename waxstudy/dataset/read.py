@@ -176,8 +176,13 @@ def _record(
     values = without_empty(record[0], notes)  # on the grid a nearer row may have taken a place
     del record
     run(ON_GRID, Record(values, interval_s, has_modulator="modulator" in described.nominal), notes)
-    values = without_empty(as_levels(values, described.nominal, notes), notes)
+    values = _held(without_empty(as_levels(values, described.nominal, notes), notes))
     return values, interval_s, _neighbours(logged, described, values, notes), zone
+
+
+def _held(values: pd.DataFrame) -> pd.DataFrame:
+    """Return channels whose setpoint holds its last value: loggers write it down when it changes."""
+    return values.assign(setpoint_C=values["setpoint_C"].ffill()) if "setpoint_C" in values else values
 
 
 def _with_zone(site: Site | None, zone: str | None) -> Site | None:

@@ -357,8 +357,9 @@ def _departures(selections: Sequence[Selection]) -> Mapping[str, float]:
 
 def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence[str]]:
     """Return first and last day of each part, as the chain has them; a room alone has days in turn."""
-    has_chain = any(not selection.segment.with_room for selection in selections)
-    part = parts_of(work.record, days_in_turn=not has_chain)
+    has_chain = any(not each.segment.with_room and not each.segment.is_supply for each in selections)
+    holds_out = all(each.problem.holds_out for each in selections)
+    part = parts_of(work.record, days_in_turn=not has_chain, holds_out=holds_out)
     days = (work.dataset.time - pd.Timedelta(1, "s")).strftime("%Y-%m-%d")  # midnight ends a day
     found = {}
     for name, number in (("fit", FIT), ("select", SELECT), ("shrinkage", SHRINK)):

@@ -148,7 +148,7 @@ def calibrated(
     record = record_of(baseline)
     documented = _documented(baseline, record)
     try:
-        found = (stored if is_kept else calibrate)(record, documented, effects, thorough)
+        found = (stored if is_kept else calibrate)(record, documented, effects, thorough, baseline.room_tolerance)
     except ValueError as error:
         raise _wrong(baseline, str(error), "[nominal]") from error
     # a link in which too little happened was calibrated on nothing
@@ -163,10 +163,13 @@ def calibrated_room(dataset: Dataset) -> CalibratedRoom:
     dataset = excerpt(dataset)
     record = record_of(dataset)
     documented = _documented(dataset, record)
-    if not any(segment.with_room and not segment.is_supply for segment in segments(record, documented)):
+    of_room = [each for each in segments(record, documented) if each.with_room and not each.is_supply]
+    if not of_room:
         lacking = [channel for channel in DRIVES if not record.has(channel)]
         seen = f"it lacks {', '.join(lacking)}" if lacking else f"it needs one of {', '.join(OF_ROOM)}"
         raise _wrong(dataset, f"the record does not show what the room does: {seen}", "")
+    if all(whys := [too_short(each, record, documented) for each in of_room]):
+        raise _wrong(dataset, f"the record does not show what the room does: {whys[0]}", "")
     days = dataset.days[[0, -1]].strftime("%Y-%m-%d")
     calibration = calibrated(dataset, installed_effects())
     return CalibratedRoom.of(calibration, documented, dataset.name, dataset.origin, (days[0], days[1]))
@@ -183,7 +186,7 @@ def _wrong(dataset: Dataset, wrong: str, where: str, allowed: str = "") -> Study
 def record_of(dataset: Dataset) -> Record:
     """Return the record of a dataset, its setpoint as believed where none is recorded."""
     values = {str(name): column.to_numpy(dtype=float) for name, column in dataset.values.items()}
-    if "setpoint_C" in values:
+    if "setpoint_C" in values and np.isfinite(values["setpoint_C"]).any():
         # loggers write it down when it changes
         values["setpoint_C"] = dataset.values["setpoint_C"].ffill().bfill().to_numpy(dtype=float)
     elif dataset.setpoint_C is not None:

@@ -45,15 +45,20 @@ class Calibration:
         return replace(self, as_built=self.as_built.seen_in(record))
 
 
-def calibrate(record: Record, belief: Belief, effects: Effects, thorough: float = 1.0) -> Calibration:
-    """Return what a healthy record says of a loop; `thorough` below 1 looks at less of its chain."""
+def calibrate(
+    record: Record, belief: Belief, effects: Effects, thorough: float = 1.0, room_tolerance: float = 1.0
+) -> Calibration:
+    """Return what a healthy record says of a loop; `thorough` below 1 looks at less of its chain.
+
+    `room_tolerance` is how many times as far as a room as drawn this one may differ from what is believed.
+    """
     found = AsBuilt((), np.zeros(0), np.zeros((0, 0)))
     healthy: dict[str, Healthy] = {}
     for segment in segments(record, belief):
         if segment.is_supply:
             continue
         about = segment, record, belief, effects, found
-        found, problem, fitted = _of_room(*about) if segment.with_room else _of_chain(*about, thorough)
+        found, problem, fitted = _of_room(*about, room_tolerance) if segment.with_room else _of_chain(*about, thorough)
         healthy[segment.name] = Healthy(problem, fitted)
     return Calibration(found, healthy)
 
@@ -156,9 +161,9 @@ def _of_motion(motion: Residual) -> Left:
 
 
 def _of_room(
-    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt
+    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt, room_tolerance: float
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
-    lasting = lasting_unknowns(segment, record, belief, effects)
+    lasting = lasting_unknowns(segment, record, belief, effects, room_tolerance)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
     early = early_part(record)
     found, problem, last = known, None, None
@@ -189,13 +194,16 @@ def early_part(record: Record) -> np.ndarray:
     return np.where(np.arange(len(record)) < WEIGHTS.early * len(record), FIT, SELECT)
 
 
-def lasting_unknowns(segment: Segment, record: Record, belief: Belief, effects: Effects) -> list[Nuisance]:
+def lasting_unknowns(
+    segment: Segment, record: Record, belief: Belief, effects: Effects, room_tolerance: float
+) -> list[Nuisance]:
     """Return what may differ of room and drives; what effects say of it goes before what the room says."""
     own = list(knobs(effects, segment.stages, belief))
     taken = {name for effect in effects for name in effect.absorbs if any(each.effect is effect for each in own)}
     once = {each.name for each in of_record(belief, record, segment.driven_by)}
     rest = [each for each in nuisances(belief, record, segment.driven_by) if each.name not in taken | once]
-    return [*own, *(each if each.is_habit else replace(each, sd=WEIGHTS.wider * each.sd) for each in rest)]
+    wider = max(WEIGHTS.wider, room_tolerance)
+    return [*own, *(each if each.is_habit else replace(each, sd=wider * each.sd) for each in rest)]
 
 
 def _fitted(problem: SegmentProblem) -> Hypothesis:

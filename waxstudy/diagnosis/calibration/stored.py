@@ -45,24 +45,24 @@ FOLDER, MOST = "calibrations", 200  # files that are kept, the newest
 Kept = Mapping[str, Any]
 
 
-def calibrated(record: Record, belief: Belief, effects: Effects, thorough: float) -> Calibration:
+def calibrated(record: Record, belief: Belief, effects: Effects, thorough: float, room_tolerance: float) -> Calibration:
     """Return what a healthy record says of a loop, from the cache where the same was asked before."""
     folder = private(cache_folder() / FOLDER)
     if folder is None:
-        return calibrate(record, belief, effects, thorough)
-    path = folder / f"{_key(record, belief, effects, thorough)}.json"
+        return calibrate(record, belief, effects, thorough, room_tolerance)
+    path = folder / f"{_key(record, belief, effects, thorough, room_tolerance)}.json"
     try:
-        return _recalled(json.loads(path.read_text(encoding="utf-8")), record, belief, effects)
+        return _recalled(json.loads(path.read_text(encoding="utf-8")), record, belief, effects, room_tolerance)
     except FileNotFoundError:
         pass
     except Exception as error:  # a damaged or foreign file may say anything
         log.info("%s cannot be used: %s", path, error)
-    made = calibrate(record, belief, effects, thorough)
+    made = calibrate(record, belief, effects, thorough, room_tolerance)
     _write(path, _kept(made))
     return made
 
 
-def _key(record: Record, belief: Belief, effects: Effects, thorough: float) -> str:
+def _key(record: Record, belief: Belief, effects: Effects, thorough: float, room_tolerance: float) -> str:
     choices = [choice for choice in (*belief.blocks.values(), belief.room) if choice]
     used = [each.component.__module__ for each in choices] + [effect.__module__ for effect in effects]
     return digest(
@@ -78,7 +78,7 @@ def _key(record: Record, belief: Belief, effects: Effects, thorough: float) -> s
             ),
             *(part for name, values in record.values.items() for part in (name, values.tobytes())),
             *_told(record),
-            repr((dict(belief.blocks), belief.room, belief.room_error_factor, thorough)),
+            repr((dict(belief.blocks), belief.room, belief.room_error_factor, thorough, room_tolerance)),
             *(f"{effect.__module__}.{effect.__qualname__} {effect.name}" for effect in effects),
             *sorted({source_digest(module) for module in used}),
             _sources(),
@@ -124,7 +124,7 @@ def _kept(made: Calibration) -> Kept:
     }
 
 
-def _recalled(kept: Kept, record: Record, belief: Belief, effects: Effects) -> Calibration:
+def _recalled(kept: Kept, record: Record, belief: Belief, effects: Effects, room_tolerance: float) -> Calibration:
     """Return a calibration whose numbers are known; raise any error where they do not belong to it."""
     found, healthy = AsBuilt((), np.zeros(0), np.zeros((0, 0))), {}
     cut = [segment for segment in segments(record, belief) if not segment.is_supply]
@@ -134,8 +134,8 @@ def _recalled(kept: Kept, record: Record, belief: Belief, effects: Effects) -> C
         found = replace(
             found, conventions={**found.conventions, segment.name: Convention(**kept["conventions"][segment.name])}
         )
-        of = _of_room if segment.with_room else _of_chain
-        found, problem, fitted = of(segment, record, belief, effects, found, kept)
+        about = segment, record, belief, effects, found, kept
+        found, problem, fitted = _of_room(*about, room_tolerance) if segment.with_room else _of_chain(*about)
         healthy[segment.name] = Healthy(problem, fitted)
     return Calibration(found, healthy)
 
@@ -158,9 +158,15 @@ def _of_chain(
 
 
 def _of_room(
-    segment: Segment, record: Record, belief: Belief, effects: Effects, known: AsBuilt, kept: Kept
+    segment: Segment,
+    record: Record,
+    belief: Belief,
+    effects: Effects,
+    known: AsBuilt,
+    kept: Kept,
+    room_tolerance: float,
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
-    lasting = lasting_unknowns(segment, record, belief, effects)
+    lasting = lasting_unknowns(segment, record, belief, effects, room_tolerance)
     unknowns = [*lasting, *of_record(belief, record, segment.driven_by)]
     early = early_part(record)
     discrepancies = {channel: Discrepancy(**each) for channel, each in kept["discrepancies"].items()}

@@ -7,15 +7,17 @@ from dataclasses import dataclass, replace
 
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.result import Interval
 from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.diagnosis.select.intervals import Intervals, parameter_intervals
 from waxstudy.diagnosis.select.posterior import NONE, UNKNOWN, Weighed, posterior, score
 from waxstudy.diagnosis.select.search import Found, Search, Selection, distinct_in
 from waxstudy.diagnosis.select.weigh import Tick, Weighing
 from waxstudy.diagnosis.weights import WEIGHTS
+from waxstudy.plugin import Belief
 
 LEAST_TOLD = 1e-4  # of a joint hypothesis
 
@@ -29,27 +31,48 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
     while True:
         choice = Choice.of(beliefs)
         found = _found(search, weighed, choice, beliefs)
-        best, without = best_of(weighed, [group[0] for group in choice.groups]), best_of(weighed, [])
+        names = [each.effect.name for each in found]
+        best = best_of(weighed, names)
         last, intervals = _of_all_days(weighing, best) if found else (best.fitted, {})
-        unsure = found if _may_be_blurred(best, without) else []
+        rests = [best_of(weighed, [other for other in names if other != name]) for name in names]
+        unsure = [each for each, without in zip(found, rests, strict=True) if _may_be_blurred(best, without)]
         blurred = [each for each in unsure if distinct_in(whole, last, each.effect, intervals) <= WEIGHTS.notable]
         if not blurred:
             return replace(search.selection(found, tried, intervals), posterior=beliefs)
         kept = WEIGHTS.blurred if search.problem.segment.with_room else 0.0
-        beliefs = _without(beliefs, {name for each in blurred for name in each.group}, kept)
+        beliefs = _without(beliefs, {each.effect.name for each in blurred}, kept)
 
 
 def _of_all_days(weighing: Weighing, best: Weighed) -> tuple[Hypothesis, Intervals]:
-    """Return a hypothesis fitted to all days, as acting always, with the intervals of its parameters."""
+    """Return a hypothesis fitted to all days, with the intervals of its parameters.
+
+    What acts at times is fitted as if it acted always, and then made as strong as it is when it acts.
+    """
     fitted, estimator = best.fitted, weighing.estimator
     last = estimator.refined(fitted.effects, fitted.departures, fitted.convention, ALL) or fitted
-    return last, parameter_intervals(estimator, last)
+    intervals = parameter_intervals(estimator, last)
+    if best.pattern is None:
+        return last, intervals
+    return last, {effect: _scaled(effect, each, weighing.problem.belief, best) for effect, each in intervals.items()}
+
+
+def _scaled(effect: EffectType, found: Mapping[str, Interval], belief: Belief, best: Weighed) -> Mapping[str, Interval]:
+    """Return intervals so many times as far from what is neutral as an effect is stronger while it acts."""
+    neutral = effect.neutral(belief)
+    if neutral is None:
+        return found
+
+    def ends(end: str) -> Values:
+        return Space(effect).scaled({name: getattr(each, end) for name, each in found.items()}, neutral, best.strength)
+
+    values, low, high = ends("value"), ends("low"), ends("high")
+    return {name: Interval(values[name], low[name], high[name]) for name in found}
 
 
 def _may_be_blurred(best: Weighed, without: Weighed) -> bool:
     """Return whether an effect may be nothing where its interval holds what is believed.
 
-    `best` is the likeliest hypothesis with it, `without` the one that nothing is amiss. What takes away more of a
+    `best` is the likeliest hypothesis with it, `without` that with all others that are named. What takes away more of a
     misfit than is open is not nothing. What comes and goes is blurred by the days without it.
     """
     return best.pattern is None and without.misfit - best.misfit <= WEIGHTS.open
@@ -137,8 +160,9 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
 
 
 def best_of(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
-    """Return the best hypothesis with at least these effects, and as few others as there are."""
-    return max((e for e in weighed if set(names) <= set(e.names)), key=lambda e: (-len(e.names), score(e)))
+    """Return the best hypothesis with at least these effects, and as few others as there are, small ones as well."""
+    possible = [each for each in weighed if set(names) <= set(each.names)]
+    return max(possible, key=lambda each: (-len(each.names), -len(each.fitted.effects), score(each)))
 
 
 def _alone(search: Search, weighed: Sequence[Weighed], name: str) -> Candidate | None:

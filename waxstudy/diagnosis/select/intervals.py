@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +15,8 @@ from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval
 from waxstudy.diagnosis.select.null import by_block, redrawn, whole
-from waxstudy.plugin import FloatArray, Prior
+from waxstudy.plugin import HOURS, FloatArray, Prior
+from waxstudy.plugin.hours import DAY_H
 
 DRAWS = 1000
 WIDER = 1.4  # chosen: by so much intervals that are straight lines from one fit have to be wider to cover the truth
@@ -42,7 +44,7 @@ def parameter_intervals(estimator: Estimator[SegmentProblem], fitted: Hypothesis
     others = [dict(other.effects) for other in _as_good(estimator, fitted)]
     return {
         effect: {
-            name: _reaching(interval, [other[effect][name] for other in others], effect.priors[name])
+            name: _reach(effect, name)(interval, [other[effect][name] for other in others])
             for name, interval in each.items()
         }
         for effect, each in _Local(estimator.problem, fitted).intervals().items()
@@ -59,6 +61,11 @@ def _as_good(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Iterat
                 yield other
 
 
+def _reach(effect: EffectType, name: str) -> Callable[[Interval, Sequence[float]], Interval]:
+    is_hour = effect.has_hours() and name in HOURS
+    return _reaching_round if is_hour else partial(_reaching, prior=effect.priors[name])
+
+
 def _reaching(interval: Interval, values: Sequence[float], prior: Prior) -> Interval:
     """Return an interval that holds other values too, with as much around each of them."""
 
@@ -68,6 +75,17 @@ def _reaching(interval: Interval, values: Sequence[float], prior: Prior) -> Inte
     low = min([interval.low, *(moved(interval.low, value) for value in values)])
     high = max([interval.high, *(moved(interval.high, value) for value in values)])
     return Interval(interval.value, max(prior.low, low), min(prior.high, high))
+
+
+def _reaching_round(interval: Interval, values: Sequence[float]) -> Interval:
+    """Return the same of hours of the day, which go on after midnight."""
+    value = interval.value
+    before, after = (value - interval.low) % DAY_H, (interval.high - value) % DAY_H
+    steps = [(each - value + 0.5 * DAY_H) % DAY_H - 0.5 * DAY_H for each in values]
+    before, after = before - min([0.0, *steps]), after + max([0.0, *steps])
+    if before + after >= DAY_H:
+        return Interval(value, 0.0, DAY_H)
+    return Interval(value, (value - before) % DAY_H, (value + after) % DAY_H)
 
 
 class _Local:
@@ -94,7 +112,8 @@ class _Local:
             low[place] -= max(self._drawn_in(effect, place, -half, most), self._still(effect, place, -1))
             high[place] += max(self._drawn_in(effect, place, half, most), self._still(effect, place, 1))
             space, name = self.spaces[effect], self.spaces[effect].names[place]
-            ends = space.values(low)[name], space.values(high)[name]
+            is_all_day = space.wraps[place] and high[place] - low[place] >= 1.0
+            ends = (0.0, DAY_H) if is_all_day else (space.values(low)[name], space.values(high)[name])
             found[effect][name] = Interval(dict(self.fitted.effects)[effect][name], *ends)
         return found
 

@@ -73,7 +73,7 @@ def of_days(record: Record) -> Iterator[tuple[str, np.ndarray]]:
         yield f"from day {day + 1} on", days >= day
         yield f"up to day {day}", days < day
         yield f"on day {day + 1} only", days == day
-    for rest in (0, 1):
+    for rest in (0, 1) if len(days) > 1 else ():
         yield f"every other day from day {rest + 1} on", days % 2 == rest
     if record.first_weekday is None:
         return

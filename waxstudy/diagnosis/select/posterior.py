@@ -38,6 +38,7 @@ class Weighed:
     is_by_noise: bool = False  # whether nothing but noise, and no healthy record, tells what is usual
     stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
+    strength: float = 1.0  # of its effect then, over that which suits all of the record best
 
 
 def score(weighed: Weighed) -> float:

@@ -13,8 +13,11 @@ from waxstudy.diagnosis.weights import WEIGHTS
 
 
 def stated(selection: Selection, remains: Sequence[Unexplained]) -> Mapping[str, float]:
-    """Return the probability of each hypothesis of a link, by what rules said of it; they sum to 1."""
-    tried = sorted({each.effect.name for each in selection.tried})
+    """Return the probability of each hypothesis of a link, by what rules said of it; they sum to 1.
+
+    Effects that would not show count at the room, not again at its supply.
+    """
+    tried = [] if selection.segment.is_supply else sorted({each.effect.name for each in selection.tried})
     is_open = any(each.is_finding for each in remains)
     if selection.found:
         beside = {UNKNOWN} if is_open else set()

@@ -68,12 +68,14 @@ def _should_move(segment: Segment, record: Record, belief: Belief, channel: str)
 
 
 def _needs_none(segment: Segment, record: Record) -> bool:
-    """Whether a room stays warmer than its setpoint without heating: the weather alone drives it.
+    """Whether a room stays warmer than its setpoint and nothing of its loop heats: the weather alone drives it.
 
     What else stands still may be a dead meter.
     """
-    sensed = record.sensed_channel
+    sensed, chain = record.sensed_channel, filter(record.has, ("heating_signal", *LEVELS))
     if not (segment.with_room and sensed and record.has("setpoint_C")):
+        return False
+    if any(np.nanmax(record.values[channel]) > STEADY for channel in chain):
         return False
     above_K = record.values[sensed] - record.values["setpoint_C"]
     return bool(np.nanmin(above_K) > 0.0 and np.nanmax(record.values[segment.driven_by]) <= 0.0)

@@ -90,7 +90,8 @@ def slight(selection: Selection, found: Found) -> str:
     problem, last, effect = selection.problem, selection.after, found.effect
     rest = [(other, values) for other, values in last.effects if other is not effect]
     without = problem.edited(rest, last.departures)
-    is_slight = departure(effect, dict(last.effects)[effect], without) <= limits()["step"].value
+    values = {name: each.value for name, each in selection.intervals[effect].items()}
+    is_slight = departure(effect, values, without) <= limits()["step"].value
     return "less than is noticeable" if is_slight else ""
 
 

@@ -116,9 +116,10 @@ class Weighing(Appraisal):
         for each in possible:
             # one after the other: of a long record all of them would not lie in memory
             made = ((self._with_pattern(each.fitted, pattern), pattern) for pattern in patterns(self.problem.record))
-            fitted, pattern = min(made, key=lambda pair: self._loss(pair[0]))
+            (fitted, strength), pattern = min(made, key=lambda pair: self._loss(pair[0][0]))
             weighed = self.of(fitted, pattern=pattern)
-            yield replace(weighed, price=weighed.price + WEIGHTS.price + float(np.log(tried)))
+            price = weighed.price + WEIGHTS.price + float(np.log(tried))
+            yield replace(weighed, price=price, strength=strength)
 
     def _on_days(self, best: Sequence[Weighed]) -> Iterator[Weighed]:
         """Yield effects of a room that act between hours, where they do so on some days only."""
@@ -128,8 +129,8 @@ class Weighing(Appraisal):
             if fitted := self._superposed.on_days(each.fitted, among):
                 yield self.of(fitted)
 
-    def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> Hypothesis:
-        """Return a hypothesis whose effect has a course, at the strength that suits the record best."""
+    def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> tuple[Hypothesis, float]:
+        """Return a hypothesis whose effect has a course, at the strength that suits the record best, and that."""
         pairs = list(zip(self._nothing(fitted).residuals, fitted.residuals, strict=True))
         courses = [pattern.strength[new.sample] for _, new in pairs]
         before = np.concatenate([old.whitened * old.weights(self.share) for old, _ in pairs])
@@ -138,17 +139,15 @@ class Weighing(Appraisal):
             [g * (new.whitened - old.whitened) * old.weights(self.share) for (old, new), g in parts]
         )
         strength = float(np.clip(-(before @ change) / max(float(change @ change), 1e-12), 0.0, WEIGHTS.strongest))
-        return replace(
-            fitted,
-            residuals=[
-                replace(
-                    new,
-                    error=old.error + strength * g * (new.error - old.error),
-                    whitened=old.whitened + strength * g * (new.whitened - old.whitened),
-                )
-                for (old, new), g in zip(pairs, courses, strict=True)
-            ],
-        )
+        residuals = [
+            replace(
+                new,
+                error=old.error + strength * g * (new.error - old.error),
+                whitened=old.whitened + strength * g * (new.whitened - old.whitened),
+            )
+            for (old, new), g in zip(pairs, courses, strict=True)
+        ]
+        return replace(fitted, residuals=residuals), strength
 
 
 def _may_be_beside(effect: EffectType, given: Hypothesis) -> bool:
