@@ -586,15 +586,21 @@ def test_nothing_is_weighed_as_its_best_fit_leaves_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("misfit", "pattern", "without", "may_be"),
-    [(0.9, None, 1.5, True), (1.1, "always", 1.5, False), (0.9, None, 9.0, False)],
+    ("misfit", "pattern", "without", "with_room", "may_be"),
+    [
+        (0.9, None, 1.5, True, True),
+        (1.1, "always", 1.5, True, False),
+        (0.9, None, 9.0, True, False),
+        (0.9, None, 9.0, False, True),
+        (0.9, "always", 9.0, False, False),
+    ],
 )
-def test_an_effect_is_blurred_away_where_it_takes_away_little_of_what_is_amiss(
-    misfit: float, pattern: str | None, without: float, may_be: bool
+def test_an_effect_is_blurred_away_in_a_chain_and_in_a_room_where_it_takes_away_little_of_what_is_amiss(
+    misfit: float, pattern: str | None, without: float, with_room: bool, may_be: bool
 ) -> None:
     weighed: Any = SimpleNamespace(misfit=misfit, pattern=pattern)
     nothing: Any = SimpleNamespace(misfit=without)
-    assert _may_be_blurred(weighed, nothing) == may_be
+    assert _may_be_blurred(weighed, nothing, with_room) == may_be
 
 
 @dataclass(frozen=True)
@@ -605,16 +611,22 @@ class Told:
     posterior: dict[str, float] = field(default_factory=dict)
 
 
-def told_of(monkeypatch: pytest.MonkeyPatch, beliefs: dict[str, float], misfits: dict[str, float], *sure: str) -> Told:
-    """What is told of hypotheses of a chain with these misfits; the intervals of all but some hold what is believed."""
+def told_of(
+    monkeypatch: pytest.MonkeyPatch,
+    beliefs: dict[str, float],
+    misfits: dict[str, float],
+    *sure: str,
+    with_room: bool = False,
+) -> Told:
+    """What is told of hypotheses of a link with these misfits; the intervals of all but some hold what is believed."""
     weighed = [
         SimpleNamespace(names=tuple(n.split("+")) if n != "none" else (), misfit=m, pattern=None, fitted=None)
         for n, m in misfits.items()
     ]
     place = "waxstudy.diagnosis.select.changed."
     search: Any = SimpleNamespace(
-        problem=SimpleNamespace(segment=SimpleNamespace(with_room=False)),
-        estimator=SimpleNamespace(before=None),
+        problem=SimpleNamespace(segment=SimpleNamespace(with_room=with_room)),
+        estimator=SimpleNamespace(before=None, thorough=1.0),
         selection=lambda found, tried, intervals: Told([each.effect.name for each in found]),
         effects=[],
     )
@@ -631,18 +643,17 @@ def told_of(monkeypatch: pytest.MonkeyPatch, beliefs: dict[str, float], misfits:
             SimpleNamespace(effect=SimpleNamespace(name=g[0]), group=g) for g in choice.groups
         ],
     )
-    search.estimator.thorough = 1.0
     anything: Any = None
     found: Any = changed(search, anything, anything, anything)
     return Told(found.names, found.posterior)
 
 
 def test_whether_an_effect_may_be_nothing_is_asked_of_each_beside_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first takes the misfit away; the second, which takes none, may as well be nothing."""
+    """The first takes the misfit of a room away; the second, which takes none, may as well be nothing."""
     beliefs, misfits = {"a+b": 0.95, "a": 0.04, "none": 0.01}, {"none": 6.0, "a": 0.9, "b": 5.9, "a+b": 0.85}
-    told = told_of(monkeypatch, beliefs, misfits)
+    told = told_of(monkeypatch, beliefs, misfits, with_room=True)
     assert told.names == ["a"]
-    assert told.posterior == pytest.approx({"a": 0.99, "none": 0.01})
+    assert told.posterior == pytest.approx({"a+b": 0.475, "a": 0.515, "none": 0.01})
 
 
 def test_of_a_group_only_what_may_be_nothing_loses_its_probability(monkeypatch: pytest.MonkeyPatch) -> None:
