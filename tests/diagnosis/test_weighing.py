@@ -586,21 +586,24 @@ def test_nothing_is_weighed_as_its_best_fit_leaves_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("misfit", "pattern", "without", "with_room", "may_be"),
+    ("stage", "misfit", "pattern", "without", "may_be"),
     [
-        (0.9, None, 1.5, True, True),
-        (1.1, "always", 1.5, True, False),
-        (0.9, None, 9.0, True, False),
-        (0.9, None, 9.0, False, True),
-        (0.9, "always", 9.0, False, False),
+        ("valve", 0.9, None, 1.5, True),
+        ("valve", 0.9, "always", 1.5, False),
+        ("valve", 0.9, None, 9.0, False),
+        ("room", 0.9, None, 1.5, True),
+        ("room", 0.9, None, 9.0, False),
+        ("actuator", 0.9, None, 9.0, True),
+        ("actuator", 0.9, "always", 9.0, False),
     ],
 )
-def test_an_effect_is_blurred_away_in_a_chain_and_in_a_room_where_it_takes_away_little_of_what_is_amiss(
-    misfit: float, pattern: str | None, without: float, with_room: bool, may_be: bool
+def test_an_effect_is_blurred_away_where_it_takes_away_little_of_what_is_amiss_or_is_a_motor_s(
+    stage: str, misfit: float, pattern: str | None, without: float, may_be: bool
 ) -> None:
     weighed: Any = SimpleNamespace(misfit=misfit, pattern=pattern)
     nothing: Any = SimpleNamespace(misfit=without)
-    assert _may_be_blurred(weighed, nothing, with_room) == may_be
+    found: Any = SimpleNamespace(effect=SimpleNamespace(stage=stage))
+    assert _may_be_blurred(weighed, nothing, found) == may_be
 
 
 @dataclass(frozen=True)
@@ -640,7 +643,7 @@ def told_of(
     monkeypatch.setattr(
         place + "_found",
         lambda search, weighed, choice, beliefs: [
-            SimpleNamespace(effect=SimpleNamespace(name=g[0]), group=g) for g in choice.groups
+            SimpleNamespace(effect=SimpleNamespace(name=g[0], stage="valve"), group=g) for g in choice.groups
         ],
     )
     anything: Any = None

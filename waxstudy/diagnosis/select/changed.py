@@ -35,12 +35,11 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         best = best_of(weighed, names)
         last, intervals = _of_all_days(weighing, best) if found else (best.fitted, {})
         rests = [best_of(weighed, [other for other in names if other != name]) for name in names]
-        with_room = search.problem.segment.with_room
-        unsure = [each for each, rest in zip(found, rests, strict=True) if _may_be_blurred(best, rest, with_room)]
+        unsure = [each for each, rest in zip(found, rests, strict=True) if _may_be_blurred(best, rest, each)]
         blurred = [each for each in unsure if distinct_in(whole, last, each.effect, intervals) <= WEIGHTS.notable]
         if not blurred:
             return replace(search.selection(found, tried, intervals), posterior=beliefs)
-        kept = WEIGHTS.blurred if with_room else 0.0
+        kept = WEIGHTS.blurred if search.problem.segment.with_room else 0.0
         beliefs = _without(beliefs, {each.effect.name for each in blurred}, kept)
 
 
@@ -70,14 +69,15 @@ def _scaled(effect: EffectType, found: Mapping[str, Interval], belief: Belief, b
     return {name: Interval(values[name], low[name], high[name]) for name in found}
 
 
-def _may_be_blurred(best: Weighed, without: Weighed, with_room: bool) -> bool:
+def _may_be_blurred(best: Weighed, without: Weighed, found: Found) -> bool:
     """Return whether an effect may be nothing where its interval holds what is believed.
 
-    `best` is the likeliest hypothesis with it, `without` that with all others that are named. The unknowns of a room
-    widen intervals: there what takes away more of a misfit than is open is not nothing. What comes and goes is blurred
-    by the days without it.
+    `best` is the likeliest hypothesis with it, `without` that with all others that are named. What takes away more of a
+    misfit than is open is not nothing, except of a motor, which no model follows in every pause. What comes and goes is
+    blurred by the days without it.
     """
-    return best.pattern is None and (not with_room or without.misfit - best.misfit <= WEIGHTS.open)
+    takes_little = without.misfit - best.misfit <= WEIGHTS.open
+    return best.pattern is None and (takes_little or found.effect.stage == "actuator")
 
 
 def _without(beliefs: Mapping[str, float], blurred: set[str], kept: float) -> dict[str, float]:
