@@ -181,7 +181,7 @@ def _record(
 
 
 def _held(values: pd.DataFrame) -> pd.DataFrame:
-    """Return channels whose setpoint holds its last value: loggers write it down when it changes."""
+    """Return channels in which a blank setpoint holds the last one: loggers write it down when it changes."""
     return values.assign(setpoint_C=values["setpoint_C"].ffill()) if "setpoint_C" in values else values
 
 

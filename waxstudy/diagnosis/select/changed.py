@@ -73,8 +73,8 @@ def _may_be_blurred(best: Weighed, without: Weighed, found: Found) -> bool:
     """Return whether an effect may be nothing where its interval holds what is believed.
 
     `best` is the likeliest hypothesis with it, `without` that with all others that are named. What takes away more of a
-    misfit than is open is not nothing, except of a motor, which no model follows in every pause. What comes and goes is
-    blurred by the days without it.
+    misfit than is open is something, unless it is a motor's: no model follows a motor in every pause. What comes and
+    goes is blurred by the days without it.
     """
     takes_little = without.misfit - best.misfit <= WEIGHTS.open
     return best.pattern is None and (takes_little or found.effect.stage == "actuator")

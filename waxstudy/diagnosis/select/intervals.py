@@ -62,6 +62,7 @@ def _as_good(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Iterat
 
 
 def _reach(effect: EffectType, name: str) -> Callable[[Interval, Sequence[float]], Interval]:
+    """Return what widens the interval of a parameter; hours of the day go round."""
     is_hour = effect.has_hours() and name in HOURS
     return _reaching_round if is_hour else partial(_reaching, prior=effect.priors[name])
 
