@@ -261,7 +261,7 @@ def _moved(
     moves = interval_s / moving.stroke_s
     end, at = np.linspace(0.0, moves + 1.0, EDGES)[:, None], (np.arange(EDGES) + 0.5) * moves / EDGES
     edges = np.clip(end - at, 0.0, 1.0)  # (edges, places in the interval): closed, sooner or later
-    exchange_W_K = np.array([np.mean(room.floor_conductance_W_K(edge)) for edge in edges])
+    exchange_W_K = np.reshape(room.floor_conductance_W_K(edges.ravel()), edges.shape).mean(axis=1)
     moved_W_K = np.interp(fraction, edges.mean(axis=1), exchange_W_K)
     if moving.is_switched:
         return np.where(fraction < 1.0, moved_W_K, still_W_K)

@@ -125,8 +125,9 @@ class Segment:
             # a switch may have been thrown anywhere in its interval, else the signal runs from sample to sample
             return _thrown(*drive) if jump is not None and not perturbation.random else (*replayed(*drive, jump), {})
 
-        key = (first, self.driven_by, convention.is_raw, convention.is_late, start_s, *blocks.items())
-        ends, averages, shifted = made() if perturbation.random else record.remembered("chain", key, made, arrays=20)
+        slot, key = ("chain", first, self.driven_by), (convention.is_raw, convention.is_late, start_s, *blocks.items())
+        arrays = 2 * (max(2, cells(record.interval_s)) if jump is not None else len(blocks))  # ends and means
+        ends, averages, shifted = made() if perturbation.random else record.remembered(slot, key, made, arrays)
         shown.update({SHOWN[kind]: ends[kind] for kind in chain if kind in ends and kind != "sensor"})
         shown.update(self._logged_as_means(record, ends, averages))
         if "valve" in chain:
