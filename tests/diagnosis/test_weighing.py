@@ -26,7 +26,7 @@ from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import _of_form, _price
-from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without, best_of, changed
+from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without, best_of, changed, likeliest
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
@@ -636,7 +636,8 @@ def told_of(
     weighing = SimpleNamespace(weighed=lambda: weighed, estimator=SimpleNamespace(followed=None, thorough=1.0))
     monkeypatch.setattr(place + "Weighing", lambda *given: weighing)
     monkeypatch.setattr(place + "posterior", lambda weighed: beliefs)
-    monkeypatch.setattr(place + "best_of", lambda all_, names: next(w for w in all_ if set(w.names) == set(names)))
+    for way in ("best_of", "likeliest"):
+        monkeypatch.setattr(place + way, lambda all_, names: next(w for w in all_ if set(w.names) == set(names)))
     monkeypatch.setattr(place + "_tried", lambda *given: [])
     monkeypatch.setattr(place + "_of_all_days", lambda *given: (None, {}))
     monkeypatch.setattr(place + "distinct_in", lambda problem, last, effect, intervals: float(effect.name in sure))
@@ -676,6 +677,18 @@ def test_of_hypotheses_with_the_same_names_that_with_fewer_effects_is_told() -> 
         each.always, each.misfit, each.price = 0.0, 0.0, 1.0
     given: Any = [beside, alone]
     assert best_of(given, ["a"]) is alone
+
+
+def test_what_leaves_least_without_an_effect_may_have_others_too_small_for_a_name() -> None:
+    """Else an effect would be needed for a misfit that something which counts as nothing takes away as well."""
+    plain, with_small, other = (
+        SimpleNamespace(names=names, fitted=SimpleNamespace(effects=effects), gain=gain, spread=1.0, ease=0.0)
+        for names, effects, gain in (((), "", 0.0), ((), "a", 9.0), (("b",), "b", 99.0))
+    )
+    for each in (plain, with_small, other):
+        each.always, each.misfit, each.price = 0.0, 0.0, 1.0
+    given: Any = [plain, with_small, other]
+    assert likeliest(given, []) is with_small
 
 
 @pytest.mark.parametrize(("kept", "named"), [(0.0, 0.0), (0.5, 0.45)])

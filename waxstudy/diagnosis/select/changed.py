@@ -34,7 +34,7 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         names = [each.effect.name for each in found]
         best = best_of(weighed, names)
         last, intervals = _of_all_days(weighing, best) if found else (best.fitted, {})
-        rests = [best_of(weighed, [other for other in names if other != name]) for name in names]
+        rests = [likeliest(weighed, [other for other in names if other != name]) for name in names]
         unsure = [each for each, rest in zip(found, rests, strict=True) if _may_be_blurred(best, rest, each)]
         blurred = [each for each in unsure if distinct_in(whole, last, each.effect, intervals) <= WEIGHTS.notable]
         if not blurred:
@@ -72,8 +72,8 @@ def _scaled(effect: EffectType, found: Mapping[str, Interval], belief: Belief, b
 def _may_be_blurred(best: Weighed, without: Weighed, found: Found) -> bool:
     """Return whether an effect may be nothing where its interval holds what is believed.
 
-    `best` is the likeliest hypothesis with it, `without` that with all others that are named. What takes away more of a
-    misfit than is open is something, unless it is a motor's: no model follows a motor in every pause. What comes and
+    `best` is the hypothesis with it, `without` the likeliest with all others that are named. What takes away more of
+    a misfit than is open is something, unless it is a motor's: no model follows a motor in every pause. What comes and
     goes is blurred by the days without it.
     """
     takes_little = without.misfit - best.misfit <= WEIGHTS.open
@@ -163,8 +163,16 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
 
 def best_of(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
     """Return the best hypothesis with at least these effects, and as few others as there are, small ones as well."""
-    possible = [each for each in weighed if set(names) <= set(each.names)]
-    return max(possible, key=lambda each: (-len(each.names), -len(each.fitted.effects), score(each)))
+    return max(_with(weighed, names), key=lambda each: (-len(each.names), -len(each.fitted.effects), score(each)))
+
+
+def likeliest(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
+    """Return the same, where effects that are too small for a name may stand beside these: they count as nothing."""
+    return max(_with(weighed, names), key=lambda each: (-len(each.names), score(each)))
+
+
+def _with(weighed: Sequence[Weighed], names: Sequence[str]) -> list[Weighed]:
+    return [each for each in weighed if set(names) <= set(each.names)]
 
 
 def _alone(search: Search, weighed: Sequence[Weighed], name: str) -> Candidate | None:
