@@ -50,6 +50,8 @@ def test_what_happens_at_weekends_only_is_told_so(monkeypatch: pytest.MonkeyPatc
     bias_K = effect.parameters["bias_K"]
     assert bias_K.value == pytest.approx(0.3, abs=0.05)  # as it is then, not on average over all days
     assert bias_K.low <= 0.3 <= bias_K.high
+    # a bias of the average on all days would leave the rest of both
+    assert effect.gap_after < 1.5 * effect.noise_floor < 0.5 * effect.gap_before
 
 
 def test_what_is_there_always_is_not(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -381,6 +381,9 @@ def _traces(work: Work, selections: Sequence[Selection]) -> pd.DataFrame:
             for channel, values in predicted.items():
                 columns[f"{channel}_measured"] = work.record.metered(channel, work.record.values[channel])
                 columns[f"{channel}_{name}"] = _spread(values, count)
+        for channel in predicted if selection.course is not None else ():
+            before, after = (columns[f"{channel}_{name}"] for name in ("before", "after"))
+            columns[f"{channel}_after"] = before + selection.course * (after - before)
     return pd.DataFrame(columns, index=work.dataset.time)
 
 

@@ -78,12 +78,19 @@ class Alternative:
     parameters: Mapping[str, Interval]  # without bounds
 
 
+GROWING = "growing"  # from nothing at the start of a record
+
+
 @dataclass(frozen=True)
 class When:
     """When an effect acts: in words, and the hours since the record began, from and to."""
 
     pattern: str
     spans_h: Sequence[tuple[float, float]]
+
+    @property
+    def words(self) -> str:
+        return f"{GROWING} from nothing, its value is the mean" if self.pattern == GROWING else self.pattern
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from hashlib import sha256
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
+from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.result import GROWING
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -52,7 +54,7 @@ def _named(record: Record) -> Iterator[Pattern]:
     interval_h, count = record.interval_s / 3600.0, len(record)
     time_h = (np.arange(count) + 0.5) * interval_h
     length_h = count * interval_h
-    yield Pattern("growing", np.asarray(2.0 * time_h / length_h), ((0.0, length_h),))
+    yield Pattern(GROWING, np.asarray(2.0 * time_h / length_h), ((0.0, length_h),))
     for words, acts in of_days(record):
         yield _pattern(words, acts[day_of(record)], interval_h)
     for hour in range(24):
@@ -85,6 +87,38 @@ def of_days(record: Record) -> Iterator[tuple[str, np.ndarray]]:
     for place, name in enumerate(WEEK):
         if (weekday == place).sum() > 1:
             yield f"on {name}s", weekday == place
+
+
+def acting(
+    before: Hypothesis,
+    after: Hypothesis,
+    pattern: Pattern,
+    share: Mapping[str, float] | None = None,
+    parts: Sequence[int] = ALL,
+) -> tuple[Hypothesis, float]:
+    """Return a hypothesis with one more effect, which has a course, and its strength, which suits some parts best.
+
+    What the effect does to each sample is taken times its strength there: what it does later is left out. Of samples
+    `share` count as one, by channel; None counts all alike.
+    """
+    pairs = list(zip(before.residuals, after.residuals, strict=True))
+    courses = [pattern.strength[new.sample] for _, new in pairs]
+    missed, change = [], []
+    for (old, new), course in zip(pairs, courses, strict=True):
+        counts = old.weights(share or {}) * np.isin(old.part, parts)
+        missed.append(old.whitened * counts)
+        change.append(course * (new.whitened - old.whitened) * counts)
+    was, turned = np.concatenate(missed), np.concatenate(change)
+    strength = float(np.clip(-(was @ turned) / max(float(turned @ turned), 1e-12), 0.0, WEIGHTS.strongest))
+    residuals = [
+        replace(
+            new,
+            error=old.error + strength * course * (new.error - old.error),
+            whitened=old.whitened + strength * course * (new.whitened - old.whitened),
+        )
+        for (old, new), course in zip(pairs, courses, strict=True)
+    ]
+    return replace(after, residuals=residuals), strength
 
 
 def concentrated(residual: Residual, together: float, record: Record) -> Pattern | None:

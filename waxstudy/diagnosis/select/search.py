@@ -32,7 +32,8 @@ from waxstudy.diagnosis.select.evidence import (
 )
 from waxstudy.diagnosis.select.intervals import Intervals, parameter_intervals
 from waxstudy.diagnosis.select.null import inclusion, null
-from waxstudy.diagnosis.select.patterns import Pattern
+from waxstudy.diagnosis.select.patterns import Pattern, acting
+from waxstudy.plugin import FloatArray
 
 MOST_EFFECTS = 3
 PAIRED = 2  # effects that others are tried beside, where none is enough alone
@@ -91,6 +92,7 @@ class Selection:
     withdrawn: tuple[Withdrawn, ...] = ()
     intervals: Intervals = field(default_factory=dict)  # of what was found
     posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses, where they were weighed
+    course: FloatArray | None = None  # (n,) share of what the last model's effect does; None for all, always
 
     @property
     def problem(self) -> SegmentProblem:
@@ -193,7 +195,10 @@ class Search:
         convention = found[-1].candidate.fitted.convention if found else self.estimator.base.convention
         models, without = self.models(found, convention)
         rest = tuple(found), tuple(first), self.floor(models[-1]), (), intervals
-        return Selection(self.estimator, models, without, *rest)
+        if not found or not (pattern := found[-1].pattern):
+            return Selection(self.estimator, models, without, *rest)
+        last, strength = acting(models[-2], models[-1], pattern, parts=BOTH)
+        return Selection(self.estimator, [*models[:-1], last], without, *rest, course=strength * pattern.strength)
 
     def floor(self, last: Hypothesis) -> NoiseFloor:
         return self.once("floor", last, lambda: NoiseFloor.of(self.problem, last))

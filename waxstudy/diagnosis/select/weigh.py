@@ -19,7 +19,7 @@ from waxstudy.diagnosis.select.appraise import Appraisal
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import courses
 from waxstudy.diagnosis.select.looks import acts_all_day, has_hours
-from waxstudy.diagnosis.select.patterns import Pattern, patterns
+from waxstudy.diagnosis.select.patterns import acting, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import can_be_timed, timed
@@ -104,10 +104,7 @@ class Weighing(Appraisal):
                 yield fitted
 
     def _patterned(self, told: Sequence[Weighed]) -> Iterator[Weighed]:
-        """Yield the best few effects as they act at certain times: of a room those with hours, on some days.
-
-        What an effect of a chain does to each sample is taken times its strength there: what it does later is left out.
-        """
+        """Yield the best few effects as they act at certain times: of a room those with hours, on some days."""
         if self.problem.segment.with_room:
             yield from self._on_days([each for each in told if has_hours(*each.fitted.effects[0])][:DEEPER])
             return
@@ -115,7 +112,8 @@ class Weighing(Appraisal):
         tried = sum(1 for _ in patterns(self.problem.record)) if possible else 0
         for each in possible:
             # one after the other: of a long record all of them would not lie in memory
-            made = ((self._with_pattern(each.fitted, pattern), pattern) for pattern in patterns(self.problem.record))
+            without, record = self._nothing(each.fitted), self.problem.record
+            made = ((acting(without, each.fitted, one, self.share), one) for one in patterns(record))
             (fitted, strength), pattern = min(made, key=lambda pair: self._loss(pair[0][0]))
             weighed = self.of(fitted, pattern=pattern)
             price = weighed.price + WEIGHTS.price + float(np.log(tried))
@@ -128,26 +126,6 @@ class Weighing(Appraisal):
         for each in best:
             if fitted := self._superposed.on_days(each.fitted, among):
                 yield self.of(fitted)
-
-    def _with_pattern(self, fitted: Hypothesis, pattern: Pattern) -> tuple[Hypothesis, float]:
-        """Return a hypothesis whose effect has a course, at the strength that suits the record best, and that."""
-        pairs = list(zip(self._nothing(fitted).residuals, fitted.residuals, strict=True))
-        courses = [pattern.strength[new.sample] for _, new in pairs]
-        before = np.concatenate([old.whitened * old.weights(self.share) for old, _ in pairs])
-        parts = zip(pairs, courses, strict=True)
-        change = np.concatenate(
-            [g * (new.whitened - old.whitened) * old.weights(self.share) for (old, new), g in parts]
-        )
-        strength = float(np.clip(-(before @ change) / max(float(change @ change), 1e-12), 0.0, WEIGHTS.strongest))
-        residuals = [
-            replace(
-                new,
-                error=old.error + strength * g * (new.error - old.error),
-                whitened=old.whitened + strength * g * (new.whitened - old.whitened),
-            )
-            for (old, new), g in zip(pairs, courses, strict=True)
-        ]
-        return replace(fitted, residuals=residuals), strength
 
 
 def _may_be_beside(effect: EffectType, given: Hypothesis) -> bool:
