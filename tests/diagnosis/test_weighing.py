@@ -26,7 +26,7 @@ from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import _of_form, _price
-from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without, best_of, changed, likeliest
+from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without, best_of, changed, in_place, likeliest
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
@@ -689,6 +689,22 @@ def test_what_leaves_least_without_an_effect_may_have_others_too_small_for_a_nam
         each.always, each.misfit, each.price = 0.0, 0.0, 1.0
     given: Any = [plain, with_small, other]
     assert likeliest(given, []) is with_small
+
+
+@pytest.mark.parametrize(
+    ("name", "beside", "told"), [("c", ["b"], ("b", "c")), ("c", [], ("c",)), ("d", ["b"], ("d",)), ("e", ["b"], None)]
+)
+def test_an_alternative_is_told_as_it_is_fitted_beside_what_else_is_named(
+    name: str, beside: list[str], told: tuple[str, ...] | None
+) -> None:
+    given: Any = [
+        SimpleNamespace(
+            fitted=SimpleNamespace(names=names), gain=9.0, spread=1.0, ease=0.0, always=0.0, misfit=0.0, price=1.0
+        )
+        for names in (("b",), ("c",), ("b", "c"), ("d",))
+    ]
+    found = in_place(given, name, beside)
+    assert (found.names if found else None) == told
 
 
 @pytest.mark.parametrize(("kept", "named"), [(0.0, 0.0), (0.5, 0.45)])

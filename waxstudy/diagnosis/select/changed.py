@@ -153,7 +153,8 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
         start = search.estimator.nearest(edits, (current.departures, best.fitted.departures), current.convention)
         fitted = search.estimator.refined(edits, start, current.convention) or current
         candidate = search.judged(current, [(values[group[0]][0], fitted)])[0]
-        others = [_alone(search, weighed, name) for name in group[1:]]
+        beside = [name for name in first if name != group[0]]
+        others = [_alternative(search, weighed, name, beside) for name in group[1:]]
         often = sum(p for name, p in beliefs.items() if set(group) & set(name.split("+")))
         pattern = best.pattern if len(choice.groups) == 1 else None
         found.append(Found(candidate, group, often, tuple(each for each in others if each), pattern))
@@ -175,12 +176,20 @@ def _with(weighed: Sequence[Weighed], names: Sequence[str]) -> list[Weighed]:
     return [each for each in weighed if set(names) <= set(each.names)]
 
 
-def _alone(search: Search, weighed: Sequence[Weighed], name: str) -> Candidate | None:
-    alone = [each for each in weighed if each.fitted.names == (name,)]
-    if not alone:
+def _alternative(search: Search, weighed: Sequence[Weighed], name: str, beside: Sequence[str]) -> Candidate | None:
+    """Return an effect that may stand in another's place, as it is fitted beside the others that are named."""
+    if not (fitted := in_place(weighed, name, beside)):
         return None
-    one = max(alone, key=score).fitted
-    return search.judged(search.estimator.base, [(one.effects[0][0], _here(search, one))])[0]
+    effect = next(effect for effect, _ in fitted.effects if effect.name == name)
+    return search.judged(search.estimator.base, [(effect, _here(search, fitted))])[0]
+
+
+def in_place(weighed: Sequence[Weighed], name: str, beside: Sequence[str]) -> Hypothesis | None:
+    """Return the best fit of an effect with some others and no more; by itself where nobody tried these together."""
+    for names in ({name, *beside}, {name}):
+        if possible := [each for each in weighed if set(each.fitted.names) == names]:
+            return max(possible, key=score).fitted
+    return None
 
 
 def _here(search: Search, fitted: Hypothesis) -> Hypothesis:

@@ -173,7 +173,8 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
             continue
         departures = [] if selection.is_poor else list(clear(effect, believed))
         if selection.is_poor:
-            reason = f"the room stays missed by {missed_K:.1f} K whatever is added"
+            told = "with what was found" if selection.found else "whatever is added"
+            reason = f"the room stays missed by {missed_K:.1f} K {told}"
             yield Untestable(effect.name, reason, Lack.NOT_UNDERSTOOD)
         elif departures and not any(moves(effect, values) for values in departures):
             reason = "nothing in this record would look different with it, unless it were large"
