@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,10 @@ from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.diagnosis.select.appraise import _price
 from waxstudy.diagnosis.select.days import Days, courses, days_of, on_days
+from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import timed
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import Belief, Effect, Inputs
+from waxstudy.plugin import HOURS, Belief, Effect, Inputs
 
 DAYS, INTERVAL_S = 7, 300.0
 EVERY_OTHER = Days("every other day from day 2 on", tuple(day % 2 == 1 for day in range(DAYS)))
@@ -108,6 +110,24 @@ def test_what_acts_every_day_is_said_to(monkeypatch: pytest.MonkeyPatch) -> None
 @pytest.mark.slow
 def test_a_room_in_which_nothing_happened_has_no_day_of_its_own() -> None:
     assert told((), seed=9).effects == []
+
+
+@pytest.mark.parametrize(
+    ("hours", "missed_all_day", "needs"),
+    [((17.6, 17.0), 1.0, False), ((17.6, 17.0), 40.0, True), ((7.0, 9.0), 1.0, True)],
+)
+def test_what_is_on_for_most_of_some_days_needs_its_hours(
+    hours: tuple[float, float], missed_all_day: float, needs: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What lasts all day on some days looks like a misjudged sun: an hour's pause does not make it another thing."""
+    superposed = Superposed.__new__(Superposed)
+    days: Any = SimpleNamespace(
+        effects=((object, dict(zip(HOURS, hours, strict=True))),), departures=None, convention=None, missed=0.0
+    )
+    estimator: Any = SimpleNamespace(score=lambda fitted, parts: 2.0 * fitted.missed)
+    superposed.estimator = estimator
+    monkeypatch.setattr(superposed, "_fitted", lambda *given: SimpleNamespace(missed=missed_all_day))
+    assert superposed._needs_hours(days) == needs
 
 
 def test_hours_over_midnight_belong_to_the_day_on_which_they_begin() -> None:

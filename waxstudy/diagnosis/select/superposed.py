@@ -14,9 +14,11 @@ from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import Days
 from waxstudy.diagnosis.select.looks import Looks, has_hours
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import HOURS, FloatArray
+from waxstudy.plugin.hours import DAY_H, open_h
 
 PROMISING = 2.0  # of log likelihood that an effect must gain in a straight line, for a closer look
 
@@ -66,7 +68,22 @@ class Superposed:
         step = self.looks.step(self.looks.missed(self.looks.still), look)
         edits = [(chosen, self.looks.values(chosen, look))]
         days = self._fitted(edits, np.clip(self.looks.still.departures + step, -most, most), fitted.convention)
-        return days if days and has_hours(*days.effects[0]) else None
+        return days if days and has_hours(*days.effects[0]) and self._needs_hours(days) else None
+
+    def _needs_hours(self, days: Hypothesis) -> bool:
+        """Whether what acts on some days explains more by its hours than they cost: else it acts on all their hours.
+
+        What acts for less than half a day surely does.
+        """
+        ((effect, values),) = days.effects
+        from_h, to_h = (values[name] for name in HOURS)
+        if open_h(from_h, to_h) <= 0.5 * DAY_H:
+            return True
+        edits = [(effect, {**values, **dict(zip(HOURS, (0.0, DAY_H), strict=True))})]
+        whole = self._fitted(edits, days.departures, days.convention)
+        if whole is None:
+            return True
+        return 0.5 * (self.estimator.score(whole, ALL) - self.estimator.score(days, ALL)) > float(np.log(SPANS))
 
     def _instead(self, effect: EffectType, given: Hypothesis) -> Iterator[tuple[Edits, FloatArray]]:
         """Yield a start at which the effect does what the nuisances of its own kind do in the given hypothesis."""
