@@ -54,8 +54,8 @@ def acting(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(EFFECTS, name, effect)
 
 
-def told(true: Effects, seed: int) -> Diagnosis:
-    """What is said of a room with effects, beside a week of it without."""
+def told(true: Effects, seed: int, without: str = "") -> Diagnosis:
+    """What is said of a room with effects, beside a week of it without; a channel was not recorded."""
 
     def of(true: Effects, seed: int, first: str) -> Dataset:
         record, believed = seen()
@@ -64,7 +64,7 @@ def told(true: Effects, seed: int) -> Diagnosis:
             record = planted(segment, record, believed, true, seed)
         time = pd.date_range(first, periods=len(record), freq=f"{INTERVAL_S:.0f}s") + pd.Timedelta(seconds=INTERVAL_S)
         keep = {*segment.judged, segment.driven_by, "supply_temperature_C", "outdoor_temperature_C"}
-        keep |= {"solar_gain_W", "internal_gain_W"}
+        keep |= {"solar_gain_W", "internal_gain_W"} - {without}
         values = {name: each for name, each in record.values.items() if name in keep}
         return dataset(pd.DataFrame({"time": time, **values}), "REAL", nominal={})  # the room alone is asked
 
@@ -105,6 +105,17 @@ def test_what_acts_every_day_is_said_to(monkeypatch: pytest.MonkeyPatch) -> None
     (only,) = told(WINDOW, seed=7).effects
     assert only.when.pattern.startswith("every day from 11:")
     assert len(only.when.spans_h) == DAYS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("without", "named"), [("", ["extra-heat"]), ("solar_gain_W", [])])
+def test_heat_by_day_may_be_a_sun_that_nobody_recorded(
+    without: str, named: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody knows where that falls: more of it than in the healthy weeks would be heat by radiation, every noon."""
+    monkeypatch.setitem(EFFECTS, "noon", timed(EFFECTS["extra-heat"]))
+    noon = effects(noon={"heat_W": 80.0, "radiant_share": 1.0, "from_h": 11.0, "to_h": 15.75})
+    assert [each.name for each in told(noon, 7, without).effects] == named
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnosis.realities import EFFECTS, belief, dataset, estimator, rows, study
-from waxstudy.dataset.stand_ins import GAINS, SUN, own_gains_W, why_dark
+from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN, own_gains_W, why_dark
 from waxstudy.dataset.sunlight import (
     DIFFUSE,
     GLOBAL,
@@ -199,11 +199,17 @@ def test_a_gap_beyond_what_a_missing_sun_could_make_is_a_finding() -> None:
     assert any(each.is_finding for each in unexplained(selection, 1) if each.channel == floor.channel)
 
 
-@pytest.mark.parametrize(("rise_h", "set_h"), [(9.5, 14.5), (8.0, 16.0), (7.0, 17.0)])
-def test_a_sun_of_no_known_place_may_shine_as_long_as_in_any_season(rise_h: float, set_h: float) -> None:
+@pytest.mark.parametrize(
+    ("place", "rise_h", "set_h"), [(None, 9.5, 14.5), (None, 8.0, 16.0), (None, 7.0, 17.0), (TALLINN, 10.0, 14.5)]
+)
+@pytest.mark.parametrize("field", ["", "gains_W", "extra_W"])
+def test_an_unrecorded_sun_may_shine_at_any_hours_of_the_season_and_fall_anywhere(
+    field: str, place: Site | None, rise_h: float, set_h: float
+) -> None:
     """Also on a short winter's day, each strength within what is usual."""
     data = rows("REAL", DAYS, without=(SUN,))
-    shapes = record_of(dataset(data, "REAL")).stand_ins[SUN].shapes
+    shapes = record_of(dataset(data, "REAL", site=place)).stand_ins[SUN].shapes
+    shapes = [each for each in shapes if each.field in {field, field or FIELDS[SUN]}]
     time = pd.DatetimeIndex(data["time"])
     hour = time.hour.to_numpy() + time.minute.to_numpy() / 60.0
     sun_W = 400.0 * np.sin(np.pi * np.clip((hour - rise_h) / (set_h - rise_h), 0.0, 1.0))

@@ -26,10 +26,11 @@ FIELDS = {SUN: "solar_W", GAINS: "gains_W"}  # of `Inputs`
 ROLES = {SUN: Role.SUN, GAINS: Role.GAINS}
 DAY_H = 24.0
 SUN_W_M2 = 30.0  # of floor, spread of the sun around noon where nothing is known of it: a clear day in February has 80
-SUN_HATS_H = (10.0, 14.0)  # middle of each half of a day of sun
-HALF_SUN_H = 4.0  # from there to where nothing of it is left
-# how long a day is, and where windows look to, nobody told: the sun has a course of its own every day besides
-SUN_PROFILE_H, PROFILE_STEP_H = (8.0, 9.5, 11.0, 12.5, 14.0, 15.5), 1.5
+NOON_H, LATITUDE_DEG = 12.0, 50.0  # where no place is told: how long the sun is up
+# where windows look to, and where the sun falls, nobody told: it has a course of its own every day besides, in steps,
+# of what it does by the room's own way, to all surfaces and to the air
+PROFILE_STEP_H = 1.0
+SUN_FIELDS = {"": "solar_W", ", to surfaces": "gains_W", ", to air": "extra_W"}
 MOST_SUNS = 14  # stretches of days that have a sun of their own; of a longer record each is several days
 CLEAR_SHARE, CLEAR_SPREAD = 0.4, 0.35  # of a clear sky's sun, usual and its spread from day to day
 # by what the sun was recorded -> log spread of a factor for all days, and of each day's own: horizon and curtains in
@@ -52,6 +53,7 @@ class Shape:
     sd: float
     is_once: bool = False  # some days' own, else every day's
     varies: float | None = None  # from one record to another; None: one says nothing of another
+    field: str = ""  # of `Inputs`, where it is another one than that of the drive
 
 
 @dataclass(frozen=True)
@@ -124,20 +126,18 @@ def _sun(
     if site is not None and (source := sun_source(recorded, site)):
         return _recorded_sun(room, time, day, interval_s, site, recorded, source, spread)
     if site is None:
+        up_h = daylight_h(time)
         shapes = [
             Shape(
                 f"sun of {name}, {half}",
-                room.floor_area_m2 * _hat(hour, middle_h, HALF_SUN_H) * within,
+                room.floor_area_m2 * _hat(hour, NOON_H + side * up_h / 4.0, up_h / 2.0) * within,
                 SUN_W_M2,
                 is_once=True,
             )
             for name, within in _stretches(day)
-            for half, middle_h in zip(("morning", "afternoon"), SUN_HATS_H, strict=True)
+            for half, side in (("morning", -1.0), ("afternoon", 1.0))
         ]
-        shapes += [
-            Shape(f"sun around {at_h:g} h", room.floor_area_m2 * _hat(hour, at_h, PROFILE_STEP_H), SUN_W_M2)
-            for at_h in SUN_PROFILE_H
-        ]
+        shapes += _every_day(room, hour, NOON_H - up_h / 2.0, NOON_H + up_h / 2.0)
         sentence = (
             f"{SUN} was not recorded: each day has a sun of its own in the fit, its size free. [site] with latitude "
             "and longitude would tell at which hours."
@@ -147,11 +147,30 @@ def _sun(
 
     clear_W = clear_sky_W(room, time, interval_s, site)
     shapes = [Shape(f"sun of {name}", clear_W * within, CLEAR_SPREAD, is_once=True) for name, within in _stretches(day)]
+    if (is_up := clear_W > 0.0).any():
+        shapes += _every_day(room, hour, hour[is_up].min(), hour[is_up].max())
     sentence = (
         f"{SUN} was not recorded: {CLEAR_SHARE:.0%} of a clear sky's at [site] stands in for it, and each day may have "
         "less or more in the fit."
     )
     return StandIn(CLEAR_SHARE * clear_W, shapes, 0.0, 0.0, sentence)
+
+
+def daylight_h(time: pd.DatetimeIndex) -> float:
+    """Return how long the sun is up on the middle day of a record [h], where no place is told."""
+    from pvlib.solarposition import declination_spencer71
+
+    declination = float(declination_spencer71(time[len(time) // 2].day_of_year))
+    noon_to_set = np.arccos(-np.tan(np.radians(LATITUDE_DEG)) * np.tan(declination))
+    return float(DAY_H * noon_to_set / np.pi)
+
+
+def _every_day(room: LinearRoom, hour: FloatArray, rise_h: float, set_h: float) -> Iterator[Shape]:
+    """Yield what the sun does at some hours of every day."""
+    for at_h in np.arange(rise_h, set_h, PROFILE_STEP_H).tolist():
+        heat_W = room.floor_area_m2 * _hat(hour, at_h, PROFILE_STEP_H)
+        for where, field in SUN_FIELDS.items():
+            yield Shape(f"sun around {at_h:.1f} h{where}", heat_W, SUN_W_M2, field=field)
 
 
 def _recorded_sun(

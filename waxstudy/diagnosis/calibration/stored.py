@@ -92,7 +92,7 @@ def _told(record: Record) -> Iterator[str | bytes]:
         yield repr((channel, found.factor_sd, found.factor_varies))
         yield found.values.tobytes()
         for shape in found.shapes:
-            yield repr((shape.name, shape.sd, shape.is_once, shape.varies))
+            yield repr((shape.name, shape.sd, shape.is_once, shape.varies, shape.field))
             yield shape.heat_W.tobytes()
 
 

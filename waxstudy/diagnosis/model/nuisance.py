@@ -98,7 +98,7 @@ def _unrecorded(record: Record) -> Iterator[Nuisance]:
     for channel, found in record.stand_ins.items():
         for shape in found.shapes:
             if shape.varies is None:
-                apply = _OfInput(FIELDS[channel], partial(_more, shape.heat_W))
+                apply = _OfInput(shape.field or FIELDS[channel], partial(_more, shape.heat_W))
                 yield Nuisance(shape.name, shape.sd, apply, shape.is_once)
 
 

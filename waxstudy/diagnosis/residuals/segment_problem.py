@@ -203,7 +203,9 @@ class SegmentProblem:
 
     def without_stand_ins(self, fitted: Hypothesis) -> Hypothesis:
         """Return a hypothesis without anything in the place of drives that nobody recorded."""
-        belief = self.belief_of(fitted)
+        shapes = {shape.name for found in self.record.stand_ins.values() for shape in found.shapes}
+        departures = np.where([each.name in shapes for each in self.nuisances], 0.0, fitted.departures)
+        belief = self.edited(fitted.effects, departures)
         assert belief.inputs
         none: dict[str, Any] = dict.fromkeys(belief.inputs.stand_ins, np.zeros(len(belief.inputs.solar_W)))
         still = self.predicted(replace(belief, inputs=replace(belief.inputs, **none)), fitted.convention)
