@@ -1,10 +1,10 @@
 """What depends on drives of what a calibrated room still misses: `python -m benchmarks.dependence SET KEYFILE`.
 
 SET is a blind test's folder with records that have a healthy one; used are those in which nothing changed of room and
-emitter. The errors of the healthy record are regressed on a drive, as it was in the last half hour, 3 and 12 h, or on
-the hour of the day; what that says is taken off the later record's errors, whose room is fitted to it as a diagnosis
-does. Told are the shares of the mean square that go: of the healthy record, which the regression has seen, and of the
-later one, which it has not. Below 0 it makes them larger.
+emitter. The errors of the healthy record are regressed on a drive, followed with time constants of half an hour, 3 and
+12 h, or on the hour of the day; what that says is taken off the later record's errors, whose room is fitted to it as a
+diagnosis does. Told are the shares of the mean square that go: of the healthy record, which the regression has seen,
+and of the later one, which it has not. Below 0 it makes them larger.
 """
 
 from __future__ import annotations
@@ -80,21 +80,23 @@ def shares(folder: Path, key: Key) -> Shares:
     """Return by channel and drive which shares of the mean square go, of each healthy record and of the later one."""
     found: Shares = defaultdict(list)
     for healthy, later in rooms(folder, key):
-        for before, after in zip(healthy[1].residuals, later[1].residuals, strict=True):
-            if before.channel not in CHANNELS or not before.judged.any() or not after.judged.any():
+        known = {each.channel: each for each in healthy[1].residuals}
+        pairs = [(known[each.channel], each) for each in later[1].residuals if each.channel in known]
+        for before, after in pairs:
+            if before.channel not in CHANNELS or not before.gap() or not after.gap():
                 continue
             seen = regressors(healthy[0], len(before.error))
             unseen = regressors(later[0], len(after.error))
             for name in seen.keys() & unseen.keys():
                 says = np.linalg.lstsq(seen[name][before.judged], before.error[before.judged], rcond=None)[0]
-                pairs = ((before, seen[name]), (after, unseen[name]))
-                gone = [1.0 - np.mean((e.error - x @ says)[e.judged] ** 2) / e.gap() ** 2 for e, x in pairs]
+                both = ((before, seen[name]), (after, unseen[name]))
+                gone = [1.0 - np.mean((e.error - x @ says)[e.judged] ** 2) / e.gap() ** 2 for e, x in both]
                 found[before.channel, name].append((float(gone[0]), float(gone[1])))
     return found
 
 
 def main(folder: Path, key: Key) -> None:
-    print("| channel | depends on | records | healthy, median | later, median | quarters |\n|---|---|---|---|---|---|")
+    print("| channel | depends on | records | healthy, median | later, median | quartiles |\n|---|---|---|---|---|---|")
     for (channel, name), each in sorted(shares(folder, key).items()):
         seen, unseen = np.array(each).T
         low, middle, high = np.percentile(unseen, [25.0, 50.0, 75.0])

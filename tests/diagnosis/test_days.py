@@ -112,7 +112,7 @@ def test_what_acts_every_day_is_said_to(monkeypatch: pytest.MonkeyPatch) -> None
 def test_heat_by_day_may_be_a_sun_that_nobody_recorded(
     without: str, named: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nobody knows where that falls: more of it than in the healthy weeks would be heat by radiation, every noon."""
+    """Where such a sun falls is unknown: heat by radiation around noon may be more of it than in the healthy week."""
     monkeypatch.setitem(EFFECTS, "noon", timed(EFFECTS["extra-heat"]))
     noon = effects(noon={"heat_W": 80.0, "radiant_share": 1.0, "from_h": 11.0, "to_h": 15.75})
     assert [each.name for each in told(noon, 7, without).effects] == named
@@ -124,20 +124,18 @@ def test_a_room_in_which_nothing_happened_has_no_day_of_its_own() -> None:
 
 
 @pytest.mark.parametrize(
-    ("hours", "missed_all_day", "needs"),
-    [((17.6, 17.0), 1.0, False), ((17.6, 17.0), 40.0, True), ((7.0, 9.0), 1.0, True)],
+    ("hours", "all_day", "needs"),
+    [((17.6, 17.0), 39.0, False), ((0.0, 14.0), 39.0, False), ((17.6, 17.0), 1.0, True), ((7.0, 9.0), 39.0, True)],
 )
 def test_what_is_on_for_most_of_some_days_needs_its_hours(
-    hours: tuple[float, float], missed_all_day: float, needs: bool, monkeypatch: pytest.MonkeyPatch
+    hours: tuple[float, float], all_day: float, needs: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What lasts all day on some days looks like a misjudged sun: an hour's pause does not make it another thing."""
     superposed = Superposed.__new__(Superposed)
-    days: Any = SimpleNamespace(
-        effects=((object, dict(zip(HOURS, hours, strict=True))),), departures=None, convention=None, missed=0.0
-    )
-    estimator: Any = SimpleNamespace(score=lambda fitted, parts: 2.0 * fitted.missed)
-    superposed.estimator = estimator
-    monkeypatch.setattr(superposed, "_fitted", lambda *given: SimpleNamespace(missed=missed_all_day))
+    days: Any = SimpleNamespace(effects=((object, dict(zip(HOURS, hours, strict=True))),))
+    promised = {hours: 40.0, (0.0, 24.0): all_day}
+    looks: Any = SimpleNamespace(gain=lambda effect, values: promised[values["from_h"], values["to_h"]])
+    superposed.looks = looks
     assert superposed._needs_hours(days) == needs
 
 

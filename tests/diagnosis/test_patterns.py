@@ -32,6 +32,19 @@ class WeekendBias(SensorBias):
         return belief.with_block("sensor", wrapped(sensor_of(belief), SensorBias, p, warm_at_weekends))
 
 
+def warm_at_the_end(p: Any, x: Any, u: float, t: float, dt: float) -> float:
+    """Read too warm from the sixth day on."""
+    return believed(p, x, u, t, dt) + (p.sensor_bias_bias_K if t // 86_400.0 - 1.0 >= 5.0 else 0.0)
+
+
+class LateBias(SensorBias):
+    """A sensor that reads too warm on the last days, by which shrinkage is judged."""
+
+    @classmethod
+    def apply(cls, belief: Belief, p: Any) -> Belief:
+        return belief.with_block("sensor", wrapped(sensor_of(belief), SensorBias, p, warm_at_the_end))
+
+
 def told(effect: type[Effect], monkeypatch: pytest.MonkeyPatch) -> FoundEffect:
     """Return what is said of a sensor beside a healthy record of it."""
     monkeypatch.setitem(EFFECTS, effect.__name__, effect)
@@ -51,6 +64,13 @@ def test_what_happens_at_weekends_only_is_told_so(monkeypatch: pytest.MonkeyPatc
     assert bias_K.value == pytest.approx(0.3, abs=0.05)  # as it is then, not on average over all days
     assert bias_K.low <= 0.3 <= bias_K.high
     # a bias of the average on all days would leave the rest of both
+    assert effect.gap_after < 1.5 * effect.noise_floor < 0.5 * effect.gap_before
+
+
+def test_what_the_last_days_alone_show_takes_their_gap_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    effect = told(LateBias, monkeypatch)
+    assert effect.when.pattern == "from day 6 on"
+    assert effect.parameters["bias_K"].value == pytest.approx(0.3, abs=0.05)
     assert effect.gap_after < 1.5 * effect.noise_floor < 0.5 * effect.gap_before
 
 

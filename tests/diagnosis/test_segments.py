@@ -141,6 +141,15 @@ def test_a_blocks_absence_passes_on_what_it_is_given() -> None:
     assert np.array_equal(predicted, seen.values["heating_signal"])
 
 
+def test_a_link_of_which_no_block_is_believed_passes_on_what_it_is_given() -> None:
+    """As a valve of which nobody said anything: it passes the share of the full flow by which it is open."""
+    seen, believed, _ = cut(set(whole().values))
+    bare = replace(believed, blocks={kind: each for kind, each in believed.blocks.items() if kind != "valve"})
+    valve = next(segment for segment in segments(seen, bare) if segment.stages == ("valve",))
+    flow_L_h = valve.predict(seen, bare)["flow_L_h"]
+    assert np.corrcoef(flow_L_h, seen.filled("displacement"))[0, 1] > 0.99
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_shaking_a_drive_moves_a_prediction_and_the_same_numbers_move_it_alike(seed: int) -> None:
     seen, believed, found = cut(set(whole().values))

@@ -630,7 +630,7 @@ def told_of(
     search: Any = SimpleNamespace(
         problem=SimpleNamespace(segment=SimpleNamespace(with_room=with_room)),
         estimator=SimpleNamespace(before=None, thorough=1.0),
-        selection=lambda found, tried, intervals: Told([each.effect.name for each in found]),
+        selection=lambda found, tried, intervals, last: Told([each.effect.name for each in found]),
         effects=[],
     )
     weighing = SimpleNamespace(weighed=lambda: weighed, estimator=SimpleNamespace(followed=None, thorough=1.0))

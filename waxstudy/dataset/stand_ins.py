@@ -26,7 +26,10 @@ FIELDS = {SUN: "solar_W", GAINS: "gains_W"}  # of `Inputs`
 ROLES = {SUN: Role.SUN, GAINS: Role.GAINS}
 DAY_H = 24.0
 SUN_W_M2 = 30.0  # of floor, spread of the sun around noon where nothing is known of it: a clear day in February has 80
-NOON_H, LATITUDE_DEG = 12.0, 50.0  # where no place is told: how long the sun is up
+NOON_H, NOON_WITHIN_H, LATITUDE_DEG = 12.0, 1.0, 50.0  # where no place is told: when the sun is up, and how long
+ANYWHERE = (
+    "It may shine at other hours and fall anywhere in the room: heat by day is found only if it is larger or sharper."
+)
 # where windows look to, and where the sun falls, nobody told: it has a course of its own every day besides, in steps,
 # of what it does by the room's own way, to all surfaces and to the air
 PROFILE_STEP_H = 1.0
@@ -137,21 +140,20 @@ def _sun(
             for name, within in _stretches(day)
             for half, side in (("morning", -1.0), ("afternoon", 1.0))
         ]
-        shapes += _every_day(room, hour, NOON_H - up_h / 2.0, NOON_H + up_h / 2.0)
+        shapes += _every_day(room, hour, np.abs(hour - NOON_H) <= up_h / 2.0 + NOON_WITHIN_H)
         sentence = (
             f"{SUN} was not recorded: each day has a sun of its own in the fit, its size free. [site] with latitude "
-            "and longitude would tell at which hours."
+            f"and longitude would tell at which hours. {ANYWHERE}"
         )
         return StandIn(np.zeros(len(time)), shapes, 0.0, 0.0, sentence)
     from waxstudy.dataset.sunlight import clear_sky_W  # brings the compiler along
 
     clear_W = clear_sky_W(room, time, interval_s, site)
     shapes = [Shape(f"sun of {name}", clear_W * within, CLEAR_SPREAD, is_once=True) for name, within in _stretches(day)]
-    if (is_up := clear_W > 0.0).any():
-        shapes += _every_day(room, hour, hour[is_up].min(), hour[is_up].max())
+    shapes += _every_day(room, hour, clear_W > 0.0)
     sentence = (
         f"{SUN} was not recorded: {CLEAR_SHARE:.0%} of a clear sky's at [site] stands in for it, and each day may have "
-        "less or more in the fit."
+        f"less or more in the fit. {ANYWHERE}"
     )
     return StandIn(CLEAR_SHARE * clear_W, shapes, 0.0, 0.0, sentence)
 
@@ -165,12 +167,14 @@ def daylight_h(time: pd.DatetimeIndex) -> float:
     return float(DAY_H * noon_to_set / np.pi)
 
 
-def _every_day(room: LinearRoom, hour: FloatArray, rise_h: float, set_h: float) -> Iterator[Shape]:
-    """Yield what the sun does at some hours of every day."""
-    for at_h in np.arange(rise_h, set_h, PROFILE_STEP_H).tolist():
-        heat_W = room.floor_area_m2 * _hat(hour, at_h, PROFILE_STEP_H)
-        for where, field in SUN_FIELDS.items():
-            yield Shape(f"sun around {at_h:.1f} h{where}", heat_W, SUN_W_M2, field=field)
+def _every_day(room: LinearRoom, hour: FloatArray, is_up: np.ndarray) -> Iterator[Shape]:
+    """Yield what the sun does every day at each hour in whose middle it is up, `is_up` (n,)."""
+    fields = {where: field for where, field in SUN_FIELDS.items() if field != FIELDS[GAINS] or room.takes(Role.GAINS)}
+    for at_h in np.arange(0.5, DAY_H, PROFILE_STEP_H).tolist():
+        hat = _hat(hour, at_h, PROFILE_STEP_H)
+        if hat[is_up].max(initial=0.0) > 0.5:
+            for where, field in fields.items():
+                yield Shape(f"sun around {at_h:g} h{where}", room.floor_area_m2 * hat, SUN_W_M2, field=field)
 
 
 def _recorded_sun(
@@ -200,7 +204,8 @@ def _recorded_sun(
 
 def _hat(hour: FloatArray, middle_h: float, half_h: float) -> FloatArray:
     """Return a smooth hill of height 1 around an hour of the day (n,), nothing from so many hours off."""
-    away = np.clip(np.abs(hour - middle_h) / half_h, 0.0, 1.0)
+    away_h = np.abs((hour - middle_h + 0.5 * DAY_H) % DAY_H - 0.5 * DAY_H)
+    away = np.clip(away_h / half_h, 0.0, 1.0)
     return np.asarray(0.5 * (1.0 + np.cos(np.pi * away)))
 
 

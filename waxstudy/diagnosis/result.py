@@ -89,8 +89,8 @@ class When:
     spans_h: Sequence[tuple[float, float]]
 
     @property
-    def words(self) -> str:
-        return f"{GROWING} from nothing, its value is the mean" if self.pattern == GROWING else self.pattern
+    def told(self) -> str:
+        return f"{GROWING} from nothing (the value is its mean)" if self.pattern == GROWING else self.pattern
 
 
 @dataclass(frozen=True)

@@ -126,7 +126,8 @@ class Segment:
             return _thrown(*drive) if jump is not None and not perturbation.random else (*replayed(*drive, jump), {})
 
         slot, key = ("chain", first, self.driven_by), (convention.is_raw, convention.is_late, start_s, *blocks.items())
-        arrays = 2 * (max(2, cells(record.interval_s)) if jump is not None else len(blocks))  # ends and means
+        # ends and means; a link may have no block, and passes on what it gets
+        arrays = 2 * (max(2, cells(record.interval_s)) if jump is not None else max(1, len(blocks)))
         ends, averages, shifted = made() if perturbation.random else record.remembered(slot, key, made, arrays)
         shown.update({SHOWN[kind]: ends[kind] for kind in chain if kind in ends and kind != "sensor"})
         shown.update(self._logged_as_means(record, ends, averages))
@@ -204,7 +205,7 @@ def _thrown(
     shifted = {kind: by_shift(ends[kind]) for kind in blocks if kind == "actuator"}
     shifted["valve"] = np.diff(by_shift(np.cumsum(averages["valve"])), prepend=0.0) / parts
     middle = parts // 2
-    shown = {kind: by_shift(each)[middle] for kind, each in ends.items()}
+    shown = {kind: by_shift(each)[middle].copy() for kind, each in ends.items()}  # not all of what it is cut from
     return shown, {"valve": shifted["valve"][middle]}, shifted
 
 

@@ -38,7 +38,7 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         unsure = [each for each, rest in zip(found, rests, strict=True) if _may_be_blurred(best, rest, each)]
         blurred = [each for each in unsure if distinct_in(whole, last, each.effect, intervals) <= WEIGHTS.notable]
         if not blurred:
-            return replace(search.selection(found, tried, intervals), posterior=beliefs)
+            return replace(search.selection(found, tried, intervals, last), posterior=beliefs)
         kept = WEIGHTS.blurred if search.problem.segment.with_room else 0.0
         beliefs = _without(beliefs, {each.effect.name for each in blurred}, kept)
 
@@ -168,7 +168,10 @@ def best_of(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
 
 
 def likeliest(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
-    """Return the same, where effects that are too small for a name may stand beside these: they count as nothing."""
+    """Return the likeliest hypothesis with at least these effects and as few other names as there are.
+
+    Effects too small for a name may stand beside them: they count as nothing.
+    """
     return max(_with(weighed, names), key=lambda each: (-len(each.names), score(each)))
 
 
@@ -180,8 +183,8 @@ def _alternative(search: Search, weighed: Sequence[Weighed], name: str, beside: 
     """Return an effect that may stand in another's place, as it is fitted beside the others that are named."""
     if not (fitted := in_place(weighed, name, beside)):
         return None
-    effect = next(effect for effect, _ in fitted.effects if effect.name == name)
-    return search.judged(search.estimator.base, [(effect, _here(search, fitted))])[0]
+    last = sorted(fitted.effects, key=lambda each: each[0].name == name)  # what it was added to goes before it
+    return search.judged(search.estimator.base, [(last[-1][0], _here(search, replace(fitted, effects=tuple(last))))])[0]
 
 
 def in_place(weighed: Sequence[Weighed], name: str, beside: Sequence[str]) -> Hypothesis | None:

@@ -61,6 +61,11 @@ class Looks:
         points = [*Space(effect).points(self.thorough), *effect.starts(self.problem.belief)]
         return sorted(self._looks(effect, points, before), key=lambda each: -each.gain)[:1]
 
+    def gain(self, effect: EffectType, values: Values) -> float:
+        """Return the log likelihood that an effect promises at some values, as strong as suits; 0 if it cannot be."""
+        look = self._look(effect, values, self._free(self.missed(self.still)))
+        return look.gain if look else 0.0
+
     def on_days(self, effect: EffectType, values: Values, among: Sequence[Days]) -> tuple[EffectType, Look] | None:
         """Return an effect where it acts on those of some days that promise most, and a look at it.
 

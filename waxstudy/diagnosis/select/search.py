@@ -190,14 +190,24 @@ class Search:
         rest = tuple(found), tuple(first), floor, tuple(withdrawn), intervals
         return Selection(self.estimator, models, without, *rest)
 
-    def selection(self, found: Sequence[Found], first: Sequence[Candidate], intervals: Intervals) -> Selection:
-        """Return a selection of what was found otherwise, with the intervals of its parameters."""
+    def selection(
+        self, found: Sequence[Found], first: Sequence[Candidate], intervals: Intervals, of_all_days: Hypothesis
+    ) -> Selection:
+        """Return a selection of what was found otherwise, with the intervals of its parameters.
+
+        What acts on the last days alone is as it was fitted to all days: the other days do not show it.
+        """
         convention = found[-1].candidate.fitted.convention if found else self.estimator.base.convention
         models, without = self.models(found, convention)
         rest = tuple(found), tuple(first), self.floor(models[-1]), (), intervals
         if not found or not (pattern := found[-1].pattern):
             return Selection(self.estimator, models, without, *rest)
-        last, strength = acting(models[-2], models[-1], pattern, parts=BOTH)
+        samples = [each.sample[each.judged & np.isin(each.part, BOTH)] for each in models[-1].residuals]
+        if pattern.strength[np.concatenate(samples)].any():
+            last, strength = acting(models[-2], models[-1], pattern, parts=BOTH)
+        else:
+            about = of_all_days.effects, of_all_days.departures, of_all_days.convention
+            last, strength = acting(models[-2], self.problem.at(*about) or models[-1], pattern)
         return Selection(self.estimator, [*models[:-1], last], without, *rest, course=strength * pattern.strength)
 
     def floor(self, last: Hypothesis) -> NoiseFloor:

@@ -71,19 +71,17 @@ class Superposed:
         return days if days and has_hours(*days.effects[0]) and self._needs_hours(days) else None
 
     def _needs_hours(self, days: Hypothesis) -> bool:
-        """Whether what acts on some days explains more by its hours than they cost: else it acts on all their hours.
+        """Whether what acts on some days explains more by its hours than they cost; else it acts on all their hours.
 
-        What acts for less than half a day surely does.
+        An effect that acts for at most half a day always needs them. Both are looked at, at the strength that suits.
         """
         ((effect, values),) = days.effects
         from_h, to_h = (values[name] for name in HOURS)
         if open_h(from_h, to_h) <= 0.5 * DAY_H:
             return True
-        edits = [(effect, {**values, **dict(zip(HOURS, (0.0, DAY_H), strict=True))})]
-        whole = self._fitted(edits, days.departures, days.convention)
-        if whole is None:
-            return True
-        return 0.5 * (self.estimator.score(whole, ALL) - self.estimator.score(days, ALL)) > float(np.log(SPANS))
+        all_day = {**values, **dict(zip(HOURS, (0.0, DAY_H), strict=True))}
+        at_hours, always = (self.looks.gain(effect, each) for each in (values, all_day))
+        return at_hours - always > float(np.log(SPANS))
 
     def _instead(self, effect: EffectType, given: Hypothesis) -> Iterator[tuple[Edits, FloatArray]]:
         """Yield a start at which the effect does what the nuisances of its own kind do in the given hypothesis."""

@@ -202,7 +202,7 @@ def how_sure(effect: FoundEffect) -> str:
     if math.isfinite(effect.probability):
         sure = chance(effect.probability)
         told = f"Together {sure} probable" if len(effect.group) > 1 else f"Probability {sure}"
-        return f"{told}; {effect.when.words}." if effect.when else f"{told}."
+        return f"{told}; {effect.when.told}." if effect.when else f"{told}."
     found = f"{percent(effect.inclusion)} of resampled records" if math.isfinite(effect.inclusion) else ""
     return f"Found again in {found}; p = {probability(effect.p)}." if found else f"p = {probability(effect.p)}."
 
