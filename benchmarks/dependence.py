@@ -37,6 +37,7 @@ DRIVES = {
 OVER_H = (0.5, 3.0, 12.0)
 CHANNELS = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C")
 
+Errors = tuple[FloatArray, np.ndarray, FloatArray]  # (n,), where they are judged, and regressors (n, columns)
 Shares = dict[tuple[str, str], list[tuple[float, float]]]
 
 
@@ -76,6 +77,17 @@ def rooms(folder: Path, key: Key) -> Iterator[tuple[tuple[Record, Hypothesis], t
             yield (healthy.problem.record, healthy.fitted), (whole.record, later)
 
 
+def gone_with(before: Errors, after: Errors) -> tuple[float, float]:
+    """Return the shares of both mean squares that go with regressors, as the first errors have them."""
+    errors, judged, columns = before
+    says = np.linalg.lstsq(columns[judged], errors[judged], rcond=None)[0]
+    first, second = (
+        1.0 - np.mean((errors - columns @ says)[judged] ** 2) / np.mean(errors[judged] ** 2)
+        for errors, judged, columns in (before, after)
+    )
+    return float(first), float(second)
+
+
 def shares(folder: Path, key: Key) -> Shares:
     """Return by channel and drive which shares of the mean square go, of each healthy record and of the later one."""
     found: Shares = defaultdict(list)
@@ -88,10 +100,8 @@ def shares(folder: Path, key: Key) -> Shares:
             seen = regressors(healthy[0], len(before.error))
             unseen = regressors(later[0], len(after.error))
             for name in seen.keys() & unseen.keys():
-                says = np.linalg.lstsq(seen[name][before.judged], before.error[before.judged], rcond=None)[0]
-                both = ((before, seen[name]), (after, unseen[name]))
-                gone = [1.0 - np.mean((e.error - x @ says)[e.judged] ** 2) / e.gap() ** 2 for e, x in both]
-                found[before.channel, name].append((float(gone[0]), float(gone[1])))
+                about = (before.error, before.judged, seen[name]), (after.error, after.judged, unseen[name])
+                found[before.channel, name].append(gone_with(*about))
     return found
 
 
