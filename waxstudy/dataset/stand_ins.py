@@ -26,13 +26,13 @@ FIELDS = {SUN: "solar_W", GAINS: "gains_W"}  # of `Inputs`
 ROLES = {SUN: Role.SUN, GAINS: Role.GAINS}
 DAY_H = 24.0
 SUN_W_M2 = 30.0  # of floor, spread of the sun around noon where nothing is known of it: a clear day in February has 80
-NOON_H, NOON_WITHIN_H, LATITUDE_DEG = 12.0, 1.0, 50.0  # where no place is told: when the sun is up, and how long
+LATITUDE_DEG = 50.0  # where no place is told: the middle of where floors are heated so says how long the sun is up
+NOON_H, NOON_WITHIN_H = 12.0, 1.0  # of a place that nobody told: time zones put it an hour early or late
 ANYWHERE = (
     "It may shine at other hours and fall anywhere in the room: heat by day is found only if it is larger or sharper."
 )
-# where windows look to, and where the sun falls, nobody told: it has a course of its own every day besides, in steps,
-# of what it does by the room's own way, to all surfaces and to the air
-PROFILE_STEP_H = 1.0
+PROFILE_STEP_H = 1.0  # of the sun's course of every day: in steps of 1.5 h its end at dusk looked like a window
+# where windows look to, and where the sun falls, nobody told: the room's own way, on all surfaces, or into the air
 SUN_FIELDS = {"": "solar_W", ", to surfaces": "gains_W", ", to air": "extra_W"}
 MOST_SUNS = 14  # stretches of days that have a sun of their own; of a longer record each is several days
 CLEAR_SHARE, CLEAR_SPREAD = 0.4, 0.35  # of a clear sky's sun, usual and its spread from day to day

@@ -184,7 +184,7 @@ def _alternative(search: Search, weighed: Sequence[Weighed], name: str, beside: 
     if not (fitted := in_place(weighed, name, beside)):
         return None
     last = sorted(fitted.effects, key=lambda each: each[0].name == name)  # what it was added to goes before it
-    return search.judged(search.estimator.base, [(last[-1][0], _here(search, replace(fitted, effects=tuple(last))))])[0]
+    return search.judged(search.estimator.base, [(last[-1][0], search.here(replace(fitted, effects=tuple(last))))])[0]
 
 
 def in_place(weighed: Sequence[Weighed], name: str, beside: Sequence[str]) -> Hypothesis | None:
@@ -195,14 +195,9 @@ def in_place(weighed: Sequence[Weighed], name: str, beside: Sequence[str]) -> Hy
     return None
 
 
-def _here(search: Search, fitted: Hypothesis) -> Hypothesis:
-    """Return a hypothesis that was fitted to the whole record, judged on the parts of the record."""
-    return search.problem.at(fitted.effects, fitted.departures, fitted.convention) or fitted
-
-
 def _tried(search: Search, weighed: Sequence[Weighed]) -> list[Candidate]:
     singles: list[tuple[EffectType, Hypothesis]] = [
-        (each.fitted.effects[0][0], _here(search, each.fitted)) for each in weighed if len(each.fitted.effects) == 1
+        (each.fitted.effects[0][0], search.here(each.fitted)) for each in weighed if len(each.fitted.effects) == 1
     ]
     return search.judged(search.estimator.base, singles)
 

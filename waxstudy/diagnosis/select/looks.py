@@ -139,7 +139,7 @@ class Looks:
                 strengths = self._strengths(effect, settings)
                 found |= dict.fromkeys(promising(before, parts, self.basis, strengths, SEVERAL), settings)
         best = apart(list(found), SEVERAL)
-        return self._looks(effect, [{**found[span], **_hours(span[:2])} for span in best], before)
+        return self._looks(effect, [{**found[span], **between(span[:2])} for span in best], before)
 
     def _settings(self, effect: EffectType) -> Iterator[Values]:
         """Yield settings: as strong as an effect starts, every other parameter at each level; hours are set later."""
@@ -155,7 +155,7 @@ class Looks:
         """Return what an effect changes that acts in one part of the day (m + nuisances, parts)."""
         key = effect, *sorted(settings.items())
         if key not in self._in_parts:
-            changes = [self._change(effect, {**settings, **_hours(each)}) for each in parts_of_day()]
+            changes = [self._change(effect, {**settings, **between(each)}) for each in parts_of_day()]
             found = [each for each in changes if each is not None]
             self._in_parts[key] = np.column_stack(found) if len(found) == len(changes) else None
         return self._in_parts[key]
@@ -209,5 +209,6 @@ def acts_all_day(effect: EffectType, values: Values) -> bool:
     return open_h(from_h, to_h) > DAY_H - DAY_H / BINS
 
 
-def _hours(hours: Sequence[float]) -> Values:
+def between(hours: Sequence[float]) -> Values:
+    """Return the parameters of an effect that acts between two hours."""
     return dict(zip(HOURS, hours, strict=True))

@@ -206,9 +206,12 @@ class Search:
         if pattern.strength[np.concatenate(samples)].any():
             last, strength = acting(models[-2], models[-1], pattern, parts=BOTH)
         else:
-            about = of_all_days.effects, of_all_days.departures, of_all_days.convention
-            last, strength = acting(models[-2], self.problem.at(*about) or models[-1], pattern)
+            last, strength = acting(models[-2], self.here(of_all_days), pattern)
         return Selection(self.estimator, [*models[:-1], last], without, *rest, course=strength * pattern.strength)
+
+    def here(self, fitted: Hypothesis) -> Hypothesis:
+        """Return a hypothesis that was fitted to the whole record, judged on the parts of the record."""
+        return self.problem.at(fitted.effects, fitted.departures, fitted.convention) or fitted
 
     def floor(self, last: Hypothesis) -> NoiseFloor:
         return self.once("floor", last, lambda: NoiseFloor.of(self.problem, last))

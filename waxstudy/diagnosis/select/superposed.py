@@ -16,7 +16,7 @@ from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import Days
-from waxstudy.diagnosis.select.looks import Looks, has_hours
+from waxstudy.diagnosis.select.looks import Looks, between, has_hours
 from waxstudy.plugin import HOURS, FloatArray
 from waxstudy.plugin.hours import DAY_H, open_h
 
@@ -79,7 +79,7 @@ class Superposed:
         from_h, to_h = (values[name] for name in HOURS)
         if open_h(from_h, to_h) <= 0.5 * DAY_H:
             return True
-        all_day = {**values, **dict(zip(HOURS, (0.0, DAY_H), strict=True))}
+        all_day = {**values, **between((0.0, DAY_H))}
         at_hours, always = (self.looks.gain(effect, each) for each in (values, all_day))
         return at_hours - always > float(np.log(SPANS))
 
