@@ -18,7 +18,14 @@ from tests.diagnosis.realities import EFFECTS, belief, dataset, effects, plain, 
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import GAINS
 from waxstudy.diagnosis.calibration import told
-from waxstudy.diagnosis.calibration.calibrate import Calibration, _covariance, _gain, calibrate, lasting_unknowns
+from waxstudy.diagnosis.calibration.calibrate import (
+    Calibration,
+    _covariance,
+    _gain,
+    _standing,
+    calibrate,
+    lasting_unknowns,
+)
 from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
 from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.diagnose import record_of
@@ -30,6 +37,7 @@ from waxstudy.diagnosis.model.nuisance import nuisances
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Calibrated
 from waxstudy.diagnosis.select.changed import Choice, joint
 from waxstudy.plugin import Belief
@@ -87,6 +95,26 @@ def of_chain() -> tuple[Calibration, Belief]:
 
 def named(of: tuple[Calibration, Belief]) -> dict[str, Calibrated]:
     return {each.name: each for each in calibrated(*of)}
+
+
+@pytest.mark.parametrize(("came", "is_kept"), [("sensor_delay", True), ("setpoint_offset", False), (None, True)])
+def test_a_fit_is_kept_where_nothing_that_it_moves_was_changed_since(came: str | None, is_kept: bool) -> None:
+    """A sensor whose reading was logged moves no controller."""
+    values = {"sensor_delay": {"delay_s": 60.0}, "setpoint_offset": {"offset_K": 0.1}}
+    record = record_of(dataset(rows("REAL", 3, interval_s=60.0), "REAL"))
+    believed = belief("REAL", record)
+    link = next(each for each in segments(record, believed) if "controller" in each.stages)
+    before = SegmentProblem(link, record, believed)
+    (edit,) = effects(dead_band={"dead_band_K": 0.7})
+    departed = np.zeros(0), link.conventions[0]
+    without, one = before.at((), *departed), before.at([(EFFECTS[edit[0]], dict(edit[1]))], *departed)
+    assert without
+    assert one
+    later = with_effects(believed, effects(**{came: values[came]}) if came else ())
+    kept = _standing(SegmentProblem(link, record, later), without, one)
+    assert (kept is not None) is is_kept
+    # an effect that moves nothing where it was fitted says nothing of where it would be now
+    assert _standing(SegmentProblem(link, record, later), without, without) is None
 
 
 @pytest.mark.slow

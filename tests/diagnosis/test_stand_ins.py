@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.diagnosis.realities import EFFECTS, belief, dataset, estimator, rows, study
+from tests.diagnosis.realities import EFFECTS, belief, dataset, effects, estimator, rows, study
 from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN, own_gains_W, why_dark
 from waxstudy.dataset.sunlight import (
     DIFFUSE,
@@ -220,6 +220,28 @@ def test_an_unrecorded_sun_may_shine_at_any_hours_of_the_season_and_fall_anywher
 
 
 # --- the sun of a clear sky ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("put_in", [{}, {"gain_shift": {"shift_h": 2.0, "factor": 1.5}}])
+def test_what_heat_adds_by_itself_is_what_a_room_makes_of_it_beside_all_else(put_in: dict[str, Any]) -> None:
+    """An effect may move it, and may take its place; the first day is repeated with it."""
+    seen = record_of(dataset(rows("REAL", DAYS, without=(SUN, GAINS)), "REAL"))
+    believed = belief("REAL", seen)
+    room = next(each for each in segments(seen, believed) if each.with_room and not each.is_supply)
+    problem = SegmentProblem(room, seen, believed)
+    edits = [(EFFECTS[name], dict(values)) for name, values in effects(**put_in)]
+    there = problem.at(edits, np.linspace(-0.5, 0.5, len(problem.sd)) * problem.sd, problem.conventions[0])
+    assert there
+    found = problem.heat_slopes(there, range(len(problem.sd)))
+    shapes = {shape.name for each in seen.stand_ins.values() for shape in each.shapes}
+    assert {problem.nuisances[place].name for place in found} == shapes
+    for place in list(found)[::3]:
+        departures = there.departures.copy()
+        departures[place] += 0.1 * problem.sd[place]
+        moved = problem.at(edits, departures, there.convention)
+        assert moved
+        slope = (moved.whitened - there.whitened) / (0.1 * problem.sd[place])
+        assert found[place] == pytest.approx(slope, abs=1e-4 * np.abs(slope).max())
 
 
 def clear_W(site: Site, day: str = "2023-03-20") -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import chain
@@ -174,44 +174,58 @@ def respond(
     return found
 
 
-def respond_to_heat(
+def respond_to_changes(
     room: LinearRoom,
     inputs: Inputs,
     flow_L_h: FloatArray,
-    heats_W: Sequence[FloatArray],
+    changes: Iterable[Mapping[str, FloatArray]],
     moving: Moving | None = None,
+    repeats_first_day: bool = False,
 ) -> Iterator[dict[str, FloatArray]]:
-    """Yield by how much a room is changed by each course of heat (n,) to its air, as `respond` has it.
+    """Yield by how much a room is changed by each change of its inputs, by field (n,), as `respond` has it.
 
-    A room with a given flow is linear in heat: each course is run alone, with nothing else that drives the room.
+    A room with a given flow is linear in its inputs: each change is run alone, with nothing else that drives the room.
+    Where the first day is not repeated nothing is changed before a change begins.
     """
     whole = recorded_room(room, inputs)
-    heated = replace(
-        whole,
-        inputs=whole.inputs[-1:],
-        input_matrix=whole.input_matrix[:, -1:],
-        feedthrough=whole.feedthrough[:, -1:],
-        drive=lambda weather: (np.ones((len(flow_L_h), 1)), np.zeros(len(flow_L_h))),
-    )
-    parts = max(1, int(np.ceil(inputs.interval_s / LONGEST_STEP_S)))
-    unit = drive(heated, weather_of(inputs), inputs.interval_s / parts, 0.0)
+    places = {each.name: place for place, each in enumerate(whole.inputs)}
+    step_s = inputs.interval_s / max(1, int(np.ceil(inputs.interval_s / LONGEST_STEP_S)))
+    units: dict[str, DrivenRoom] = {}
     conductance_W_K = _exchange_W_K(room, inputs, flow_L_h, moving)
     stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
-    still = np.zeros(len(unit.decay))
-    for heat_W in heats_W:
-        first = int(np.argmax(heat_W != 0.0))  # before it nothing is changed
-        later_W = heat_W[first:, None]
+    day = min(len(flow_L_h), round(DAY_S / inputs.interval_s))
+    for change in changes:
+        for name in change:
+            if name not in units:
+                units[name] = drive(_driven_alone(whole, places[name]), weather_of(inputs), step_s, 0.0)
+        first = min(int(np.argmax(each != 0.0)) for each in change.values())
+        repeated = day if repeats_first_day and first < day else 0
+        first = 0 if repeated else first
+        pairs = [(each[first:, None], units[name]) for name, each in change.items()]
         course = replace(
-            unit,
-            forcing=later_W * unit.forcing[first:],
-            offsets=later_W * unit.offsets[first:],
-            supply_C=unit.supply_C[first:],
+            pairs[0][1],
+            forcing=sum(later * unit.forcing[0] for later, unit in pairs),
+            offsets=sum(later * unit.offsets[0] for later, unit in pairs),
+            supply_C=np.zeros(len(flow_L_h) - first),
         )
-        since = _run(course, conductance_W_K[first:], still.copy(), still, 0)
+        still = np.zeros(len(course.decay))
+        since = _run(course, conductance_W_K[first:], still.copy(), still, repeated)
         found = {name: np.concatenate((np.zeros(first), each)) for name, each in since.items()}
         with np.errstate(divide="ignore", invalid="ignore"):
             found["return_C"] = np.where(stream_W_K > 0.0, -found["water_heat_W"] / stream_W_K, np.nan)
         yield found
+
+
+def _driven_alone(room: LinearRoom, place: int) -> LinearRoom:
+    """Return a room that one of its inputs drives, always by 1, and cold water that flows through it."""
+    one = slice(place, place + 1)
+    return replace(
+        room,
+        inputs=room.inputs[one],
+        input_matrix=room.input_matrix[:, one],
+        feedthrough=room.feedthrough[:, one],
+        drive=lambda weather: (np.ones((len(weather.outdoor_C), 1)), np.zeros(len(weather.outdoor_C))),
+    )
 
 
 def _exchange_W_K(room: LinearRoom, inputs: Inputs, flow_L_h: FloatArray, moving: Moving | None) -> FloatArray:

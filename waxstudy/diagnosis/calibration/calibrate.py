@@ -94,26 +94,43 @@ def _with_always(
     belief = there.believed(belief)
     found: list[tuple[type[Effect], Mapping[str, float]]] = []
     named = [effect for effect in effects if effect.stage in segment.stages]
+    fits: dict[type[Effect], tuple[Hypothesis, Hypothesis]] = {}  # what was fitted last without each effect, and with
     while True:
         problem = SegmentProblem(segment, record, belief, as_built=there, unknowns=(), parts=np.full(len(record), FIT))
         fitted = _fitted(problem)
         if len(found) == WEIGHTS.most_always:
             return problem, fitted, found
         estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.by_motion}
-        tried = [
-            (_gain(fitted, one, share) - price, one)
-            for effect in named
-            if effect not in dict(found)
-            and not effect.hindrance(belief)
-            and (price := WEIGHTS.always * len(effect.priors))
-            and (one := estimator.fit(effect, fitted, screen=Screen(WEIGHTS.promised * price, share)))
-        ]
+        tried = []
+        for effect in named:
+            if effect in dict(found) or effect.hindrance(belief):
+                continue
+            price = WEIGHTS.always * len(effect.priors)
+            one = _standing(problem, *fits[effect]) if effect in fits else None
+            one = one or estimator.fit(effect, fitted, screen=Screen(WEIGHTS.promised * price, share))
+            if one:
+                fits[effect] = fitted, one
+                tried.append((_gain(fitted, one, share) - price, one))
         possible = [each for each in tried if not _hinders(named, belief, problem.belief_of(each[1]))]
         best = max(possible, key=lambda each: each[0], default=(0.0, fitted))
         if best[0] <= 0.0:
             return problem, fitted, found
         found += best[1].effects
         belief = problem.belief_of(best[1])
+
+
+def _standing(problem: SegmentProblem, without: Hypothesis, one: Hypothesis) -> Hypothesis | None:
+    """Return a fit of an effect from before another was found, where that changes nothing that the effect moves.
+
+    As of a controller whose reading was logged, after an effect of its sensor: a new fit would end where it began.
+    """
+    again = problem.at(one.effects, one.departures, one.convention)
+    if again is None:
+        return None
+    three = zip(without.residuals, one.residuals, again.residuals, strict=True)
+    moved = [(old, new) for none, old, new in three if not np.array_equal(none.whitened, old.whitened)]
+    is_same = moved and all(np.array_equal(old.whitened, new.whitened) for old, new in moved)
+    return again if is_same else None
 
 
 def _hinders(effects: Effects, before: Belief, after: Belief) -> bool:

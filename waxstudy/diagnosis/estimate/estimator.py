@@ -244,7 +244,12 @@ class Estimator(Generic[P]):
         """Change of the whitened residuals with each departure of the room (m, nuisances), or with some of them."""
         whole = fitted.whitened
         columns = [np.zeros((len(whole), 0))]
-        for place in range(len(self.problem.sd)) if places is None else places:
+        wanted = range(len(self.problem.sd)) if places is None else places
+        of_heat = self.problem.heat_slopes(fitted, wanted)
+        for place in wanted:
+            if place in of_heat:
+                columns.append(of_heat[place][:, None])
+                continue
             sd = self.problem.sd[place]
             step = 0.1 * sd * (1.0 if fitted.departures[place] <= 0.0 else -1.0)
             moved = fitted.departures.copy()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -138,6 +138,9 @@ class Problem(Protocol):
 
     def at(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
         """Return what a hypothesis misses at given values, or None where it cannot be simulated."""
+
+    def heat_slopes(self, fitted: Hypothesis, places: Iterable[int]) -> Mapping[int, FloatArray]:
+        """Return the change of the whitened residuals (m,) with nuisances that do no more than add heat, by place."""
 
     def drive_noise(self, fitted: Hypothesis) -> Mapping[int, float]:
         """Return what noise of the drive adds to a hypothesis' loss, by part of the record."""

@@ -39,6 +39,11 @@ class Nuisance:
         return frozenset((self.name,))
 
     @property
+    def is_added_heat(self) -> bool:
+        """Whether it does no more than add heat to a room, in proportion to its departure."""
+        return isinstance(self.apply, _OfInput) and self.apply.is_added_heat
+
+    @property
     def is_of_inputs(self) -> bool:
         """Whether it changes a course of what drives the room, and nothing of the room itself."""
         return isinstance(self.apply, _OfInput)
@@ -79,7 +84,7 @@ def habits(record: Record) -> Iterator[Nuisance]:
             yield Nuisance(*told, apply, varies=found.factor_varies, is_habit=True)
         for shape in found.shapes:
             if shape.varies is not None:
-                apply = _OfInput(of, partial(_more, shape.heat_W))
+                apply = _OfInput(of, partial(_more, shape.heat_W), is_added_heat=True)
                 yield Nuisance(shape.name, shape.sd, apply, varies=shape.varies, is_habit=True)
 
 
@@ -98,7 +103,7 @@ def _unrecorded(record: Record) -> Iterator[Nuisance]:
     for channel, found in record.stand_ins.items():
         for shape in found.shapes:
             if shape.varies is None:
-                apply = _OfInput(shape.field or FIELDS[channel], partial(_more, shape.heat_W))
+                apply = _OfInput(shape.field or FIELDS[channel], partial(_more, shape.heat_W), is_added_heat=True)
                 yield Nuisance(shape.name, shape.sd, apply, shape.is_once)
 
 
@@ -139,6 +144,7 @@ class _OfInput:
 
     of: str
     changed: Callable[[Any, float], Any]
+    is_added_heat: bool = False
 
     def __call__(self, belief: Belief, departure: float) -> Belief:
         return _with_inputs(belief, [(self, departure)])

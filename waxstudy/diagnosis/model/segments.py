@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from math import prod
@@ -22,7 +22,7 @@ from waxstudy.diagnosis.model.room_response import (
     full_flow_L_h,
     means,
     merging,
-    response_to_heat,
+    response_to_changes,
     room_response,
 )
 from waxstudy.diagnosis.observations.record import CONTINUOUS, FLOW, SUPPLY, Record
@@ -87,12 +87,17 @@ class Segment:
         shifted = {channel: shown.shifted[channel] for channel in self.judged if channel in shown.shifted}
         return Predicted({channel: shown[channel] for channel in self.judged}, shifted)
 
-    def warmed(
-        self, record: Record, belief: Belief, convention: Convention, heats_W: Sequence[FloatArray]
+    def moved(
+        self,
+        record: Record,
+        belief: Belief,
+        convention: Convention,
+        changes: Iterable[Mapping[str, FloatArray]],
+        repeats_first_day: bool = False,
     ) -> Iterator[Predicted]:
-        """Yield by how much each course of heat to the room's air (n,) changes what is predicted of the room."""
+        """Yield by how much each change of the room's inputs, by field (n,), changes what is predicted of the room."""
         _, flow = self._flow(record, belief, convention, STILL)
-        return response_to_heat(record, belief, flow, convention, heats_W)
+        return response_to_changes(record, belief, flow, convention, changes, repeats_first_day)
 
     def _flow(
         self, record: Record, belief: Belief, convention: Convention, perturbation: Perturbation

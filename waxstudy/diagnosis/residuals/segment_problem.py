@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -22,7 +22,9 @@ from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
 from waxstudy.diagnosis.residuals.judge import Judge, perturbed_by_noise
-from waxstudy.plugin import Belief, FloatArray
+from waxstudy.plugin import Belief, FloatArray, Inputs
+
+HEATS_W = ("solar_W", "gains_W", "extra_W")  # fields of the inputs in which a room with a given flow is linear
 
 
 class SegmentProblem:
@@ -118,10 +120,7 @@ class SegmentProblem:
         return other
 
     def edited(self, effects: Edits, departures: FloatArray) -> Belief:
-        belief = self._departed(departures, frozenset(name for effect, _ in effects for name in effect.absorbs))
-        for effect, values in in_order(effects):
-            belief = effect.apply(belief, effect.Parameters(**values))
-        return belief
+        return _with_effects(self._departed(departures, _absorbed(effects)), effects)
 
     def _departed(self, departures: FloatArray, absorbed: frozenset[str]) -> Belief:
         """Return the belief with departures of the room, but for those that an effect takes the place of.
@@ -141,7 +140,7 @@ class SegmentProblem:
 
     def at(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
         # fits begin and end at places that they have been to
-        key = tuple((effect, *values.items()) for effect, values in effects), departures.tobytes()
+        key = _key(effects, departures)
 
         def made() -> Hypothesis | None:
             predicted = self.predicted.remembered(key, lambda: self.edited(effects, departures), convention)
@@ -186,20 +185,44 @@ class SegmentProblem:
             return np.zeros(len(now))
         return np.concatenate([each.whitened for each in self.judge.residuals(other)]) - now
 
-    def warmed(self, fitted: Hypothesis, heats_W: Sequence[FloatArray]) -> FloatArray:
-        """Return how far the whitened residuals (m, heats) move with each course of heat (n,) to the room's air."""
-        belief = self.belief_of(fitted)
-        still = self.predicted(belief, fitted.convention)
-        moved = np.zeros((len(heats_W), len(fitted.whitened)))
+    def moved(
+        self, fitted: Hypothesis, changes: Sequence[Mapping[str, FloatArray]], repeats_first_day: bool = False
+    ) -> FloatArray:
+        """Return how far the whitened residuals (m, changes) move with changes of the room's inputs, by field (n,)."""
+        belief, convention = self.belief_of(fitted), fitted.convention
+        still = self.predicted.remembered(_key(fitted.effects, fitted.departures), lambda: belief, convention)
+        moved = np.zeros((len(changes), len(fitted.whitened)))
+        if still is None:
+            return moved.T
         end = np.cumsum([0, *(len(each.whitened) for each in fitted.residuals)])
-        changes = self.segment.warmed(self.record, belief, fitted.convention, heats_W)
-        for row, change in zip(moved, changes, strict=True):
+        found = self.segment.moved(self.record, belief, convention, changes, repeats_first_day)
+        for row, change in zip(moved, found, strict=True):
             for place, residual in enumerate(fitted.residuals):
                 if residual.channel in change:
                     there = Predicted({residual.channel: still[residual.channel] + change[residual.channel]})
                     now = self.judge.ways[residual.channel].residual(there)
                     row[end[place] : end[place + 1]] = now.whitened - residual.whitened
         return moved.T
+
+    def heat_slopes(self, fitted: Hypothesis, places: Iterable[int]) -> Mapping[int, FloatArray]:
+        """Return the change of the whitened residuals (m,) with departures that do no more than add heat, by place."""
+        absorbed = _absorbed(fitted.effects)
+        of_heat = {place: self.nuisances[place] for place in places if self.nuisances[place].is_added_heat}
+        if not of_heat:
+            return {}
+        before = self._departed(fitted.departures, absorbed)
+        still = _with_effects(before, fitted.effects).inputs
+        assert still
+        steps, changes = dict[int, float](), dict[int, Mapping[str, FloatArray]]()
+        for place, nuisance in of_heat.items():
+            step = 0.1 * nuisance.sd if nuisance.name not in absorbed else 0.0
+            after = _with_effects(nuisance.apply(before, step), fitted.effects).inputs
+            assert after
+            if change := _differing(still, after):
+                steps[place], changes[place] = step, change
+        moved = self.moved(fitted, list(changes.values()), repeats_first_day=True)
+        found = dict.fromkeys(of_heat, np.zeros(len(fitted.whitened)))
+        return found | {place: column / steps[place] for place, column in zip(changes, moved.T, strict=True)}
 
     def without_stand_ins(self, fitted: Hypothesis) -> Hypothesis:
         """Return a hypothesis without anything in the place of drives that nobody recorded."""
@@ -210,3 +233,27 @@ class SegmentProblem:
         none: dict[str, Any] = dict.fromkeys(belief.inputs.stand_ins, np.zeros(len(belief.inputs.solar_W)))
         still = self.predicted(replace(belief, inputs=replace(belief.inputs, **none)), fitted.convention)
         return replace(fitted, residuals=self.judge.residuals(still))
+
+
+def _absorbed(effects: Edits) -> frozenset[str]:
+    return frozenset(name for effect, _ in effects for name in effect.absorbs)
+
+
+def _with_effects(belief: Belief, effects: Edits) -> Belief:
+    for effect, values in in_order(effects):
+        belief = effect.apply(belief, effect.Parameters(**values))
+    return belief
+
+
+def _differing(before: Inputs, after: Inputs) -> dict[str, FloatArray]:
+    """Return by how much heat differs in two inputs, by field (n,); nothing of those in which it does not."""
+    found = {}
+    for name in HEATS_W:
+        old, new = getattr(before, name), getattr(after, name)
+        if new is not None and new is not old and np.any(change := new - (0.0 if old is None else old)):
+            found[name] = change
+    return found
+
+
+def _key(effects: Edits, departures: FloatArray) -> tuple[Hashable, ...]:
+    return tuple((effect, *values.items()) for effect, values in effects), departures.tobytes()
