@@ -22,10 +22,12 @@ from waxstudy.diagnosis.calibration.calibrate import (
     Calibration,
     _covariance,
     _gain,
+    _most_gained,
     _standing,
     calibrate,
     lasting_unknowns,
 )
+from waxstudy.diagnosis.calibration.healthy import together
 from waxstudy.diagnosis.calibration.told import calibrated, doubts, fits
 from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.diagnose import record_of
@@ -115,6 +117,25 @@ def test_a_fit_is_kept_where_nothing_that_it_moves_was_changed_since(came: str |
     assert (kept is not None) is is_kept
     # an effect that moves nothing where it was fitted says nothing of where it would be now
     assert _standing(SegmentProblem(link, record, later), without, without) is None
+
+
+@pytest.mark.parametrize("true_K", [0.5, 0.9])
+def test_no_effect_of_a_healthy_chain_gains_more_than_what_is_missed_beyond_noise(true_K: float) -> None:
+    record = record_of(dataset(rows("REAL", 3, effects(dead_band={"dead_band_K": true_K}), interval_s=60.0), "REAL"))
+    believed = belief("REAL", record)
+    link = next(each for each in segments(record, believed) if "controller" in each.stages)
+    problem = SegmentProblem(link, record, believed)
+    tried = [
+        problem.at([(EFFECTS["dead-band"], {"dead_band_K": width_K})], np.zeros(0), link.conventions[0])
+        for width_K in (0.3, 0.5, 0.7, 0.9)
+    ]
+    none = problem.at((), np.zeros(0), link.conventions[0])
+    assert none
+    share = {each.channel: together(each) for each in none.by_motion}
+    gains, most = [_gain(none, one, share) for one in tried if one], _most_gained(none, share)
+    assert len(gains) == 4
+    assert max(gains) <= most
+    assert (max(gains) > 8.0) is (true_K != 0.5)  # the dead band as believed explains all
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from operator import attrgetter
@@ -18,11 +19,12 @@ from waxstudy.diagnosis.calibration.healthy import Healthy, HealthyLeft, UsualWh
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual, motions_of
+from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.model.nuisance import Nuisance
 from waxstudy.diagnosis.model.segments import segments
-from waxstudy.diagnosis.observations.partition import FIT
+from waxstudy.diagnosis.observations.partition import ALL, FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import _of_form, _price
@@ -30,11 +32,11 @@ from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without,
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.gain_spread import gain_spread
 from waxstudy.diagnosis.select.patterns import patterns
-from waxstudy.diagnosis.select.posterior import Weighed, score
+from waxstudy.diagnosis.select.posterior import Weighed, posterior, score
 from waxstudy.diagnosis.select.search import Search
 from waxstudy.diagnosis.select.weigh import Weighing, _may_be_beside
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import FloatArray
+from waxstudy.plugin import Effect, FloatArray
 
 DAYS, QUICK = 4, 0.25
 NOTHING: Effects = ()
@@ -118,6 +120,38 @@ def test_a_gain_is_half_of_what_is_missed_less_in_samples_that_count_and_not_bel
     of_sample = np.array(list(together.values()))[only(none).motion]
     counted = [only(each).whitened / of_sample**0.5 for each in (none, slow)]
     assert (slow.spread, slow.most) == pytest.approx(gain_spread(counted[0], counted[1], weighing.problem.record.cycle))
+
+
+def test_no_effect_gains_more_than_all_that_is_missed_beyond_the_usual() -> None:
+    for truth in (NOTHING, SLOW):
+        weighing, (none, *singles) = of(truth, truth)
+        most = weighing.most_gained(none.fitted)
+        assert max(each.gain for each in singles) <= most + 1e-9
+    assert max(each.gain for each in singles) == pytest.approx(most, rel=0.1)  # the slow motor explains nearly all
+
+
+def test_an_effect_that_could_not_reach_the_probability_from_which_one_shows_is_not_looked_at_closely() -> None:
+    weighing, (none, slow, _) = of(SLOW, SLOW)
+    (effect, _), softness = slow.fitted.effects[0], WEIGHTS.softness(weighing.healthy.is_noise)
+    edge = slow.price + softness * float(np.log(WEIGHTS.least_seen))
+    for gain, shows in ((edge - 0.1, False), (edge + 0.1, True)):
+        told = replace(slow, gain=gain, spread=1.0, always=0.0, misfit=0.0, stands=np.inf)
+        beliefs = posterior([replace(none, misfit=0.0), told], unseen=0.0)
+        over_nothing = beliefs[effect.name] / beliefs["none"]
+        assert weighing.may_show(effect, gain) is shows
+        assert bool(over_nothing > WEIGHTS.least_seen) is shows
+    looks = {is_vain: counted(weighing, effect, is_vain) for is_vain in (False, True)}
+    assert looks[True] < 0.6 * looks[False]
+
+
+def counted(weighing: Weighing, effect: type[Effect], is_vain: bool) -> int:
+    """How many hypotheses are asked for until an effect is fitted."""
+    asked, estimator = list[Any](), weighing.estimator
+    problem: Any = copy(weighing.problem)
+    problem.at = lambda *about: asked.append(about) or weighing.problem.at(*about)
+    looking = Estimator(problem, estimator.thorough, keeps=True)
+    assert looking.fit(effect, weighing.none, ALL, Screen(1.0, weighing.share, is_vain))
+    return len(asked)
 
 
 def test_what_is_missed_stands_out_where_an_effect_acts_over_what_healthy_records_leave_there() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -100,23 +100,36 @@ def _with_always(
         fitted = _fitted(problem)
         if len(found) == WEIGHTS.most_always:
             return problem, fitted, found
-        estimator, share = Estimator(problem, thorough), {each.channel: together(each) for each in fitted.by_motion}
-        tried = []
-        for effect in named:
-            if effect in dict(found) or effect.hindrance(belief):
-                continue
-            price = WEIGHTS.always * len(effect.priors)
-            one = _standing(problem, *fits[effect]) if effect in fits else None
-            one = one or estimator.fit(effect, fitted, screen=Screen(WEIGHTS.promised * price, share))
-            if one:
-                fits[effect] = fitted, one
-                tried.append((_gain(fitted, one, share) - price, one))
-        possible = [each for each in tried if not _hinders(named, belief, problem.belief_of(each[1]))]
-        best = max(possible, key=lambda each: each[0], default=(0.0, fitted))
+        possible = [effect for effect in named if effect not in dict(found) and not effect.hindrance(belief)]
+        gains = [
+            (gain, one)
+            for gain, one in _paying(Estimator(problem, thorough), fitted, possible, fits)
+            if not _hinders(named, belief, problem.belief_of(one))
+        ]
+        best = max(gains, key=lambda each: each[0], default=(0.0, fitted))
         if best[0] <= 0.0:
             return problem, fitted, found
         found += best[1].effects
         belief = problem.belief_of(best[1])
+
+
+def _paying(
+    estimator: Estimator[SegmentProblem],
+    fitted: Hypothesis,
+    effects: Effects,
+    fits: dict[type[Effect], tuple[Hypothesis, Hypothesis]],
+) -> Iterator[tuple[float, Hypothesis]]:
+    """Yield what each effect that may pay gains beyond its price, and its fit, which is put into `fits`."""
+    share = {each.channel: together(each) for each in fitted.by_motion}
+    most = _most_gained(fitted, share)
+    for effect in effects:
+        price = WEIGHTS.always * len(effect.priors)
+        if most > price:
+            one = _standing(estimator.problem, *fits[effect]) if effect in fits else None
+            one = one or estimator.fit(effect, fitted, screen=Screen(WEIGHTS.promised * price, share))
+            if one:
+                fits[effect] = fitted, one
+                yield _gain(fitted, one, share) - price, one
 
 
 def _standing(problem: SegmentProblem, without: Hypothesis, one: Hypothesis) -> Hypothesis | None:
@@ -153,6 +166,12 @@ def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> 
             by_cycle += sign * _squares(residual, len(by_cycle)) / scale
     most, whole = float(by_cycle.max()), float(by_cycle.sum())
     return gain * (1.0 - most / whole) if whole > 0.0 else gain
+
+
+def _most_gained(fitted: Hypothesis, share: Mapping[str, float]) -> float:
+    """Return the log likelihood that a hypothesis would gain which leaves nothing but noise."""
+    beyond = ((each.loss() - float(each.judged.sum())) / share[each.channel] for each in fitted.by_motion)
+    return sum(0.5 * max(0.0, each) for each in beyond)
 
 
 def _squares(residual: Residual, cycles: int) -> FloatArray:

@@ -201,7 +201,7 @@ class Estimator(Generic[P]):
         # another reading of the sun or of means moves an effect's best place by little, and the fit goes there
         found += [look.again(found[0][1], convention) for convention in self.conventions if convention not in spread]
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
-        if possible and not self.has_nuisances:
+        if possible and not self.has_nuisances and not look.is_vain:
             scanned = list(look.scanned(*possible[0]))
             likeliest = min(scanned, key=itemgetter(0))[1]
             possible = [*scanned, *(look.better(each, likeliest) for each in possible[1:])]

@@ -204,6 +204,17 @@ class Appraisal:
         pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.by_motion}
         return {channel: loss / self.share.get(channel, 1.0) for channel, loss in pairs.items()}
 
+    def most_gained(self, given: Hypothesis) -> float:
+        """Return what one more effect of a chain would gain beside others, did it explain all beyond the usual."""
+        losses = self._losses(given)
+        usual = {each.channel: self.healthy.usual_loss(each) for each in given.by_motion}
+        return 0.5 * sum(loss - usual[name] / self.share.get(name, 1.0) for name, loss in losses.items())
+
+    def may_show(self, effect: EffectType, gain: float) -> bool:
+        """Whether an effect that gains as much would show beside nothing, as cheap as it can be."""
+        softness = WEIGHTS.softness(self.healthy.is_noise)
+        return gain - _least_price(effect) >= softness * float(np.log(WEIGHTS.least_seen))
+
     def _missed(self, fitted: Hypothesis) -> FloatArray:
         """Return whitened residuals (m,), weighed by how many of them count as one."""
         return np.concatenate([each.whitened * each.weights(self.share) for each in fitted.residuals])
@@ -292,13 +303,18 @@ class Appraisal:
 
 def _price(effect: EffectType, values: Values) -> float:
     """Return what an effect costs: that it came, its parameters, its days, and its hours, unless it acts always."""
+    least = _least_price(effect)
+    if not effect.has_hours() or effect.hours(effect.Parameters(**values)) is None:
+        return least
+    return least + float(np.log(SPANS))
+
+
+def _least_price(effect: EffectType) -> float:
+    """Return what an effect costs that acts always."""
     came, days = -float(np.log(WEIGHTS.prior)), days_of(effect)
     if days is not None:
         came += WEIGHTS.price + float(np.log(days.tried))
-    if not effect.has_hours():
-        return came + WEIGHTS.price * len(effect.priors)
-    acts_always = effect.hours(effect.Parameters(**values)) is None
-    return came + WEIGHTS.price * (len(effect.priors) - len(HOURS)) + (0.0 if acts_always else float(np.log(SPANS)))
+    return came + WEIGHTS.price * (len(effect.priors) - (len(HOURS) if effect.has_hours() else 0))
 
 
 def _of_form(left: Residual, change: FloatArray) -> FloatArray:

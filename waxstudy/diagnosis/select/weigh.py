@@ -97,9 +97,11 @@ class Weighing(Appraisal):
             self.none = min([self.none, *(each for each in again if each)], key=self._loss)
 
     def _fits(self, effects: Sequence[EffectType], given: Hypothesis, tick: Tick) -> Iterator[Hypothesis]:
+        most = self.most_gained(given)
         for effect in effects:
             tick(effect.name)
-            fitted = self.estimator.fit(effect, given, ALL, Screen(WEIGHTS.screened, self.share))
+            screen = Screen(WEIGHTS.screened, self.share, not self.may_show(effect, most))
+            fitted = self.estimator.fit(effect, given, ALL, screen)
             if fitted is not None:
                 yield fitted
 
