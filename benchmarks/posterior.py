@@ -4,7 +4,8 @@ SET is a blind test's folder that was made for this, never one that is judged. E
 the truth is opened. What is learned, separately of chains with and without a healthy record and of rooms: the power by
 which weights are softened, and the share of nothing that goes to effects which would not show. Chosen is what gives the
 truth the most (logarithmic score); each engine is then left out in turn and scored by what the others chose. Kept
-engines are not looked at.
+engines are not looked at. Effects that could not show with the power of today are fitted roughly whatever power is
+asked for: they have next to nothing.
 """
 
 from __future__ import annotations

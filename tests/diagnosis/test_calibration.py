@@ -23,7 +23,7 @@ from waxstudy.diagnosis.calibration.calibrate import (
     _covariance,
     _gain,
     _most_gained,
-    _standing,
+    _still_best,
     calibrate,
     lasting_unknowns,
 )
@@ -99,24 +99,56 @@ def named(of: tuple[Calibration, Belief]) -> dict[str, Calibrated]:
     return {each.name: each for each in calibrated(*of)}
 
 
-@pytest.mark.parametrize(("came", "is_kept"), [("sensor_delay", True), ("setpoint_offset", False), (None, True)])
-def test_a_fit_is_kept_where_nothing_that_it_moves_was_changed_since(came: str | None, is_kept: bool) -> None:
-    """A sensor whose reading was logged moves no controller."""
-    values = {"sensor_delay": {"delay_s": 60.0}, "setpoint_offset": {"offset_K": 0.1}}
+@pytest.mark.parametrize(
+    ("effect", "came", "is_kept"),
+    [
+        ("dead-band", {"sensor_delay": {"delay_s": 60.0}}, True),
+        ("dead-band", {"setpoint_offset": {"offset_K": 0.1, "from_h": 0.0, "to_h": 24.0}}, False),
+        ("dead-band", {}, True),
+        ("constant-times", {"slow_actuator": {"factor": 1.2}}, True),
+        ("limited-travel", {"slow_actuator": {"factor": 1.2}}, False),
+    ],
+)
+def test_a_fit_is_kept_where_nothing_that_it_moves_was_changed_since(
+    effect: str, came: dict[str, Any], is_kept: bool
+) -> None:
+    """A sensor whose reading was logged moves no controller, and times that replace a motor's own replace slow ones."""
+    values = {
+        "dead-band": {"dead_band_K": 0.7},
+        "constant-times": {"dead_time_s": 150.0, "rise_time_s": 146.0, "hold_time_s": 110.0, "fall_time_s": 123.0},
+        "limited-travel": {"opening": 0.8},
+    }
     record = record_of(dataset(rows("REAL", 3, interval_s=60.0), "REAL"))
-    believed = belief("REAL", record)
-    link = next(each for each in segments(record, believed) if "controller" in each.stages)
+    believed, found = belief("REAL", record), EFFECTS[effect]
+    link = next(each for each in segments(record, believed) if found.stage in each.stages)
     before = SegmentProblem(link, record, believed)
-    (edit,) = effects(dead_band={"dead_band_K": 0.7})
     departed = np.zeros(0), link.conventions[0]
-    without, one = before.at((), *departed), before.at([(EFFECTS[edit[0]], dict(edit[1]))], *departed)
+    without, one = before.at((), *departed), before.at([(found, values[effect])], *departed)
+    later = SegmentProblem(link, record, with_effects(believed, effects(**came)))
+    fitted = later.at((), *departed)
     assert without
     assert one
-    later = with_effects(believed, effects(**{came: values[came]}) if came else ())
-    kept = _standing(SegmentProblem(link, record, later), without, one)
-    assert (kept is not None) is is_kept
+    assert fitted
+    assert (_still_best(later, found, fitted, without, one) is not None) is is_kept
     # an effect that moves nothing where it was fitted says nothing of where it would be now
-    assert _standing(SegmentProblem(link, record, later), without, without) is None
+    assert _still_best(later, found, fitted, without, without) is None
+
+
+def test_a_fit_that_misses_more_gains_nothing_however_its_cycles_look() -> None:
+    """Two channels of four cycles: one has two that are worse, in the other two better ones are no gain over noise."""
+
+    def missed(*channels: tuple[float, ...]) -> Any:
+        return SimpleNamespace(by_motion=[channel(name, each) for name, each in zip("ab", channels, strict=True)])
+
+    def channel(name: str, each: tuple[float, ...]) -> Residual:
+        cycle = np.arange(len(each))
+        return Residual(name, "K", np.array(each), np.array(each), cycle >= 0, cycle, np.zeros(len(each)), cycle)
+
+    before = missed((1.0, 1.0, 1.0, 1.0), (0.9, 0.9, 0.9, 0.9))
+    after = missed((1.0, 1.7, 1.7, 1.0), (0.1, 0.9, 0.9, 0.1))
+    share = {"a": 1.0, "b": 1.0}
+    assert _gain(before, after, share) < 0.0
+    assert _most_gained(before, share) == 0.0
 
 
 @pytest.mark.parametrize("true_K", [0.5, 0.9])

@@ -14,7 +14,7 @@ from waxstudy.diagnosis.model.room_response import built, coarsened, room_respon
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.residuals.judge import Judge
 from waxstudy.plugin import FloatArray, Inputs, LinearRoom, Role, Room
-from waxstudy.simulation.recorded import SUN, Moving, driven_by, recorded_room, respond, respond_to_changes
+from waxstudy.simulation.recorded import SUN, Moving, driven_by, recorded_room, respond, respond_to_heat
 
 HOURS = 48
 
@@ -131,7 +131,7 @@ def test_what_a_room_makes_of_heat_alone_is_what_that_heat_adds(moving: Moving |
     heat_W = np.where(np.arange(count) // 36 == 9, 80.0, 0.0)
     still, warm = (inputs() if each is None else inputs(extra_W=each) for each in (None, heat_W))
     before, after = (respond(driven_by(room(), each), each, flow, moving) for each in (still, warm))
-    (change,) = respond_to_changes(room(), still, flow, [{"extra_W": heat_W}], moving)
+    (change,) = respond_to_heat(room(), still, flow, [{"extra_W": heat_W}], moving)
     for name in ("air_C", "operative_C", "floor_surface_C", "return_C"):
         assert change[name] == pytest.approx(after[name] - before[name], abs=0.002, nan_ok=True)
     assert change["air_C"].max() > 0.3

@@ -26,6 +26,8 @@ from waxstudy.dataset.sunlight import (
 from waxstudy.dataset.tables import Site
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.model.as_built import AsBuilt, knobs
 from waxstudy.diagnosis.model.nuisance import Nuisance, habits, nuisances, of_record
 from waxstudy.diagnosis.model.room_response import built
@@ -149,6 +151,62 @@ def test_a_record_with_gains_needs_no_habits_of_a_healthy_one_without() -> None:
     assert (there.knobs, there.departures.tolist(), there.covariance.tolist()) == ((other,), [1.0], [[1.0]])
 
 
+@pytest.mark.parametrize("put_in", [{}, {"gain_shift": {"shift_h": 2.0, "factor": 1.5}}])
+def test_what_heat_adds_by_itself_is_what_a_room_makes_of_it_beside_all_else(put_in: dict[str, Any]) -> None:
+    """An effect may move it; the first day is repeated with it."""
+    problem = without_sun_and_gains()
+    there = departed(problem, [(EFFECTS[name], dict(values)) for name, values in effects(**put_in)])
+    found = problem.added_heat_slopes(there, range(len(problem.sd)))
+    shapes = {shape.name for each in problem.record.stand_ins.values() for shape in each.shapes}
+    assert {problem.nuisances[place].name for place in found} == shapes
+    for place in list(found)[::3]:
+        departures = there.departures.copy()
+        departures[place] += 0.1 * problem.sd[place]
+        moved = problem.at(there.effects, departures, there.convention)
+        assert moved
+        slope = (moved.whitened - there.whitened) / (0.1 * problem.sd[place])
+        assert found[place] == pytest.approx(slope, abs=1e-4 * np.abs(slope).max())
+
+
+def without_sun_and_gains() -> SegmentProblem:
+    seen = record_of(dataset(rows("REAL", DAYS, without=(SUN, GAINS)), "REAL"))
+    believed = belief("REAL", seen)
+    room = next(each for each in segments(seen, believed) if each.with_room and not each.is_supply)
+    return SegmentProblem(room, seen, believed)
+
+
+def departed(problem: SegmentProblem, edits: Edits) -> Hypothesis:
+    found = problem.at(edits, np.linspace(-0.5, 0.5, len(problem.sd)) * problem.sd, problem.conventions[0])
+    assert found
+    return found
+
+
+def test_heat_that_an_effect_takes_the_place_of_has_no_slope_and_what_becomes_of_it_otherwise_is_not_its_own() -> None:
+    problem = without_sun_and_gains()
+    shape = next(each for each in problem.nuisances if each.is_added_heat)
+    extra = EFFECTS["extra-heat"]
+    values = {"heat_W": 20.0, "radiant_share": 0.0}
+
+    class Instead(extra):  # type: ignore[valid-type,misc]
+        absorbs = (shape.name,)
+
+    class Vented(extra):  # type: ignore[valid-type,misc]
+        """A part of the gains leaves with the air."""
+
+        @classmethod
+        def apply(cls, belief: Belief, p: Any) -> Belief:
+            assert belief.inputs
+            warmer_C = belief.inputs.outdoor_C + 0.01 * belief.inputs.gains_W
+            return replace(belief, inputs=replace(belief.inputs, outdoor_C=warmer_C))
+
+    place = problem.nuisances.index(shape)
+    (slope,) = problem.added_heat_slopes(departed(problem, [(Instead, values)]), [place]).values()
+    assert (slope == 0.0).all()
+    gains = [n for n, each in enumerate(problem.nuisances) if each.is_added_heat and each.name.startswith("gains")]
+    assert gains
+    assert problem.added_heat_slopes(departed(problem, [(Vented, values)]), gains) == {}
+
+
 @pytest.mark.parametrize(("before", "later"), [((), (GAINS,)), ((GAINS,), ())])
 def test_what_a_healthy_record_cannot_tell_of_gains_is_as_unknown_as_without_it(
     before: tuple[str, ...], later: tuple[str, ...]
@@ -220,28 +278,6 @@ def test_an_unrecorded_sun_may_shine_at_any_hours_of_the_season_and_fall_anywher
 
 
 # --- the sun of a clear sky ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("put_in", [{}, {"gain_shift": {"shift_h": 2.0, "factor": 1.5}}])
-def test_what_heat_adds_by_itself_is_what_a_room_makes_of_it_beside_all_else(put_in: dict[str, Any]) -> None:
-    """An effect may move it, and may take its place; the first day is repeated with it."""
-    seen = record_of(dataset(rows("REAL", DAYS, without=(SUN, GAINS)), "REAL"))
-    believed = belief("REAL", seen)
-    room = next(each for each in segments(seen, believed) if each.with_room and not each.is_supply)
-    problem = SegmentProblem(room, seen, believed)
-    edits = [(EFFECTS[name], dict(values)) for name, values in effects(**put_in)]
-    there = problem.at(edits, np.linspace(-0.5, 0.5, len(problem.sd)) * problem.sd, problem.conventions[0])
-    assert there
-    found = problem.heat_slopes(there, range(len(problem.sd)))
-    shapes = {shape.name for each in seen.stand_ins.values() for shape in each.shapes}
-    assert {problem.nuisances[place].name for place in found} == shapes
-    for place in list(found)[::3]:
-        departures = there.departures.copy()
-        departures[place] += 0.1 * problem.sd[place]
-        moved = problem.at(edits, departures, there.convention)
-        assert moved
-        slope = (moved.whitened - there.whitened) / (0.1 * problem.sd[place])
-        assert found[place] == pytest.approx(slope, abs=1e-4 * np.abs(slope).max())
 
 
 def clear_W(site: Site, day: str = "2023-03-20") -> np.ndarray:

@@ -59,4 +59,4 @@ def checked(model: type[P], values: Mapping[str, Any]) -> P:
 
 def changed(parameters: P, **values: Any) -> P:
     """Return parameters with some of them changed; raise `ValueError` with a one-line reason."""
-    return checked(type(parameters), vars(parameters) | values)
+    return checked(type(parameters), {**dict(parameters), **values})

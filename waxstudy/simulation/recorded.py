@@ -146,8 +146,8 @@ def weather_of(inputs: Inputs) -> WeatherRecord:
 
 def driven_by(room: LinearRoom, inputs: Inputs, step_s: float | None = None) -> DrivenRoom:
     """Return a room in modal form under recorded inputs; the step is the interval, at most the one given or 150 s."""
-    parts = max(1, int(np.ceil(inputs.interval_s / (step_s or LONGEST_STEP_S))))
-    return drive(recorded_room(room, inputs), weather_of(inputs), inputs.interval_s / parts, TOLERANCE_K, main_modes)
+    water_step_s = _water_step_s(inputs, step_s or LONGEST_STEP_S)
+    return drive(recorded_room(room, inputs), weather_of(inputs), water_step_s, TOLERANCE_K, main_modes)
 
 
 def respond(
@@ -174,38 +174,37 @@ def respond(
     return found
 
 
-def respond_to_changes(
+def respond_to_heat(
     room: LinearRoom,
     inputs: Inputs,
     flow_L_h: FloatArray,
-    changes: Iterable[Mapping[str, FloatArray]],
+    heats_W: Iterable[Mapping[str, FloatArray]],
     moving: Moving | None = None,
     repeats_first_day: bool = False,
 ) -> Iterator[dict[str, FloatArray]]:
-    """Yield by how much a room is changed by each change of its inputs, by field (n,), as `respond` has it.
+    """Yield by how much a room is changed by each course of heat [W], by field of its inputs (n,), as `respond` has it.
 
-    A room with a given flow is linear in its inputs: each change is run alone, with nothing else that drives the room.
-    Where the first day is not repeated nothing is changed before a change begins.
+    A room with a given flow is linear in heat: each course is run alone, with nothing else that drives the room. As in
+    `respond` the first day is repeated for a week before, or else nothing is changed before a course begins.
     """
     whole = recorded_room(room, inputs)
     places = {each.name: place for place, each in enumerate(whole.inputs)}
-    step_s = inputs.interval_s / max(1, int(np.ceil(inputs.interval_s / LONGEST_STEP_S)))
     units: dict[str, DrivenRoom] = {}
     conductance_W_K = _exchange_W_K(room, inputs, flow_L_h, moving)
     stream_W_K = np.asarray(flow_L_h) / 3600.0 * room.water_J_L_K
     day = min(len(flow_L_h), round(DAY_S / inputs.interval_s))
-    for change in changes:
-        for name in change:
-            if name not in units:
-                units[name] = drive(_driven_alone(whole, places[name]), weather_of(inputs), step_s, 0.0)
-        first = min(int(np.argmax(each != 0.0)) for each in change.values())
+    for heat_W in heats_W:
+        for name in heat_W.keys() - units.keys():
+            alone = _driven_alone(whole, places[name])
+            units[name] = drive(alone, weather_of(inputs), _water_step_s(inputs, LONGEST_STEP_S), 0.0)
+        first = min(int(np.argmax(each != 0.0)) for each in heat_W.values())
         repeated = day if repeats_first_day and first < day else 0
         first = 0 if repeated else first
-        pairs = [(each[first:, None], units[name]) for name, each in change.items()]
+        pairs = [(each[first:, None], units[name]) for name, each in heat_W.items()]
         course = replace(
             pairs[0][1],
-            forcing=sum(later * unit.forcing[0] for later, unit in pairs),
-            offsets=sum(later * unit.offsets[0] for later, unit in pairs),
+            forcing=sum(later_W * unit.forcing[0] for later_W, unit in pairs),
+            offsets=sum(later_W * unit.offsets[0] for later_W, unit in pairs),
             supply_C=np.zeros(len(flow_L_h) - first),
         )
         still = np.zeros(len(course.decay))
@@ -214,6 +213,10 @@ def respond_to_changes(
         with np.errstate(divide="ignore", invalid="ignore"):
             found["return_C"] = np.where(stream_W_K > 0.0, -found["water_heat_W"] / stream_W_K, np.nan)
         yield found
+
+
+def _water_step_s(inputs: Inputs, longest_s: float) -> float:
+    return inputs.interval_s / max(1, int(np.ceil(inputs.interval_s / longest_s)))
 
 
 def _driven_alone(room: LinearRoom, place: int) -> LinearRoom:

@@ -101,13 +101,12 @@ def _with_always(
         if len(found) == WEIGHTS.most_always:
             return problem, fitted, found
         possible = [effect for effect in named if effect not in dict(found) and not effect.hindrance(belief)]
-        gains = [
-            (gain, one)
-            for gain, one in _paying(Estimator(problem, thorough), fitted, possible, fits)
-            if not _hinders(named, belief, problem.belief_of(one))
-        ]
-        best = max(gains, key=lambda each: each[0], default=(0.0, fitted))
-        if best[0] <= 0.0:
+        best = 0.0, fitted
+        for effect, gain, one in _paying(Estimator(problem, thorough), fitted, possible, fits):
+            fits[effect] = fitted, one
+            if gain > best[0] and not _hinders(named, belief, problem.belief_of(one)):
+                best = gain, one
+        if best[1] is fitted:
             return problem, fitted, found
         found += best[1].effects
         belief = problem.belief_of(best[1])
@@ -117,33 +116,39 @@ def _paying(
     estimator: Estimator[SegmentProblem],
     fitted: Hypothesis,
     effects: Effects,
-    fits: dict[type[Effect], tuple[Hypothesis, Hypothesis]],
-) -> Iterator[tuple[float, Hypothesis]]:
-    """Yield what each effect that may pay gains beyond its price, and its fit, which is put into `fits`."""
+    fits: Mapping[type[Effect], tuple[Hypothesis, Hypothesis]],
+) -> Iterator[tuple[type[Effect], float, Hypothesis]]:
+    """Yield each effect that may pay, what it gains beyond its price, and its fit; `fits` are those from before."""
     share = {each.channel: together(each) for each in fitted.by_motion}
     most = _most_gained(fitted, share)
     for effect in effects:
         price = WEIGHTS.always * len(effect.priors)
         if most > price:
-            one = _standing(estimator.problem, *fits[effect]) if effect in fits else None
+            one = _still_best(estimator.problem, effect, fitted, *fits[effect]) if effect in fits else None
             one = one or estimator.fit(effect, fitted, screen=Screen(WEIGHTS.promised * price, share))
             if one:
-                fits[effect] = fitted, one
-                yield _gain(fitted, one, share) - price, one
+                yield effect, _gain(fitted, one, share) - price, one
 
 
-def _standing(problem: SegmentProblem, without: Hypothesis, one: Hypothesis) -> Hypothesis | None:
-    """Return a fit of an effect from before another was found, where that changes nothing that the effect moves.
+def _still_best(
+    problem: SegmentProblem, effect: type[Effect], fitted: Hypothesis, without: Hypothesis, one: Hypothesis
+) -> Hypothesis | None:
+    """Return a fit of an effect from before another was found, where that changed nothing that the effect moves.
 
-    As of a controller whose reading was logged, after an effect of its sensor: a new fit would end where it began.
+    A new fit would end where it began: as of a controller whose reading was logged, after an effect of its sensor; or
+    of an effect that takes the place of the block in which the other one acts.
     """
     again = problem.at(one.effects, one.departures, one.convention)
     if again is None:
         return None
-    three = zip(without.residuals, one.residuals, again.residuals, strict=True)
-    moved = [(old, new) for none, old, new in three if not np.array_equal(none.whitened, old.whitened)]
-    is_same = moved and all(np.array_equal(old.whitened, new.whitened) for old, new in moved)
-    return again if is_same else None
+    four = zip(without.residuals, fitted.residuals, one.residuals, again.residuals, strict=True)
+    moved = [each for each in four if not _is_same(each[0], each[2])]
+    stands = (_is_same(with_it, now) and (effect.replaces or _is_same(old, new)) for old, new, with_it, now in moved)
+    return again if moved and all(stands) else None
+
+
+def _is_same(one: Residual, other: Residual) -> bool:
+    return np.array_equal(one.whitened, other.whitened)
 
 
 def _hinders(effects: Effects, before: Belief, after: Belief) -> bool:
@@ -165,7 +170,7 @@ def _gain(fitted: Hypothesis, other: Hypothesis, share: Mapping[str, float]) -> 
         for residual, sign in ((old, 0.5), (new, -0.5)):
             by_cycle += sign * _squares(residual, len(by_cycle)) / scale
     most, whole = float(by_cycle.max()), float(by_cycle.sum())
-    return gain * (1.0 - most / whole) if whole > 0.0 else gain
+    return gain * (1.0 - most / whole) if gain > 0.0 and whole > 0.0 else gain
 
 
 def _most_gained(fitted: Hypothesis, share: Mapping[str, float]) -> float:

@@ -110,8 +110,8 @@ def _resolving(
 
 
 def _data(problem: SegmentProblem, fitted: Hypothesis, pieces: Pieces, unknowns: tuple[Unknowns, Unknowns]) -> HeatData:
-    changes = [{"extra_W": each} for each in pieces.courses()]
-    return HeatData(fitted.whitened, problem.moved(fitted, changes), *unknowns)
+    heats_W = [{"extra_W": each} for each in pieces.courses()]
+    return HeatData(fitted.whitened, problem.warmed(fitted, heats_W), *unknowns)
 
 
 def _pieces(problem: SegmentProblem, pieces: Pieces, heat: HeatEstimate) -> list[HeatPiece]:

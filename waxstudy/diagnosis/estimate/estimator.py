@@ -201,7 +201,7 @@ class Estimator(Generic[P]):
         # another reading of the sun or of means moves an effect's best place by little, and the fit goes there
         found += [look.again(found[0][1], convention) for convention in self.conventions if convention not in spread]
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
-        if possible and not self.has_nuisances and not look.is_vain:
+        if possible and not self.has_nuisances and not look.cannot_show:
             scanned = list(look.scanned(*possible[0]))
             likeliest = min(scanned, key=itemgetter(0))[1]
             possible = [*scanned, *(look.better(each, likeliest) for each in possible[1:])]
@@ -245,7 +245,7 @@ class Estimator(Generic[P]):
         whole = fitted.whitened
         columns = [np.zeros((len(whole), 0))]
         wanted = range(len(self.problem.sd)) if places is None else places
-        of_heat = self.problem.heat_slopes(fitted, wanted)
+        of_heat = self.problem.added_heat_slopes(fitted, wanted)
         for place in wanted:
             if place in of_heat:
                 columns.append(of_heat[place][:, None])

@@ -139,7 +139,7 @@ class Problem(Protocol):
     def at(self, effects: Edits, departures: FloatArray, convention: Convention) -> Hypothesis | None:
         """Return what a hypothesis misses at given values, or None where it cannot be simulated."""
 
-    def heat_slopes(self, fitted: Hypothesis, places: Iterable[int]) -> Mapping[int, FloatArray]:
+    def added_heat_slopes(self, fitted: Hypothesis, places: Iterable[int]) -> Mapping[int, FloatArray]:
         """Return the change of the whitened residuals (m,) with nuisances that do no more than add heat, by place."""
 
     def drive_noise(self, fitted: Hypothesis) -> Mapping[int, float]:

@@ -28,9 +28,8 @@ STARTS, STEPS, FAR = 8, 5, 0.1  # such points, steps from each, and the share of
 class Screen:
     """What an effect must promise for a closer look: log likelihood that it would gain, were all straight."""
 
-    least: float
+    least: float  # infinite for an effect that could not show whatever it promised
     share: Mapping[str, float]  # by channel: how many samples count as one
-    is_vain: bool = False  # whether an effect could not show even if it explained all that is missed
 
     def gain(self, given: Hypothesis, look: Hypothesis) -> tuple[float, float]:
         """Return the most that is gained along the change that a look makes, and how far along it."""
@@ -99,11 +98,11 @@ class StartPoints:
     @property
     def is_hopeless(self) -> bool:
         """Whether the effect would gain too little for a closer look, by all that was looked at."""
-        return bool(self.screen and self.promised and (self.is_vain or self.promised[0] < self.screen.least))
+        return bool(self.screen and self.promised and self.promised[0] < self.screen.least)
 
     @property
-    def is_vain(self) -> bool:
-        return self.screen is not None and self.screen.is_vain
+    def cannot_show(self) -> bool:
+        return self.screen is not None and self.screen.least == np.inf
 
     def _screened(
         self,

@@ -15,7 +15,7 @@ from waxstudy.diagnosis.model.conventions import PLAIN, Convention
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import ROOM_OUTPUTS, Belief, FloatArray, Inputs, LinearRoom, ModelError, Room
 from waxstudy.plugin.model_error import model_errors
-from waxstudy.simulation.recorded import Moving, driven_by, respond, respond_to_changes
+from waxstudy.simulation.recorded import Moving, driven_by, respond, respond_to_heat
 from waxstudy.study.model import Choice
 
 OF_ROOM = {
@@ -82,25 +82,25 @@ def room_response(
     return _shown(respond(driven, coarse, flow, moving(belief, coarse, is_fine)), flow, convention, parts, merged)
 
 
-def response_to_changes(
+def response_to_heat(
     record: Record,
     belief: Belief,
     flow_L_h: FloatArray,
     convention: Convention,
-    changes: Iterable[Mapping[str, FloatArray]],
+    heats_W: Iterable[Mapping[str, FloatArray]],
     repeats_first_day: bool = False,
 ) -> Iterator[Predicted]:
-    """Yield by how much changes of the inputs, by field (n,) as the record, change what the room makes."""
+    """Yield by how much courses of heat [W], by field of the inputs (n,), change what the room makes."""
     assert belief.room
     parts, merged = merging(record.interval_s)
     coarse, flow = coarsened(record, belief, flow_L_h, parts)
 
-    def shown(change: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
-        found = {name: means(each, parts) for name, each in change.items()}
+    def shapes_W(heat_W: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
+        found = {name: means(each, parts) for name, each in heat_W.items()}
         return {name: (convention.solar_factor if name == "solar_W" else 1.0) * each for name, each in found.items()}
 
-    about = built(belief.room), coarse, flow, map(shown, changes), moving(belief, coarse), repeats_first_day
-    for found in respond_to_changes(*about):
+    about = built(belief.room), coarse, flow, map(shapes_W, heats_W), moving(belief, coarse), repeats_first_day
+    for found in respond_to_heat(*about):
         yield _shown(found, flow, convention, parts, merged)
 
 

@@ -22,7 +22,7 @@ from waxstudy.diagnosis.model.room_response import (
     full_flow_L_h,
     means,
     merging,
-    response_to_changes,
+    response_to_heat,
     room_response,
 )
 from waxstudy.diagnosis.observations.record import CONTINUOUS, FLOW, SUPPLY, Record
@@ -87,17 +87,20 @@ class Segment:
         shifted = {channel: shown.shifted[channel] for channel in self.judged if channel in shown.shifted}
         return Predicted({channel: shown[channel] for channel in self.judged}, shifted)
 
-    def moved(
+    def warmed(
         self,
         record: Record,
         belief: Belief,
         convention: Convention,
-        changes: Iterable[Mapping[str, FloatArray]],
+        heats_W: Iterable[Mapping[str, FloatArray]],
         repeats_first_day: bool = False,
     ) -> Iterator[Predicted]:
-        """Yield by how much each change of the room's inputs, by field (n,), changes what is predicted of the room."""
+        """Yield by how much each course of heat [W], by field of the inputs (n,), changes what is predicted of a room.
+
+        With `repeats_first_day` a course was in the week before as it is on the first day.
+        """
         _, flow = self._flow(record, belief, convention, STILL)
-        return response_to_changes(record, belief, flow, convention, changes, repeats_first_day)
+        return response_to_heat(record, belief, flow, convention, heats_W, repeats_first_day)
 
     def _flow(
         self, record: Record, belief: Belief, convention: Convention, perturbation: Perturbation

@@ -22,9 +22,9 @@ from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
 from waxstudy.diagnosis.residuals.judge import Judge, perturbed_by_noise
-from waxstudy.plugin import Belief, FloatArray, Inputs
+from waxstudy.plugin import Belief, FloatArray
 
-HEATS_W = ("solar_W", "gains_W", "extra_W")  # fields of the inputs in which a room with a given flow is linear
+HEAT_FIELDS = frozenset(("solar_W", "gains_W", "extra_W"))  # of `Inputs`: a room with a given flow is linear in them
 
 
 class SegmentProblem:
@@ -185,18 +185,17 @@ class SegmentProblem:
             return np.zeros(len(now))
         return np.concatenate([each.whitened for each in self.judge.residuals(other)]) - now
 
-    def moved(
-        self, fitted: Hypothesis, changes: Sequence[Mapping[str, FloatArray]], repeats_first_day: bool = False
+    def warmed(
+        self, fitted: Hypothesis, heats_W: Sequence[Mapping[str, FloatArray]], repeats_first_day: bool = False
     ) -> FloatArray:
-        """Return how far the whitened residuals (m, changes) move with changes of the room's inputs, by field (n,)."""
+        """Return how far the whitened residuals (m, heats) move with each course of heat, as `Segment.warmed`."""
         belief, convention = self.belief_of(fitted), fitted.convention
         still = self.predicted.remembered(_key(fitted.effects, fitted.departures), lambda: belief, convention)
-        moved = np.zeros((len(changes), len(fitted.whitened)))
-        if still is None:
-            return moved.T
+        assert still is not None
+        moved = np.zeros((len(heats_W), len(fitted.whitened)))
         end = np.cumsum([0, *(len(each.whitened) for each in fitted.residuals)])
-        found = self.segment.moved(self.record, belief, convention, changes, repeats_first_day)
-        for row, change in zip(moved, found, strict=True):
+        changes = self.segment.warmed(self.record, belief, convention, heats_W, repeats_first_day)
+        for row, change in zip(moved, changes, strict=True):
             for place, residual in enumerate(fitted.residuals):
                 if residual.channel in change:
                     there = Predicted({residual.channel: still[residual.channel] + change[residual.channel]})
@@ -204,25 +203,28 @@ class SegmentProblem:
                     row[end[place] : end[place + 1]] = now.whitened - residual.whitened
         return moved.T
 
-    def heat_slopes(self, fitted: Hypothesis, places: Iterable[int]) -> Mapping[int, FloatArray]:
-        """Return the change of the whitened residuals (m,) with departures that do no more than add heat, by place."""
-        absorbed = _absorbed(fitted.effects)
+    def added_heat_slopes(self, fitted: Hypothesis, places: Iterable[int]) -> Mapping[int, FloatArray]:
+        """Return the change of the whitened residuals (m,) with nuisances that do no more than add heat, by place.
+
+        Those are left out that an effect makes something else of.
+        """
         of_heat = {place: self.nuisances[place] for place in places if self.nuisances[place].is_added_heat}
         if not of_heat:
             return {}
+        absorbed = _absorbed(fitted.effects)
         before = self._departed(fitted.departures, absorbed)
-        still = _with_effects(before, fitted.effects).inputs
-        assert still
-        steps, changes = dict[int, float](), dict[int, Mapping[str, FloatArray]]()
+        still = _with_effects(before, fitted.effects)
+        found, heats_W = dict[int, FloatArray](), dict[int, Mapping[str, FloatArray]]()
         for place, nuisance in of_heat.items():
-            step = 0.1 * nuisance.sd if nuisance.name not in absorbed else 0.0
-            after = _with_effects(nuisance.apply(before, step), fitted.effects).inputs
-            assert after
-            if change := _differing(still, after):
-                steps[place], changes[place] = step, change
-        moved = self.moved(fitted, list(changes.values()), repeats_first_day=True)
-        found = dict.fromkeys(of_heat, np.zeros(len(fitted.whitened)))
-        return found | {place: column / steps[place] for place, column in zip(changes, moved.T, strict=True)}
+            if nuisance.name in absorbed:
+                found[place] = np.zeros(len(fitted.whitened))
+                continue
+            after = _with_effects(nuisance.apply(before, 0.1 * nuisance.sd), fitted.effects)
+            if heat_W := _heat_between(still, after):
+                heats_W[place] = heat_W
+        moved = self.warmed(fitted, list(heats_W.values()), repeats_first_day=True)
+        slopes = {place: column / (0.1 * self.sd[place]) for place, column in zip(heats_W, moved.T, strict=True)}
+        return found | slopes
 
     def without_stand_ins(self, fitted: Hypothesis) -> Hypothesis:
         """Return a hypothesis without anything in the place of drives that nobody recorded."""
@@ -245,14 +247,18 @@ def _with_effects(belief: Belief, effects: Edits) -> Belief:
     return belief
 
 
-def _differing(before: Inputs, after: Inputs) -> dict[str, FloatArray]:
-    """Return by how much heat differs in two inputs, by field (n,); nothing of those in which it does not."""
-    found = {}
-    for name in HEATS_W:
-        old, new = getattr(before, name), getattr(after, name)
-        if new is not None and new is not old and np.any(change := new - (0.0 if old is None else old)):
-            found[name] = change
-    return found
+def _heat_between(one: Belief, other: Belief) -> dict[str, FloatArray]:
+    """Return the heat [W] by which the inputs of two beliefs differ, by field (n,); nothing where more than it does."""
+    assert one.inputs
+    assert other.inputs
+    found, before, after = dict[str, FloatArray](), vars(one.inputs), vars(other.inputs)
+    for name in before:
+        if before[name] is after[name] or np.array_equal(before[name], after[name]):
+            continue
+        if name not in HEAT_FIELDS or after[name] is None:
+            return {}
+        found[name] = after[name] - (0.0 if before[name] is None else before[name])
+    return found if (one.room, one.blocks) == (other.room, other.blocks) else {}
 
 
 def _key(effects: Edits, departures: FloatArray) -> tuple[Hashable, ...]:

@@ -204,16 +204,18 @@ class Appraisal:
         pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.by_motion}
         return {channel: loss / self.share.get(channel, 1.0) for channel, loss in pairs.items()}
 
-    def most_gained(self, given: Hypothesis) -> float:
-        """Return what one more effect of a chain would gain beside others, did it explain all beyond the usual."""
-        losses = self._losses(given)
-        usual = {each.channel: self.healthy.usual_loss(each) for each in given.by_motion}
-        return 0.5 * sum(loss - usual[name] / self.share.get(name, 1.0) for name, loss in losses.items())
+    def most_told(self, given: Hypothesis) -> float:
+        """Return what would speak for one more effect of a chain, but for its price, if it explained all that is amiss.
 
-    def may_show(self, effect: EffectType, gain: float) -> bool:
-        """Whether an effect that gains as much would show beside nothing, as cheap as it can be."""
+        That is what it gains and what nothing else than something unknown would excuse.
+        """
+        gains = (0.5 * self._beyond(each) / self.share.get(each.channel, 1.0) for each in given.by_motion)
+        return sum(gains) + min(0.5 * self.misfit(given) ** 2, WEIGHTS.unknown_price)
+
+    def may_show(self, effect: EffectType, told: float) -> bool:
+        """Whether an effect for which so much speaks would show beside what is given, as cheap as it can be."""
         softness = WEIGHTS.softness(self.healthy.is_noise)
-        return gain - _least_price(effect) >= softness * float(np.log(WEIGHTS.least_seen))
+        return told - _least_price(effect) >= softness * float(np.log(WEIGHTS.least_seen))
 
     def _missed(self, fitted: Hypothesis) -> FloatArray:
         """Return whitened residuals (m,), weighed by how many of them count as one."""

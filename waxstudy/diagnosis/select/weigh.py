@@ -97,11 +97,11 @@ class Weighing(Appraisal):
             self.none = min([self.none, *(each for each in again if each)], key=self._loss)
 
     def _fits(self, effects: Sequence[EffectType], given: Hypothesis, tick: Tick) -> Iterator[Hypothesis]:
-        most = self.most_gained(given)
+        most = self.most_told(given)
         for effect in effects:
             tick(effect.name)
-            screen = Screen(WEIGHTS.screened, self.share, not self.may_show(effect, most))
-            fitted = self.estimator.fit(effect, given, ALL, screen)
+            least = WEIGHTS.screened if self.may_show(effect, most) else np.inf
+            fitted = self.estimator.fit(effect, given, ALL, Screen(least, self.share))
             if fitted is not None:
                 yield fitted
 
