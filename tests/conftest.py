@@ -68,9 +68,9 @@ def pytest_configure() -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Two workers for each processor and one more: many tests wait for a process, a lock or a browser."""
+    """Two workers for each processor: many tests wait for a process, a lock or a browser."""
     may_be_used = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))(0)
-    return 2 * len(may_be_used) + 1
+    return 2 * len(may_be_used)
 
 
 def pytest_report_header() -> str:
