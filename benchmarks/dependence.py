@@ -80,12 +80,13 @@ def rooms(folder: Path, key: Key) -> Iterator[tuple[tuple[Record, Hypothesis], t
 def gone_with(before: Errors, after: Errors) -> tuple[float, float]:
     """Return the shares of both mean squares that go with regressors, as the first errors have them."""
     errors, judged, columns = before
-    says = np.linalg.lstsq(columns[judged], errors[judged], rcond=None)[0]
-    first, second = (
-        1.0 - np.mean((errors - columns @ says)[judged] ** 2) / np.mean(errors[judged] ** 2)
-        for errors, judged, columns in (before, after)
-    )
-    return float(first), float(second)
+    slopes = np.linalg.lstsq(columns[judged], errors[judged], rcond=None)[0]
+    return _share_gone(before, slopes), _share_gone(after, slopes)
+
+
+def _share_gone(of: Errors, slopes: FloatArray) -> float:
+    errors, judged, columns = of
+    return 1.0 - float(np.mean((errors - columns @ slopes)[judged] ** 2) / np.mean(errors[judged] ** 2))
 
 
 def shares(folder: Path, key: Key) -> Shares:

@@ -97,6 +97,6 @@ class PI(Controller):
     def step(p: Any, x: Any, u: float, t: float, dt: float) -> float:
         unlimited = p.gain * u + x.integral
         output = min(1.0, max(0.0, unlimited))
-        tracking = (output - unlimited) * (dt / (p.tracking_time_s + dt))  # no step waits for this quotient
+        tracking = (output - unlimited) * (dt / (p.tracking_time_s + dt))  # this division need not wait for the state
         x.integral += p.gain * u * dt / p.integration_time_s + tracking
         return output

@@ -26,12 +26,13 @@ FIELDS = {SUN: "solar_W", GAINS: "gains_W"}  # of `Inputs`
 ROLES = {SUN: Role.SUN, GAINS: Role.GAINS}
 DAY_H = 24.0
 SUN_W_M2 = 30.0  # of floor, spread of the sun around noon where nothing is known of it: a clear day in February has 80
-LATITUDE_DEG = 50.0  # where no place is told: the middle of where floors are heated so says how long the sun is up
-NOON_H, NOON_WITHIN_H = 12.0, 1.0  # of a place that nobody told: time zones put it an hour early or late
+# where no place is told: how long the sun is up by a latitude between those of Italy and Finland, and when by the
+# clock, of which time zones put noon up to an hour early or late
+LATITUDE_DEG, NOON_H, NOON_WITHIN_H = 50.0, 12.0, 1.0
 ANYWHERE = (
     "It may shine at other hours and fall anywhere in the room: heat by day is found only if it is larger or sharper."
 )
-PROFILE_STEP_H = 1.0  # of the sun's course of every day: in steps of 1.5 h its end at dusk looked like a window
+PROFILE_STEP_H = 1.0  # of the course of an unknown sun: in steps of 1.5 h dusk was taken for a window that closes
 # where windows look to, and where the sun falls, nobody told: the room's own way, on all surfaces, or into the air
 SUN_FIELDS = {"": "solar_W", ", to surfaces": "gains_W", ", to air": "extra_W"}
 MOST_SUNS = 14  # stretches of days that have a sun of their own; of a longer record each is several days

@@ -94,7 +94,7 @@ def _with_always(
     belief = there.believed(belief)
     found: list[tuple[type[Effect], Mapping[str, float]]] = []
     named = [effect for effect in effects if effect.stage in segment.stages]
-    fits: dict[type[Effect], tuple[Hypothesis, Hypothesis]] = {}  # what was fitted last without each effect, and with
+    fits: dict[type[Effect], tuple[Hypothesis, Hypothesis]] = {}  # by effect: the last fits without it and with it
     while True:
         problem = SegmentProblem(segment, record, belief, as_built=there, unknowns=(), parts=np.full(len(record), FIT))
         fitted = _fitted(problem)

@@ -102,6 +102,7 @@ class StartPoints:
 
     @property
     def cannot_show(self) -> bool:
+        """Whether no promise is enough for a closer look."""
         return self.screen is not None and self.screen.least == np.inf
 
     def _screened(

@@ -206,7 +206,7 @@ class SegmentProblem:
     def added_heat_slopes(self, fitted: Hypothesis, places: Iterable[int]) -> Mapping[int, FloatArray]:
         """Return the change of the whitened residuals (m,) with nuisances that do no more than add heat, by place.
 
-        Those are left out that an effect makes something else of.
+        A place is left out where an effect makes something else than heat of it.
         """
         of_heat = {place: self.nuisances[place] for place in places if self.nuisances[place].is_added_heat}
         if not of_heat:

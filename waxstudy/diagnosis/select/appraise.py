@@ -207,7 +207,8 @@ class Appraisal:
     def most_told(self, given: Hypothesis) -> float:
         """Return what would speak for one more effect of a chain, but for its price, if it explained all that is amiss.
 
-        That is what it gains and what nothing else than something unknown would excuse.
+        It would gain all that is missed beyond the usual, and leave no misfit; without it something unknown, for its
+        price, may excuse that misfit.
         """
         gains = (0.5 * self._beyond(each) / self.share.get(each.channel, 1.0) for each in given.by_motion)
         return sum(gains) + min(0.5 * self.misfit(given) ** 2, WEIGHTS.unknown_price)
