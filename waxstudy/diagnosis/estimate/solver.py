@@ -105,17 +105,23 @@ class LeastSquares:
         """Return the best damped step within the bounds."""
         normal = slopes.T @ slopes
         normal += damping * np.diag(np.diag(normal) + 1e-9)
-        step = np.linalg.solve(normal, -slopes.T @ missed)
-        low, high = self.low - x, self.high - x
-        if ((step < low) | (step > high)).any():
-            from scipy.optimize import lsq_linear
-
-            root = np.linalg.cholesky(normal).T
-            step = lsq_linear(root, root @ step, (low, high), method="bvls").x
-        return np.clip(step, low, high)
+        step = np.asarray(np.linalg.solve(normal, -slopes.T @ missed))
+        return within(np.linalg.cholesky(normal).T, step, self.low - x, self.high - x)
 
     @staticmethod
     def promised(slopes: FloatArray, missed: FloatArray, step: FloatArray) -> float:
         """Return the share of the loss that a step would take away, were all straight."""
         there = missed + slopes @ step
         return float(1.0 - (there @ there) / (missed @ missed))
+
+
+def within(root: np.ndarray, step: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the best step (n,) between bounds (n,), where `step` (n,) is the best of all.
+
+    Another one costs the squares of `root` (n, n) times its distance.
+    """
+    if ((step < low) | (step > high)).any():
+        from scipy.optimize import lsq_linear
+
+        step = lsq_linear(root, root @ step, (low, high), method="bvls").x
+    return np.asarray(np.clip(step, low, high))

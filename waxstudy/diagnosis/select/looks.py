@@ -11,8 +11,8 @@ import numpy as np
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.estimate.solver import MOST_SD, within
 from waxstudy.diagnosis.estimate.start_points import STRONGEST, TINY
-from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import BINS, Span, apart, parts_of_day, promising
 from waxstudy.diagnosis.select.days import Days, on_days
@@ -34,17 +34,16 @@ class Look(NamedTuple):
 
 
 class Looks:
-    """Looks at effects beside a room as it was calibrated.
+    """Looks at effects beside a room in which nothing changed, as that fits the record best: around it all is linear.
 
-    There its answer is linear; it is not where departures are large, as where they took the place of an effect.
+    A room that is calibrated on other weather, or whose sun nobody recorded, may be far from there.
     """
 
-    def __init__(self, estimator: Estimator[SegmentProblem], convention: Convention) -> None:
+    def __init__(self, estimator: Estimator[SegmentProblem], none: Hypothesis) -> None:
         self.problem, self.thorough, self.is_quick = estimator.problem, estimator.thorough, estimator.is_quick
-        sd = self.problem.sd
-        self.still = self.problem.at((), np.zeros(len(sd)), convention) or estimator.base
-        self.slopes = estimator.slopes_at(self.still)  # (m, nuisances)
-        self.basis, self.triangle = np.linalg.qr(np.vstack((self.slopes, self.problem.prior / sd)))
+        self.still = none
+        slopes = estimator.slopes_at(none) * self.problem.sd  # (m, nuisances), per standard deviation
+        self.basis, self.triangle = np.linalg.qr(np.vstack((slopes, self.problem.prior)))
         self._seen = self.problem.record.memory(arrays=4)
         self._in_parts: dict[tuple[object, ...], FloatArray | None] = {}
 
@@ -92,9 +91,13 @@ class Looks:
         still = self._still(effect)
         return Space(effect).scaled(look.values, still, look.strength) if still else look.values
 
-    def step(self, missed: FloatArray, look: Look) -> FloatArray:
-        """Return how far the nuisances would depart (nuisances,) with what was looked at."""
-        return np.linalg.solve(self.triangle, -self.basis.T @ (missed + look.strength * look.change))
+    def departures(self, given: Hypothesis, look: Look) -> FloatArray:
+        """Return the departures (nuisances,), as far as they may go, that suit what was looked at best."""
+        after = self.missed(given) + look.strength * look.change
+        step = np.asarray(np.linalg.solve(self.triangle, -self.basis.T @ after))
+        here = given.departures / self.problem.sd
+        best = here + within(self.triangle, step, -MOST_SD - here, MOST_SD - here)
+        return np.asarray(best * self.problem.sd)
 
     def _looks(self, effect: EffectType, points: Sequence[Values], before: FloatArray) -> list[Look]:
         return [look for values in points if (look := self._look(effect, values, before))]

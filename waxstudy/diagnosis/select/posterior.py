@@ -58,7 +58,7 @@ def posterior(found: Sequence[Weighed], soft: float | None = None, unseen: float
     The first is that nothing changed. What was so from the start is no change. `python -m benchmarks.posterior` asks
     for other values of what is learned.
     """
-    best = max(found, key=score)
+    best = _best(found)
     gains = _gains(found, best)
     logs: dict[str, float] = {}
     for each, own, gain in zip(found, gains, _with_peers(found, gains), strict=True):
@@ -72,6 +72,16 @@ def posterior(found: Sequence[Weighed], soft: float | None = None, unseen: float
     whole = sum(weights.values())
     share = WEIGHTS.unseen(found[0].is_of_room) if unseen is None else unseen
     return _with_unseen({name: weight / whole for name, weight in weights.items()}, found, share)
+
+
+def _best(found: Sequence[Weighed]) -> Weighed:
+    """Return the best hypothesis; of several with its names the one that tells most by the same spread.
+
+    An effect that acts on some days and the same effect always are told apart by what they gain, not by how it varies.
+    """
+    best = max(found, key=score)
+    same = [each for each in found if best.names and each.names == best.names]
+    return max(same, key=lambda each: _in_all(each, each.gain / best.spread + each.ease), default=best)
 
 
 def _with_unseen(beliefs: Mapping[str, float], found: Sequence[Weighed], share: float) -> dict[str, float]:

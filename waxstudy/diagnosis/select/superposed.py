@@ -9,7 +9,6 @@ import numpy as np
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType
-from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.partition import ALL
@@ -24,11 +23,11 @@ PROMISING = 2.0  # of log likelihood that an effect must gain in a straight line
 
 
 class Superposed:
-    """Looks at each effect once, all over its parameters, beside what was calibrated; beside others they add up."""
+    """Looks at each effect once, all over its parameters, beside nothing that changed; beside others they add up."""
 
     def __init__(self, estimator: Estimator[SegmentProblem], none: Hypothesis) -> None:
         self.estimator, self.problem = estimator, estimator.problem
-        self.looks = Looks(estimator, none.convention)
+        self.looks = Looks(estimator, none)
 
     def fits(
         self, effects: Sequence[EffectType], given: Hypothesis, tick: Callable[[str], None]
@@ -45,15 +44,22 @@ class Superposed:
             return None
         best, gain = found[0]
         if gain < PROMISING:
-            # with more than one there is nothing to tell; alone it is told what it comes to
-            return None if given.effects else self.problem.at(*best, given.convention)
+            if given.effects:
+                return None  # with more than one there is nothing to tell; alone it is told what it comes to
+            there = self.problem.at(*best, given.convention)
+            if there is None or self._gain(there, given) > -PROMISING:
+                return there  # what is far worse than promised is fitted as well: nothing is straight there
         starts = [*(start for start, _ in found), *self._instead(effect, given)]
         # slopes where nothing changed are near enough for the first fits
         tried = [self._fitted(*start, given.convention, self.estimator.base_slopes) for start in starts]
         fitted = min((each for each in tried if each), key=lambda each: self.estimator.score(each, ALL), default=None)
-        if fitted is None or self.estimator.score(given, ALL) - self.estimator.score(fitted, ALL) < 2.0 * PROMISING:
+        if fitted is None or self._gain(fitted, given) < PROMISING:
             return fitted
         return self._fitted(fitted.effects, fitted.departures, fitted.convention)
+
+    def _gain(self, fitted: Hypothesis, given: Hypothesis) -> float:
+        """Return the log likelihood that a fit gains over the hypothesis it was added to."""
+        return 0.5 * (self.estimator.score(given, ALL) - self.estimator.score(fitted, ALL))
 
     def on_days(self, fitted: Hypothesis, among: Sequence[Days]) -> Hypothesis | None:
         """Return an effect of a room that acts at hours, where it acts on those of some days that promise most."""
@@ -64,10 +70,8 @@ class Superposed:
         if not is_of_inputs or not (found := self.looks.on_days(effect, values, among)):
             return None
         chosen, look = found
-        most = MOST_SD * self.problem.sd
-        step = self.looks.step(self.looks.missed(self.looks.still), look)
-        edits = [(chosen, self.looks.values(chosen, look))]
-        days = self._fitted(edits, np.clip(self.looks.still.departures + step, -most, most), fitted.convention)
+        edits, departures = [(chosen, self.looks.values(chosen, look))], self.looks.departures(self.looks.still, look)
+        days = self._fitted(edits, departures, fitted.convention)
         return days if days and has_hours(*days.effects[0]) and self._needs_hours(days) else None
 
     def _needs_hours(self, days: Hypothesis) -> bool:
@@ -103,11 +107,8 @@ class Superposed:
 
     def _starts(self, effect: EffectType, given: Hypothesis) -> list[tuple[tuple[Edits, FloatArray], float]]:
         """Return the best values and departures to start from, with the log likelihood gained where all is straight."""
-        given = given if given.effects else self.looks.still
-        missed, most = self.looks.missed(given), MOST_SD * self.problem.sd
         found: list[tuple[tuple[Edits, FloatArray], float]] = []
-        for look in self.looks.best(effect, missed):
-            values = self.looks.values(effect, look)
-            departures = np.clip(given.departures + self.looks.step(missed, look), -most, most)
-            found.append((((*given.effects, (effect, values)), departures), look.gain))
+        for look in self.looks.best(effect, self.looks.missed(given)):
+            edits = (*given.effects, (effect, self.looks.values(effect, look)))
+            found.append(((edits, self.looks.departures(given, look)), look.gain))
         return found
