@@ -227,6 +227,16 @@ def test_in_a_room_others_come_near_the_best_one_by_its_spread_and_do_not_outdo_
     assert found["extra-heat"] < found["extra-heat+unknown"] <= found["infiltration"] * (1.0 + 1e-9)
 
 
+def test_an_effect_always_and_on_some_days_is_one_name_and_no_other_effect_gains_by_the_choice() -> None:
+    """On days it tells without the best of them, and varies less: another effect would come level with it."""
+    always = replace(LEAK, gain=9300.0, spread=3.0, most=70.0, always=0.0, is_of_room=True)
+    some_days = replace(always, gain=7000.0, spread=2.2)
+    other = replace(always, fitted=_of("extra-heat"), names=("extra-heat",), gain=9250.0, spread=17.0)
+    assert score(some_days) > score(always) > score(other)
+    found = posterior([replace(NOTHING, is_of_room=True), some_days, always, other])
+    assert found["infiltration"] > 0.9 > 0.1 > found["extra-heat"]
+
+
 def test_what_looks_like_an_effect_is_something_unknown_the_rather_the_more_that_leaves() -> None:
     told = replace(LEAK, always=4.0, price=6.0, left=0.5)
     free = 6.0 + np.log(WEIGHTS.prior)
