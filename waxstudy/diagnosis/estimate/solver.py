@@ -106,7 +106,7 @@ class LeastSquares:
         normal = slopes.T @ slopes
         normal += damping * np.diag(np.diag(normal) + 1e-9)
         step = np.asarray(np.linalg.solve(normal, -slopes.T @ missed))
-        return within(np.linalg.cholesky(normal).T, step, self.low - x, self.high - x)
+        return within(normal, step, self.low - x, self.high - x)
 
     @staticmethod
     def promised(slopes: FloatArray, missed: FloatArray, step: FloatArray) -> float:
@@ -115,13 +115,14 @@ class LeastSquares:
         return float(1.0 - (there @ there) / (missed @ missed))
 
 
-def within(root: np.ndarray, step: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Return the best step (n,) between bounds (n,), where `step` (n,) is the best of all.
+def within(normal: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the best step (n,) between bounds (n,), where `step` (n,) is the best without them.
 
-    Another one costs the squares of `root` (n, n) times its distance.
+    Another step that lies d (n,) from that one costs d' `normal` d; `normal` is (n, n).
     """
     if ((step < low) | (step > high)).any():
         from scipy.optimize import lsq_linear
 
+        root = np.linalg.cholesky(normal).T
         step = lsq_linear(root, root @ step, (low, high), method="bvls").x
     return np.asarray(np.clip(step, low, high))

@@ -34,22 +34,36 @@ class Look(NamedTuple):
 
 
 class Looks:
-    """Looks at effects beside a room in which nothing changed, as that fits the record best: around it all is linear.
+    """Looks at effects beside the fit of nothing, around which the room's answer is nearly linear.
 
-    A room that is calibrated on other weather, or whose sun nobody recorded, may be far from there.
+    What was calibrated may be far from there: in other weather, or where nobody recorded the sun.
     """
 
     def __init__(self, estimator: Estimator[SegmentProblem], none: Hypothesis) -> None:
         self.problem, self.thorough, self.is_quick = estimator.problem, estimator.thorough, estimator.is_quick
-        self.still = none
+        self.none = none
         slopes = estimator.slopes_at(none) * self.problem.sd  # (m, nuisances), per standard deviation
         self.basis, self.triangle = np.linalg.qr(np.vstack((slopes, self.problem.prior)))
         self._seen = self.problem.record.memory(arrays=4)
         self._in_parts: dict[tuple[object, ...], FloatArray | None] = {}
+        self._resting: dict[tuple[str, ...], Hypothesis] = {}
 
     def missed(self, given: Hypothesis) -> FloatArray:
         """Return what a hypothesis misses, and how far it pulls (m + nuisances,)."""
         return np.concatenate((given.whitened, self.problem.prior @ (given.departures / self.problem.sd)))
+
+    def beside(self, effect: EffectType, given: Hypothesis) -> Hypothesis:
+        """Return a hypothesis in which the unknowns rest that an effect takes the place of."""
+        rests = np.array([each.name in effect.absorbs for each in self.problem.nuisances])
+        if not given.departures[rests].any():
+            return given
+        departures = np.where(rests, 0.0, given.departures)
+        if given is not self.none:
+            return self.problem.at(given.effects, departures, given.convention) or given
+        names = tuple(effect.absorbs)
+        if names not in self._resting:
+            self._resting[names] = self.problem.at((), departures, given.convention) or given
+        return self._resting[names]
 
     def best(self, effect: EffectType, missed: FloatArray) -> list[Look]:
         """Return the best look at an effect beside what is missed; of one with hours several, the best first."""
@@ -62,7 +76,7 @@ class Looks:
 
     def gain(self, effect: EffectType, values: Values) -> float:
         """Return the log likelihood that an effect promises at some values, as strong as suits; 0 if it cannot be."""
-        look = self._look(effect, values, self._free(self.missed(self.still)))
+        look = self._look(effect, values, self._free(self.missed(self.none)))
         return look.gain if look else 0.0
 
     def on_days(self, effect: EffectType, values: Values, among: Sequence[Days]) -> tuple[EffectType, Look] | None:
@@ -76,7 +90,7 @@ class Looks:
         if not found or len(found) < len(alone):
             return None
         changes, acts = np.column_stack(found), np.array([each.acts for each in among], dtype=float)
-        taken, before = self.basis.T @ changes, self._free(self.missed(self.still))
+        taken, before = self.basis.T @ changes, self._free(self.missed(self.none))
         gram, pull = changes.T @ changes - taken.T @ taken, before @ changes
         power, along = np.maximum(np.sum(acts @ gram * acts, axis=1), TINY), acts @ pull
         strength = np.clip(-along / power, *self._strengths(effect, values))
@@ -96,7 +110,7 @@ class Looks:
         after = self.missed(given) + look.strength * look.change
         step = np.asarray(np.linalg.solve(self.triangle, -self.basis.T @ after))
         here = given.departures / self.problem.sd
-        best = here + within(self.triangle, step, -MOST_SD - here, MOST_SD - here)
+        best = here + within(self.triangle.T @ self.triangle, step, -MOST_SD - here, MOST_SD - here)
         return np.asarray(best * self.problem.sd)
 
     def _looks(self, effect: EffectType, points: Sequence[Values], before: FloatArray) -> list[Look]:
@@ -183,9 +197,9 @@ class Looks:
         """Return how what is missed changes with an effect (m + nuisances,), None where it cannot be."""
 
         def made() -> FloatArray | None:
-            look = self.problem.at(((effect, values),), self.still.departures, self.still.convention)
-            nothing = np.zeros(len(self.problem.sd))
-            return np.concatenate((look.whitened - self.still.whitened, nothing)) if look else None
+            look = self.problem.at(((effect, values),), self.none.departures, self.none.convention)
+            nothing, without = np.zeros(len(self.problem.sd)), self.beside(effect, self.none)
+            return np.concatenate((look.whitened - without.whitened, nothing)) if look else None
 
         return self._seen.get((effect, *sorted(values.items())), made)
 

@@ -75,12 +75,12 @@ def posterior(found: Sequence[Weighed], soft: float | None = None, unseen: float
 
 
 def _best(found: Sequence[Weighed]) -> Weighed:
-    """Return the best hypothesis; of several with its names the one that tells most by the same spread.
+    """Return the hypothesis that others are held against.
 
-    An effect that acts on some days and the same effect always are told apart by what they gain, not by how it varies.
+    In a room an effect may act always or on some days: of these the one with the greater gain by the same spread.
     """
     best = max(found, key=score)
-    same = [each for each in found if best.names and each.names == best.names]
+    same = [each for each in found if best.names and best.is_of_room and each.fitted.names == best.fitted.names]
     return max(same, key=lambda each: _in_all(each, each.gain / best.spread + each.ease), default=best)
 
 

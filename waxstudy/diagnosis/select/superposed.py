@@ -19,11 +19,11 @@ from waxstudy.diagnosis.select.looks import Looks, between, has_hours
 from waxstudy.plugin import HOURS, FloatArray
 from waxstudy.plugin.hours import DAY_H, open_h
 
-PROMISING = 2.0  # of log likelihood that an effect must gain in a straight line, for a closer look
+PROMISING = 2.0  # of log likelihood that is worth a closer look
 
 
 class Superposed:
-    """Looks at each effect once, all over its parameters, beside nothing that changed; beside others they add up."""
+    """Looks at each effect once, all over its parameters, beside "nothing"; beside others they add up."""
 
     def __init__(self, estimator: Estimator[SegmentProblem], none: Hypothesis) -> None:
         self.estimator, self.problem = estimator, estimator.problem
@@ -48,7 +48,7 @@ class Superposed:
                 return None  # with more than one there is nothing to tell; alone it is told what it comes to
             there = self.problem.at(*best, given.convention)
             if there is None or self._gain(there, given) > -PROMISING:
-                return there  # what is far worse than promised is fitted as well: nothing is straight there
+                return there  # what misses clearly more than nothing is fitted: no straight line leads there
         starts = [*(start for start, _ in found), *self._instead(effect, given)]
         # slopes where nothing changed are near enough for the first fits
         tried = [self._fitted(*start, given.convention, self.estimator.base_slopes) for start in starts]
@@ -70,7 +70,7 @@ class Superposed:
         if not is_of_inputs or not (found := self.looks.on_days(effect, values, among)):
             return None
         chosen, look = found
-        edits, departures = [(chosen, self.looks.values(chosen, look))], self.looks.departures(self.looks.still, look)
+        edits, departures = [(chosen, self.looks.values(chosen, look))], self.looks.departures(self.looks.none, look)
         days = self._fitted(edits, departures, fitted.convention)
         return days if days and has_hours(*days.effects[0]) and self._needs_hours(days) else None
 
@@ -108,6 +108,7 @@ class Superposed:
     def _starts(self, effect: EffectType, given: Hypothesis) -> list[tuple[tuple[Edits, FloatArray], float]]:
         """Return the best values and departures to start from, with the log likelihood gained where all is straight."""
         found: list[tuple[tuple[Edits, FloatArray], float]] = []
+        given = self.looks.beside(effect, given)
         for look in self.looks.best(effect, self.looks.missed(given)):
             edits = (*given.effects, (effect, self.looks.values(effect, look)))
             found.append(((edits, self.looks.departures(given, look)), look.gain))
