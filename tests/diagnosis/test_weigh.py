@@ -228,7 +228,7 @@ def test_in_a_room_others_come_near_the_best_one_by_its_spread_and_do_not_outdo_
 
 
 def test_an_effect_always_and_on_some_days_is_one_name_and_no_other_effect_gains_by_the_choice() -> None:
-    """On days it tells without the best of them, and varies less: another effect would come level with it."""
+    """Its gain on some days leaves out the best day, and varies less: held against that, another effect comes level."""
     always = replace(LEAK, gain=9300.0, spread=3.0, most=70.0, always=0.0, is_of_room=True)
     some_days = replace(always, gain=7000.0, spread=2.2)
     other = replace(always, fitted=_of("extra-heat"), names=("extra-heat",), gain=9250.0, spread=17.0)

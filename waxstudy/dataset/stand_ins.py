@@ -26,13 +26,13 @@ FIELDS = {SUN: "solar_W", GAINS: "gains_W"}  # of `Inputs`
 ROLES = {SUN: Role.SUN, GAINS: Role.GAINS}
 DAY_H = 24.0
 SUN_W_M2 = 30.0  # of floor, spread of the sun around noon where nothing is known of it: a clear day in February has 80
-# where no place is told: how long the sun is up by a latitude between those of Italy and Finland, and when by the
-# clock, of which time zones put noon up to an hour early or late
+# where no place is told: a latitude between Italy and Finland says how long the sun is up, and noon by the clock when;
+# time zones put noon up to an hour early or late
 LATITUDE_DEG, NOON_H, NOON_WITHIN_H = 50.0, 12.0, 1.0
 ANYWHERE = (
     "It may shine at other hours and fall anywhere in the room: heat by day is found only if it is larger or sharper."
 )
-PROFILE_STEP_H = 1.0  # of the course of an unknown sun: in steps of 1.5 h dusk was taken for a window that closes
+PROFILE_STEP_H = 1.0  # of the course of an unknown sun; with steps of 1.5 h dusk was taken for a window that closes
 # where windows look to, and where the sun falls, nobody told: the room's own way, on all surfaces, or into the air
 SUN_FIELDS = {"": "solar_W", ", to surfaces": "gains_W", ", to air": "extra_W"}
 MOST_SUNS = 14  # stretches of days that have a sun of their own; of a longer record each is several days

@@ -45,6 +45,7 @@ class Weights:
     least_share: float
     block_s: float
     screened: float
+    screened_room: float
     open: float
     strongest: float
     notable: float

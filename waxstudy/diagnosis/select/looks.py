@@ -46,24 +46,18 @@ class Looks:
         self.basis, self.triangle = np.linalg.qr(np.vstack((slopes, self.problem.prior)))
         self._seen = self.problem.record.memory(arrays=4)
         self._in_parts: dict[tuple[object, ...], FloatArray | None] = {}
-        self._resting: dict[tuple[str, ...], Hypothesis] = {}
 
     def missed(self, given: Hypothesis) -> FloatArray:
         """Return what a hypothesis misses, and how far it pulls (m + nuisances,)."""
         return np.concatenate((given.whitened, self.problem.prior @ (given.departures / self.problem.sd)))
 
     def beside(self, effect: EffectType, given: Hypothesis) -> Hypothesis:
-        """Return a hypothesis in which the unknowns rest that an effect takes the place of."""
+        """Return a hypothesis with the unknowns at rest whose place an effect takes."""
         rests = np.array([each.name in effect.absorbs for each in self.problem.nuisances])
         if not given.departures[rests].any():
             return given
         departures = np.where(rests, 0.0, given.departures)
-        if given is not self.none:
-            return self.problem.at(given.effects, departures, given.convention) or given
-        names = tuple(effect.absorbs)
-        if names not in self._resting:
-            self._resting[names] = self.problem.at((), departures, given.convention) or given
-        return self._resting[names]
+        return self.problem.at(given.effects, departures, given.convention) or given
 
     def best(self, effect: EffectType, missed: FloatArray) -> list[Look]:
         """Return the best look at an effect beside what is missed; of one with hours several, the best first."""

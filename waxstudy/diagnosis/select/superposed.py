@@ -16,10 +16,9 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import Days
 from waxstudy.diagnosis.select.looks import Looks, between, has_hours
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import HOURS, FloatArray
 from waxstudy.plugin.hours import DAY_H, open_h
-
-PROMISING = 2.0  # of log likelihood that is worth a closer look
 
 
 class Superposed:
@@ -43,17 +42,17 @@ class Superposed:
         if not found:
             return None
         best, gain = found[0]
-        if gain < PROMISING:
+        if gain < WEIGHTS.screened_room:
             if given.effects:
                 return None  # with more than one there is nothing to tell; alone it is told what it comes to
             there = self.problem.at(*best, given.convention)
-            if there is None or self._gain(there, given) > -PROMISING:
-                return there  # what misses clearly more than nothing is fitted: no straight line leads there
+            if there is None or self._gain(there, given) > -WEIGHTS.screened_room:
+                return there  # else the straight line does not hold, and a fit may find more
         starts = [*(start for start, _ in found), *self._instead(effect, given)]
         # slopes where nothing changed are near enough for the first fits
         tried = [self._fitted(*start, given.convention, self.estimator.base_slopes) for start in starts]
         fitted = min((each for each in tried if each), key=lambda each: self.estimator.score(each, ALL), default=None)
-        if fitted is None or self._gain(fitted, given) < PROMISING:
+        if fitted is None or self._gain(fitted, given) < WEIGHTS.screened_room:
             return fitted
         return self._fitted(fitted.effects, fitted.departures, fitted.convention)
 
