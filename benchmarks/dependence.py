@@ -1,10 +1,11 @@
-"""What depends on drives of what a calibrated room still misses: `python -m benchmarks.dependence SET KEYFILE`.
+"""What a calibrated room still misses goes with what: `python -m benchmarks.dependence SET KEYFILE`.
 
 SET is a blind test's folder with records that have a healthy one; used are those in which nothing changed of room and
 emitter. The errors of the healthy record are regressed on a drive, followed with time constants of half an hour, 3 and
 12 h, or on the hour of the day; what that says is taken off the later record's errors, whose room is fitted to it as a
 diagnosis does. Told are the shares of the mean square that go: of the healthy record, which the regression has seen,
-and of the later one, which it has not. Below 0 it makes them larger.
+and of the later one, which it has not. Below 0 it makes them larger. Then the mean square of whitened errors of the
+later record is told by their period: it is the same at all periods where the discrepancy hangs together as they do.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import sys
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +27,7 @@ from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis.criteria import ROOM_STAGES
 from waxstudy.diagnosis.diagnose import _cut, _problems, _work
 from waxstudy.diagnosis.estimate.estimator import Estimator
-from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
+from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.observations.record import DAY_S, Record
 from waxstudy.plugin import FloatArray
 
@@ -35,6 +37,7 @@ DRIVES = {
     "heating": "flow_L_h",
 }
 OVER_H = (0.5, 3.0, 12.0)
+PERIODS_H = (0.0, 1.5, 6.0, 24.0, np.inf)
 CHANNELS = ("air_temperature_C", "operative_temperature_C", "floor_surface_temperature_C")
 
 Errors = tuple[FloatArray, np.ndarray, FloatArray]  # (n,), where they are judged, and regressors (n, columns)
@@ -89,29 +92,53 @@ def _share_gone(of: Errors, slopes: FloatArray) -> float:
     return 1.0 - float(np.mean((errors - columns @ slopes)[judged] ** 2) / np.mean(errors[judged] ** 2))
 
 
-def shares(folder: Path, key: Key) -> Shares:
-    """Return by channel and drive which shares of the mean square go, of each healthy record and of the later one."""
+def by_period(residual: Residual, step_h: float) -> FloatArray:
+    """Return the mean square of whitened errors by their period, between those of `PERIODS_H` (periods,).
+
+    Their mean has no period and is left out.
+    """
+    count = len(residual.whitened)
+    power = np.abs(np.fft.rfft(residual.whitened)[1:]) ** 2 / max(1, int(residual.judged.sum()))
+    period_h = count * step_h / np.arange(1, len(power) + 1)
+    place = np.searchsorted(PERIODS_H, period_h) - 1
+    return np.bincount(place, power, len(PERIODS_H) - 1) / np.bincount(place, minlength=len(PERIODS_H) - 1)
+
+
+def measured(folder: Path, key: Key) -> tuple[Shares, Mapping[str, list[FloatArray]]]:
+    """Return by channel and drive which shares of the mean square go, of each healthy record and of the later one.
+
+    And by channel the later one's mean square of whitened errors by their period.
+    """
     found: Shares = defaultdict(list)
+    powers: Mapping[str, list[FloatArray]] = defaultdict(list)
     for healthy, later in rooms(folder, key):
         known = {each.channel: each for each in healthy[1].residuals}
         pairs = [(known[each.channel], each) for each in later[1].residuals if each.channel in known]
         for before, after in pairs:
             if before.channel not in CHANNELS or not before.gap() or not after.gap():
                 continue
+            merged = len(later[0]) // len(after.error)
+            powers[after.channel].append(by_period(after, merged * later[0].interval_s / 3600.0))
             seen = regressors(healthy[0], len(before.error))
             unseen = regressors(later[0], len(after.error))
             for name in seen.keys() & unseen.keys():
                 about = (before.error, before.judged, seen[name]), (after.error, after.judged, unseen[name])
                 found[before.channel, name].append(gone_with(*about))
-    return found
+    return found, powers
 
 
 def main(folder: Path, key: Key) -> None:
+    shares, powers = measured(folder, key)
     print("| channel | depends on | records | healthy, median | later, median | quartiles |\n|---|---|---|---|---|---|")
-    for (channel, name), each in sorted(shares(folder, key).items()):
+    for (channel, name), each in sorted(shares.items()):
         seen, unseen = np.array(each).T
         low, middle, high = np.percentile(unseen, [25.0, 50.0, 75.0])
         print(f"| {channel} | {name} | {len(each)} | {np.median(seen):.2f} | {middle:.2f} | {low:.2f} to {high:.2f} |")
+    ends = [f"{low:g} to {high:g} h" for low, high in pairwise(PERIODS_H)]
+    print("\n| " + " | ".join(["channel", "records", *ends]) + " |\n" + "|---" * (2 + len(ends)) + "|")
+    for channel, found in sorted(powers.items()):
+        told = [f"{each:.2f}" for each in np.median(found, axis=0)]
+        print("| " + " | ".join([channel, str(len(found)), *told]) + " |")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A twentieth of the campaign, another one each time; the session's header tells its seed."""
+"""A fortieth of the campaign, another one each time; the session's header tells its seed."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ def test_an_attack_spoils_no_bytecode_that_others_import(tmp_path: Path, monkeyp
 
 
 @pytest.mark.slow
-def test_a_twentieth_of_a_campaign_finds_nothing() -> None:
+def test_a_fortieth_of_a_campaign_finds_nothing() -> None:
     seed = int(os.environ[ATTACK_SEED])
     failures = []
-    for told in run(CLASSES, seed, 0.05):
+    for told in run(CLASSES, seed, 0.025):
         print(line(told))
         failures += [f"{reproduced(each.name, seed, each.number)}: {each.what}" for each in told.failures]
     assert not failures, "\n".join(failures)

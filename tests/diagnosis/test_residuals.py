@@ -126,15 +126,16 @@ def test_a_sample_belongs_to_the_switch_that_is_nearest_to_it() -> None:
     signal[600:660] = signal[800:900] = 1.0
     seen = plain({"control_output": signal, "heating_signal": signal, "setpoint_C": np.full(DAY, 21.0)})
     late = np.zeros(DAY)
-    late[603:660] = late[800:910] = 1.0
+    late[603:655] = late[800:910] = 1.0
     judge = Switching("heating_signal", SWITCH, seen, np.zeros(DAY), None)
     residual = judge.residual(Predicted({"heating_signal": late}))
     # between the switches they end at 630, 730 and 850; of each the sample in the middle stands for it
     assert residual.sample.tolist() == [314, 679, 789, 1144]
-    assert residual.error.tolist() == [180.0, 0.0, 0.0, 600.0]
+    assert residual.judged.tolist() == [False, True, True, True]  # before the first, its state is unknown
+    assert residual.error.tolist() == [0.0, 300.0, 0.0, 600.0]
     least_s = 60.0 / np.sqrt(12.0)  # where nothing else moves a switch: a uniform place within its interval
     assert judge.typical_s == pytest.approx(least_s)
-    assert residual.whitened == pytest.approx(softened(np.array([180.0, 0.0, 0.0, 600.0]) / least_s))
+    assert residual.whitened == pytest.approx(softened(np.array([0.0, 300.0, 0.0, 600.0]) / least_s))
 
 
 def test_an_error_of_three_standard_deviations_is_halfway_to_counting_straight() -> None:

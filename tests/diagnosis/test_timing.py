@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, record
+from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, plain, record
 from waxstudy.diagnosis.calibration.healthy import AsBelieved
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
@@ -181,3 +181,23 @@ def test_switches_that_are_an_exception_cost_what_is_as_likely_anywhere() -> Non
     none, some, far = (way.likelihood(np.full(len(way.scale_s), each)) for each in (0.0, 60.0, 7200.0))
     assert none > some > far
     assert far == pytest.approx(way.likelihood(np.full(len(way.scale_s), 9000.0)))
+
+
+@pytest.mark.parametrize("is_heating", [True, False])
+def test_a_thermostat_that_began_within_its_dead_band_is_believed_to_log_what_it_reads(is_heating: bool) -> None:
+    """Nobody knows its state then: a first switch that was a whole day off made it read noise in a wider dead band."""
+    hour = np.arange(8 * 24 * 60) / 60.0
+    sign = 1.0 if is_heating else -1.0
+    reading_C = 21.0 + sign * np.interp((hour + 4.0) % 36.0, [0.0, 20.0, 36.0], [-0.3, 0.3, -0.3])
+    is_on = [is_heating]
+    for each in reading_C[1:]:
+        is_on.append(each < 20.75 if abs(each - 21.0) > 0.25 else is_on[-1])
+    noisy_C = reading_C + 0.03 * np.random.default_rng(1).normal(size=len(hour))
+    logged = {"sensor_temperature_C": noisy_C, OUTPUT: np.array(is_on, dtype=float)}
+    seen = plain({**logged, "setpoint_C": np.full(len(hour), 21.0)})
+    believed = belief("IDEAL", seen)
+    link = SegmentProblem(segments(seen, believed)[0], seen, believed, parts=np.full(len(seen), FIT))
+    base = Estimator(link).base
+    assert not base.convention.is_raw
+    (switched,) = (each for each in base.residuals if each.channel == OUTPUT)
+    assert switched.loss() < 3.0 * switched.judged.sum()

@@ -31,7 +31,10 @@ class Switching:
         self.channel, self.segment, self.record, self.parts = channel, segment, record, parts
         self.still, self.more = still, more
         self.measured = record.filled(channel)
-        self.windows = _windows(record, channel)  # (n,) number of the measured switch that is nearest
+        edges = np.flatnonzero(np.diff(self.measured) != 0) + 1
+        self.is_by_switch = len(edges) > 1
+        # (n,) number of the measured switch that is nearest, of the day where there are none
+        self.windows = _nearest(edges, len(record)) if self.is_by_switch else record.day - record.day[0]
         self._moved_s: list[FloatArray] = []  # how far each draw of noise moves each switch
         self.known = ~record.is_gap(channel) & ~record.is_gap(segment.driven_by) & record.settled
 
@@ -91,8 +94,13 @@ class Switching:
 
     @cached_property
     def judged(self) -> np.ndarray:
-        """Whether most of the samples that are nearest to a measured switch are known (switches,)."""
-        return np.asarray(np.bincount(self.windows, weights=self.known) > 0.5 * np.bincount(self.windows))
+        """Whether most of the samples that are nearest to a measured switch are known (switches,).
+
+        Before the first switch a block is in a state that nobody knows: a thermostat keeps it within its dead band.
+        """
+        known = np.bincount(self.windows, weights=self.known) > 0.5 * np.bincount(self.windows)
+        known[0] &= not self.is_by_switch
+        return np.asarray(known)
 
     @cached_property
     def middle(self) -> np.ndarray:
@@ -112,10 +120,6 @@ def softened(whitened: FloatArray) -> FloatArray:
     return np.asarray(SOFT * np.sqrt(2.0 * (np.sqrt(1.0 + (whitened / SOFT) ** 2) - 1.0)))
 
 
-def _windows(record: Record, channel: str) -> np.ndarray:
-    values = record.filled(channel)
-    edges = np.flatnonzero(np.diff(values) != 0) + 1
-    if len(edges) < 2:
-        return np.asarray(record.day - record.day[0])
+def _nearest(edges: np.ndarray, count: int) -> np.ndarray:
     middles = (edges[1:] + edges[:-1]) // 2
-    return np.searchsorted(middles, np.arange(len(record)), side="right")
+    return np.searchsorted(middles, np.arange(count), side="right")
