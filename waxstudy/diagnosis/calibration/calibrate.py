@@ -11,6 +11,7 @@ from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room, toge
 from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
+from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
@@ -24,6 +25,8 @@ from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Effect, FloatArray
 
 ROUNDS = 2  # of fitting and weighing what is left in turn
+SIMPLEX_SD, CLOSE_SD = 0.5, 0.02  # standard deviations that a search of a chain's fit begins and ends with
+POLISHED = 25  # simulations of it for each unknown
 Effects = Sequence[type[Effect]]
 
 
@@ -250,7 +253,33 @@ def lasting_unknowns(
 def _fitted(problem: SegmentProblem) -> Hypothesis:
     """Return the best fit of a chain to the whole record."""
     estimator, start = Estimator(problem), np.zeros(len(problem.sd))
-    return _best(estimator, [estimator.nuisance_fit((), start, way, ALL) for way in problem.conventions])
+    best = _best(estimator, [estimator.nuisance_fit((), start, way, ALL) for way in problem.conventions])
+    return _polished(estimator, best) if len(start) else best
+
+
+def _polished(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Hypothesis:
+    """Return a fit gone on with by a simplex (Nelder and Mead 1965): what switches is jagged, and slopes end early."""
+    from scipy.optimize import minimize
+
+    sd = estimator.problem.sd
+
+    def at(x: FloatArray) -> Hypothesis | None:
+        return estimator.problem.at((), x * sd, fitted.convention)
+
+    def score(x: FloatArray) -> float:
+        return estimator.score(at(x), ALL)
+
+    start = fitted.departures / sd
+    inwards = np.where(start > 0.0, -SIMPLEX_SD, SIMPLEX_SD)
+    corners = np.vstack([start, start + np.diag(inwards)])
+    found = minimize(
+        score,
+        start,
+        method="Nelder-Mead",
+        bounds=[(-MOST_SD, MOST_SD)] * len(sd),
+        options={"initial_simplex": corners, "maxfev": POLISHED * len(sd), "xatol": CLOSE_SD, "fatol": 1.0},
+    )
+    return _best(estimator, [fitted, at(found.x)])
 
 
 def _best(estimator: Estimator[SegmentProblem], tried: Sequence[Hypothesis | None]) -> Hypothesis:
