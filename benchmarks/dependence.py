@@ -1,4 +1,4 @@
-"""What a calibrated room still misses goes with what: `python -m benchmarks.dependence SET KEYFILE`.
+"""What errors of a calibrated room go with: `python -m benchmarks.dependence SET KEYFILE`.
 
 SET is a blind test's folder with records that have a healthy one; used are those in which nothing changed of room and
 emitter. The errors of the healthy record are regressed on a drive, followed with time constants of half an hour, 3 and
