@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
@@ -42,6 +43,7 @@ from waxstudy.simulation.software import software
 from waxstudy.simulation.sources import component_digest, digest, source_digest
 from waxstudy.study.model import Case, Choice, Season, Study, is_multiple
 
+LOOK_S = 0.01  # between looks at what is finished
 PART_STEPS = 2 * 17_280  # two days at 5 s; longer runs are reduced part by part
 
 
@@ -217,7 +219,11 @@ def _compute(plan: Plan, jobs: Iterable[CaseFolder], folder: Path, progress: Pro
                 names[pool.submit(_job, plan, job, loops, folder)] = job
             pending: set[Future[None]] = set(names)
             while pending:
-                ended, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
+                # Ctrl-C within `concurrent.futures.wait` may break its lock, and then a worker says so with a traceback
+                ended = {future for future in pending if future.done()}
+                pending -= ended
+                if not ended:
+                    time.sleep(LOOK_S)
                 for future in ended:
                     future.result()
                     progress.done(names[future], True)
