@@ -4,8 +4,8 @@ SET is a blind test's folder with records that have a healthy one; used are thos
 emitter. The errors of the healthy record are regressed on a drive, followed with time constants of half an hour, 3 and
 12 h, or on the hour of the day; what that says is taken off the later record's errors, whose room is fitted to it as a
 diagnosis does. Told are the shares of the mean square that go: of the healthy record, which the regression has seen,
-and of the later one, which it has not. Below 0 it makes them larger. Then the mean square of whitened errors of the
-later record is told by their period: it is the same at all periods where the discrepancy hangs together as they do.
+and of the later one, which it has not. Below 0 it makes them larger. A second table has the mean square of the later
+record's whitened errors by period: it would be the same at all periods if the discrepancy were exact.
 """
 
 from __future__ import annotations

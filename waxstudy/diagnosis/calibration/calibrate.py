@@ -25,8 +25,9 @@ from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Effect, FloatArray
 
 ROUNDS = 2  # of fitting and weighing what is left in turn
-SIMPLEX_SD, CLOSE_SD = 0.5, 0.02  # standard deviations that a search of a chain's fit begins and ends with
-POLISHED = 25  # simulations of it for each unknown
+# of the search for a healthy chain's fit, chosen: it begins with steps of half a standard deviation and ends
+# where neither the unknowns nor the loss change enough to matter, or after so many simulations for each unknown
+SIMPLEX_SD, CLOSE_SD, CLOSE_LOSS, POLISHED = 0.5, 0.02, 1.0, 25
 Effects = Sequence[type[Effect]]
 
 
@@ -258,7 +259,10 @@ def _fitted(problem: SegmentProblem) -> Hypothesis:
 
 
 def _polished(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Hypothesis:
-    """Return a fit gone on with by a simplex (Nelder and Mead 1965): what switches is jagged, and slopes end early."""
+    """Return a fit improved by a simplex search (Nelder and Mead 1965).
+
+    What switches answers in jumps: slopes mislead Gauss-Newton steps, which then end early.
+    """
     from scipy.optimize import minimize
 
     sd = estimator.problem.sd
@@ -277,7 +281,7 @@ def _polished(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Hypot
         start,
         method="Nelder-Mead",
         bounds=[(-MOST_SD, MOST_SD)] * len(sd),
-        options={"initial_simplex": corners, "maxfev": POLISHED * len(sd), "xatol": CLOSE_SD, "fatol": 1.0},
+        options={"initial_simplex": corners, "maxfev": POLISHED * len(sd), "xatol": CLOSE_SD, "fatol": CLOSE_LOSS},
     )
     return _best(estimator, [fitted, at(found.x)])
 

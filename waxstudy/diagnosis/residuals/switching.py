@@ -33,7 +33,7 @@ class Switching:
         self.measured = record.filled(channel)
         edges = np.flatnonzero(np.diff(self.measured) != 0) + 1
         self.is_by_switch = len(edges) > 1
-        # (n,) number of the measured switch that is nearest, of the day where there are none
+        # (n,) number of the measured switch that is nearest, of the day where there are fewer than two
         self.windows = _nearest(edges, len(record)) if self.is_by_switch else record.day - record.day[0]
         self._moved_s: list[FloatArray] = []  # how far each draw of noise moves each switch
         self.known = ~record.is_gap(channel) & ~record.is_gap(segment.driven_by) & record.settled
