@@ -27,7 +27,7 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.appraise import _of_form, _price
+from waxstudy.diagnosis.select.appraise import _of_form, _price, _strengths
 from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without, best_of, changed, in_place, likeliest
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.gain_spread import gain_spread
@@ -172,7 +172,9 @@ def test_what_is_missed_stands_out_where_an_effect_acts_over_what_healthy_record
     acts = per_cycle[1].sum()
     lasts, whole = np.delete(per_cycle, np.argmax(per_cycle[0]), axis=1).sum(axis=1)
     scatter = np.hypot(WEIGHTS.scatter, (0.5 * luck / acts) ** 0.5)
-    assert slow.stands == pytest.approx(0.5 * np.log(lasts / whole) / scatter)
+    of_size, along = 0.5 * np.log(lasts / whole) / scatter, weighing._along(slow.fitted, none.fitted)
+    assert of_size > 1.0
+    assert slow.stands == pytest.approx(max(of_size, along))
 
 
 def test_what_is_usual_where_an_effect_acts_is_of_the_samples_that_it_changes() -> None:
@@ -368,8 +370,13 @@ def test_what_the_healthy_record_says_for_an_effect_varies_over_cycles_as_its_ga
 # --- one thing that is weighed, without fits ---------------------------------------------------------
 
 
-def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weighing:
-    """What weighs a link whose healthy record left so much of each channel."""
+def bare(
+    is_room: bool,
+    left: HealthyLeft | None = None,
+    pair: tuple[Hypothesis, Hypothesis] | None = None,
+    **problem: Any,
+) -> Weighing:
+    """What weighs a link whose healthy record left so much of each channel; a pair is it without an effect and with."""
     made: Any = object.__new__(Weighing)
     segment = SimpleNamespace(with_room=is_room, judged=("air_temperature_C", "return_temperature_C", "heating_signal"))
     made.problem = SimpleNamespace(**{"segment": segment, "sd": np.zeros(0), "as_built": None, **problem})
@@ -383,6 +390,7 @@ def bare(is_room: bool, left: HealthyLeft | None = None, **problem: Any) -> Weig
         _usual_square=lambda residual: usual._usual_square(made.healthy, residual),
         usual_where=lambda residual, effects, given: UsualWhere(usual.usual(made.healthy, residual)),
         acts=partial(usual.acts, None),
+        pair=lambda given, effects: pair,
     )
     made.share = {}
     weighing: Weighing = made
@@ -773,6 +781,38 @@ def test_what_changed_is_told_of_all_days_though_the_last_are_kept_to_show_what_
     assert kept["factor"] == pytest.approx(1.4, rel=0.03)
     assert kept["factor"] * 1.04 < told["factor"].value < 1.6
     assert told["factor"].low <= told["factor"].value <= told["factor"].high
+
+
+@pytest.mark.parametrize(("of_it", "stands"), [(0.0, np.inf), (0.2, 5.0), (0.5, 2.0), (1.0, 1.0)])
+def test_what_lies_along_an_effect_stands_out_where_a_healthy_record_has_less_of_it(
+    of_it: float, stands: float
+) -> None:
+    """However much else both leave: errors across an effect are no sign of it."""
+    way, across = np.tile([1.0, -1.0, 1.0, -1.0], 10), np.tile([3.0, 3.0, -3.0, -3.0], 10)
+
+    def pair(strength: float) -> tuple[Hypothesis, Hypothesis]:
+        left = across + strength * way
+        return leaving(residual(left, "displacement")), leaving(residual(left - way, "displacement"))
+
+    usual = HealthyLeft(3.0, 40, 10, 0.0, 3.0)
+    weighing, (given, fitted) = bare(False, usual, pair(of_it)), pair(1.0)
+    scatter = np.hypot(WEIGHTS.scatter, (0.5 / 9.0 + 0.5 / 9.0) ** 0.5)
+    expected = np.log(min(stands, 1.0 / WEIGHTS.form)) / scatter
+    assert weighing._stands(fitted, given) == pytest.approx(max(expected, _of_size(weighing, fitted, given)))
+    assert _of_size(weighing, fitted, given) < 0.5
+    # of what acts at certain times a healthy record has none, and errors of switches have no sign
+    some_days: Any = SimpleNamespace()
+    assert weighing._stands(fitted, given, some_days) == _of_size(weighing, fitted, given)
+    switches = [leaving(residual(each.whitened, "heating_signal", "s")) for each in (given, fitted)]
+    assert _strengths((switches[0], switches[1]), weighing.healthy.usual, weighing._block) is None
+
+
+def _of_size(weighing: Weighing, fitted: Hypothesis, given: Hypothesis) -> float:
+    """How far what is missed stands out by its size alone."""
+    made: Any = copy(weighing)
+    made._along = lambda fitted, given: 0.0
+    found: float = made._stands(fitted, given)
+    return found
 
 
 def test_each_channel_of_a_link_stands_out_where_it_is_changed_itself() -> None:

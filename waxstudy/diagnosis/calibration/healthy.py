@@ -115,6 +115,13 @@ class Healthy:
         power = np.bincount(healthy.block - healthy.block.min(), acts)
         return UsualWhere(max(left, _least(residual)), float(power.sum() ** 2 / (power @ power)))
 
+    def pair(self, given: Edits, effects: Edits) -> tuple[Hypothesis, Hypothesis] | None:
+        """Return the healthy link with given effects and with others, None where one of them cannot be."""
+        without, with_it = (
+            self.problem.at(each, self.fitted.departures, self.fitted.convention) for each in (given, effects)
+        )
+        return (without, with_it) if without and with_it else None
+
     def usual_loss(self, residual: Residual) -> float:
         """Return what is missed of a later record's channel where nothing changed."""
         return self._usual_square(residual) * int(residual.judged.sum())
@@ -212,6 +219,10 @@ class AsBelieved(Healthy):
     def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> UsualWhere:
         """Return what is usual of a channel anywhere: noise is the same all over it."""
         return UsualWhere(self.usual(residual))
+
+    def pair(self, given: Edits, effects: Edits) -> None:
+        """Return nothing: there is no healthy record."""
+        return
 
     def had_it(self, effects: Edits) -> tuple[float, FloatArray]:
         """Return that nothing was there from the start: all is compared with what is believed."""

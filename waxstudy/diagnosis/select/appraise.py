@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -153,7 +153,23 @@ class Appraisal:
         over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
         acts = sum(float(each.sum()) for each in weights)
         scatter = float(np.hypot(self.healthy.stands_scatter, (0.5 * luck / acts) ** 0.5 if acts else 0.0))
-        return 0.5 * float(np.log(max(1.0, over))) / scatter
+        return max(0.5 * float(np.log(max(1.0, over))) / scatter, 0.0 if pattern else self._along(fitted, given))
+
+    def _along(self, fitted: Hypothesis, given: Hypothesis) -> float:
+        """Return how far what another hypothesis leaves of a chain stands out along what this one changes.
+
+        A healthy record whose errors do not lie along it tells that this is no error of the form, however large others
+        are. Errors of switches have no sign.
+        """
+        healthy = self.healthy.pair(given.effects, fitted.effects)
+        if healthy is None:
+            return 0.0
+        there, here = (_strengths(pair, self.healthy.usual, self._block) for pair in (healthy, (given, fitted)))
+        if there is None or here is None:
+            return 0.0
+        usual, luck = max(there[0], WEIGHTS.form**2), 0.5 / there[1] + 0.5 / here[1]
+        scatter = float(np.hypot(self.healthy.stands_scatter, luck**0.5))
+        return 0.5 * float(np.log(max(1.0, here[0] / usual))) / scatter
 
     def _left(self, fitted: Hypothesis) -> float:
         """Return the share that a hypothesis leaves of what a chain misses beyond the usual, at least `_kept` of it."""
@@ -332,6 +348,34 @@ def _of_form(left: Residual, change: FloatArray) -> FloatArray:
     best = np.divide(along, power, out=np.zeros(len(along)), where=power > 0.0)
     more = np.clip(best, -WEIGHTS.form, WEIGHTS.form)
     return np.asarray(more * (2.0 * along - more * power))
+
+
+def _strengths(
+    pair: tuple[Hypothesis, Hypothesis], usual: Callable[[Residual], float], block: Callable[[Residual], np.ndarray]
+) -> tuple[float, float] | None:
+    """Return the mean square of how much of an effect cycles have that are taken to be without it, and how many.
+
+    The pair is a link without and with it. The cycle of most is left out. None where the effect changes nothing.
+    """
+    rows = [
+        (old.whitened[old.judged] / usual(old), new.whitened[old.judged] / usual(old), block(old)[old.judged])
+        for old, new in zip(pair[0].by_motion, pair[1].by_motion, strict=True)
+        if old.unit != "s" and old.judged.any()
+    ]
+    if not rows:
+        return None
+    old, new, blocks = (np.concatenate(each) for each in zip(*rows, strict=True))
+    change = old - new
+    _, member = np.unique(blocks, return_inverse=True)
+    along, power = np.bincount(member, old * change), np.bincount(member, change * change)
+    if not power.any():
+        return None
+    squares = np.divide(along**2, power, out=np.zeros(len(along)), where=power > 0.0)
+    rest = np.arange(len(squares)) != np.argmax(squares) if len(squares) > 1 else np.ones(1, dtype=bool)
+    whole = float(power[rest].sum())
+    if not whole:
+        return None
+    return float(squares[rest].sum()) / whole, float(whole**2 / (power[rest] @ power[rest]))
 
 
 def _gap_square(residual: Residual) -> float:
