@@ -34,7 +34,7 @@ from waxstudy.diagnosis.consequence.times import when
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.model.as_built import knobs
+from waxstudy.diagnosis.model.as_built import Knob, knobs
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import nuisances
@@ -243,6 +243,43 @@ def test_a_fit_of_a_healthy_motor_misses_no_more_than_the_pace_that_it_has(pace:
     estimator = Estimator(problem)
     assert np.exp(found.departures) == pytest.approx(pace, rel=0.05)
     assert estimator.score(found, ALL) <= 1.01 * estimator.score(true, ALL)
+
+
+# --- how far a factor may depart from what was calibrated ---------------------------------------------
+
+
+def leak(by_record: float = 0.0) -> Knob:
+    (knob,) = (each for each in knobs([EFFECTS["infiltration"]], ("room",), belief("REAL", record("REAL"))))
+    return replace(knob, by_record=by_record)
+
+
+@given(st.floats(0.0, 1.0), st.floats(-3.0, 3.0))
+def test_a_departure_of_a_factor_is_as_far_as_its_record_has_the_heat_and_what_is_believed_its_logarithm(
+    by_record: float, departure: float
+) -> None:
+    told, step = min(by_record, 0.99), leak(by_record).step(departure)
+    assert (1.0 - told) * step**2 + told * np.expm1(step) ** 2 == pytest.approx(departure**2, rel=1e-6, abs=1e-12)
+    assert np.sign(step) == np.sign(departure)
+    assert step <= departure + 1e-9  # a leak grows by less than its logarithm has it, and shrinks by more
+    assert leak(by_record).step(1e-4) == pytest.approx(1e-4, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("sd", "share"), [(0.6, 0.0), (0.1, 1.0), (np.hypot(0.3, 0.2), 0.09 * 0.75 / 0.13), (0.1999, 0.0)]
+)
+def test_what_a_record_tells_of_a_factor_is_the_share_that_neither_belief_nor_change_has(
+    sd: float, share: float
+) -> None:
+    """Of a leak, 0.6 is believed; from one record to another its logarithm varies by 0.2."""
+    varies = 0.2 if sd > 0.15 else 0.0
+    found = replace(leak(), varies=varies if sd != 0.6 else 0.0).known_within(sd)
+    assert found.sd == sd
+    assert found.by_record == pytest.approx(share, abs=0.03)
+
+
+def test_an_offset_departs_as_it_is() -> None:
+    (knob,) = (each for each in knobs([EFFECTS["sensor-bias"]], ("sensor",), belief("REAL", record("REAL"))))
+    assert knob.known_within(0.05).step(0.3) == 0.3
 
 
 @pytest.mark.slow

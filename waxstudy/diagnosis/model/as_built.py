@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import exp
+from math import copysign, exp, expm1, hypot, log1p, sqrt
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import Nuisance, habits
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Belief, Effect, FloatArray
+
+ROUNDED = 1e-3  # by so much of a departure rounding may put its step beyond the ends that it lies between
+MOST_BY_RECORD = 0.99  # of a factor's variance: what no record told keeps it above 0
 
 Edits = Sequence[tuple[type[Effect], Mapping[str, float]]]
 
@@ -58,9 +61,9 @@ class AsBuilt:
         )
 
     def unknowns(self) -> list[Nuisance]:
-        """Return what is unknown of room and drives, as departures from the documents."""
+        """Return what is unknown of room and drives, as departures from what they were built with."""
         sd = np.sqrt(np.diag(self.covariance)).tolist()
-        return [replace(knob, sd=each) for knob, each in zip(self.knobs, sd, strict=True)]
+        return [knob.known_within(each) for knob, each in zip(self.knobs, sd, strict=True)]
 
     def believed(self, belief: Belief) -> Belief:
         """Return what is believed of the loop as it was built."""
@@ -92,10 +95,36 @@ class Knob(Nuisance):
     effect: type[Effect] = Effect
     parameter: str = ""
     neutral: Mapping[str, float] = field(default_factory=dict)
+    by_record: float = 0.0  # share of the variance of a factor that is left by what a healthy record tells of it
 
     @property
     def tells(self) -> frozenset[str]:
         return frozenset((self.name, *self.effect.absorbs))
+
+    def known_within(self, sd: float) -> Knob:
+        left = max(0.0, sd**2 - self.varies**2)
+        is_factor = self.effect.priors[self.parameter].is_log
+        return replace(self, sd=sd, by_record=left * (1.0 - left / self.sd**2) / sd**2 if is_factor else 0.0)
+
+    def step(self, departure: float) -> float:
+        """Return the step of a factor's logarithm after a departure.
+
+        What is believed of a factor is normal in its logarithm. What a record tells is normal in the factor itself, as
+        heat goes with it: twice a leak is farther from what a record told than half of it.
+        """
+        from scipy.optimize import brentq
+
+        if not departure or not self.by_record:
+            return departure
+        told = min(self.by_record, MOST_BY_RECORD)
+        rest = sqrt(1.0 - told)
+
+        def beyond(step: float) -> float:
+            return copysign(hypot(rest * step, sqrt(told) * expm1(step)), step) - departure
+
+        least = log1p(departure) if departure > 0.0 else departure / rest
+        margin = ROUNDED * abs(departure)
+        return float(brentq(beyond, least - margin, departure + margin))
 
     def values(self, departure: float) -> dict[str, float]:
         """Return the parameters of the effect after a departure, within the bounds that it is looked for in."""

@@ -38,6 +38,14 @@ class Nuisance:
         """The names of all that it tells of."""
         return frozenset((self.name,))
 
+    def known_within(self, sd: float) -> Nuisance:
+        """Return the same, known by a record within a standard deviation."""
+        return replace(self, sd=sd)
+
+    def step(self, departure: float) -> float:
+        """Return the step of what is applied after a departure from what was known."""
+        return departure
+
     @property
     def is_added_heat(self) -> bool:
         """Whether it does no more than add heat to a room, in proportion to its departure."""

@@ -128,7 +128,7 @@ class SegmentProblem:
         They are added to those that it was built with: an edit on top of another is not the same as both at once.
         """
         pairs = zip(self.nuisances, self._built.tolist(), departures.tolist(), strict=True)
-        values = [(each, built + (0.0 if each.name in absorbed else departure)) for each, built, departure in pairs]
+        values = [(knob, at if knob.name in absorbed else at + knob.step(departure)) for knob, at, departure in pairs]
         of_room = [*(pair for pair in values if not pair[0].is_of_inputs), *self._after]
         # slopes change one nuisance at a time: what was edited before it stays
         same = sum(1 for _ in takewhile(lambda pair: pair[0][1] == pair[1][0], zip(of_room, self._edits, strict=False)))

@@ -91,7 +91,7 @@ class Superposed:
         values, departures = dict(effect.neutral(self.problem.belief) or {}), given.departures.copy()
         for place, knob in enumerate(self.problem.nuisances):
             if isinstance(knob, Knob) and knob.effect is effect:
-                values |= {knob.parameter: knob.values(float(departures[place]))[knob.parameter]}
+                values |= {knob.parameter: knob.values(knob.step(float(departures[place])))[knob.parameter]}
                 departures[place] = 0.0
         if values.keys() >= effect.priors.keys() and not np.array_equal(departures, given.departures):
             yield (*given.effects, (effect, values)), departures
