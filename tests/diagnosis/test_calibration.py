@@ -20,10 +20,12 @@ from waxstudy.dataset.stand_ins import GAINS
 from waxstudy.diagnosis.calibration import told
 from waxstudy.diagnosis.calibration.calibrate import (
     Calibration,
+    _as_good,
     _covariance,
     _fitted,
     _gain,
     _most_gained,
+    _read_in_each_way,
     _still_best,
     calibrate,
     lasting_unknowns,
@@ -35,7 +37,7 @@ from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.as_built import Knob, knobs
-from waxstudy.diagnosis.model.conventions import PLAIN
+from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, PLAIN, RAW, Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import nuisances
 from waxstudy.diagnosis.model.room_response import built
@@ -45,7 +47,7 @@ from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Calibrated
 from waxstudy.diagnosis.select.changed import Choice, joint
-from waxstudy.plugin import Belief
+from waxstudy.plugin import Belief, FloatArray
 
 DAYS = 7
 PUT_IN = effects(
@@ -239,7 +241,7 @@ def test_a_fit_of_a_healthy_motor_misses_no_more_than_the_pace_that_it_has(pace:
     (link,) = (each for each in segments(seen, believed) if each.stages == ("actuator",))
     unknowns = list(knobs(list(EFFECTS.values()), link.stages, believed))
     problem = SegmentProblem(link, seen, believed, holds_out=False, unknowns=unknowns)
-    found, true = _fitted(problem), problem.at((), np.log([pace]), problem.conventions[0])
+    found, true = _fitted(problem, _read_in_each_way(problem)), problem.at((), np.log([pace]), problem.conventions[0])
     estimator = Estimator(problem)
     assert np.exp(found.departures) == pytest.approx(pace, rel=0.05)
     assert estimator.score(found, ALL) <= 1.01 * estimator.score(true, ALL)
@@ -280,6 +282,40 @@ def test_what_a_record_tells_of_a_factor_is_the_share_that_neither_belief_nor_ch
 def test_an_offset_departs_as_it_is() -> None:
     (knob,) = (each for each in knobs([EFFECTS["sensor-bias"]], ("sensor",), belief("REAL", record("REAL"))))
     assert knob.known_within(0.05).step(0.3) == 0.3
+
+
+# --- how the log of a healthy record may be read -----------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("sensor", "output", "noise", "is_as_good"),
+    [
+        (1.0, 1.0, 0.0, True),
+        (1.2, 0.8, 0.0, True),
+        (1.3, 1.0, 0.0, False),
+        (1.0, 1.3, 0.0, False),
+        (1.0, 1.3, 40.0, True),
+        (1.3, 1.0, 40.0, False),
+    ],
+)
+def test_a_log_may_be_read_in_ways_that_leave_hardly_more_but_for_the_noise_that_a_controller_is_given(
+    sensor: float, output: float, noise: float, is_as_good: bool
+) -> None:
+    def leaving(way: Convention, *left: float) -> Hypothesis:
+        channels = zip(("sensor_temperature_C", "control_output"), left, strict=True)
+        return Hypothesis((), way, np.zeros(0), [of_error(np.full(100, each), channel) for channel, each in channels])
+
+    def of_error(error: FloatArray, channel: str) -> Residual:
+        whole, none = np.ones(len(error), dtype=bool), np.zeros(len(error), dtype=int)
+        return Residual(channel, "K", error, error, whole, none, none, none)
+
+    first, other = leaving(AFTER, 1.0, 1.0), leaving(BEFORE, sensor, output)
+    of_each = {AFTER: {0: 0.0}, BEFORE: {0: noise}}
+    problem: Any = SimpleNamespace(discounts_noise=True, drive_noise=lambda fitted: of_each[fitted.convention])
+    found = list(_as_good(problem, first, [first, other, leaving(RAW, 0.9, 0.9)]))
+    assert found == ([BEFORE] if is_as_good else [])
+    problem.discounts_noise = False
+    assert list(_as_good(problem, first, [first, other])) == ([BEFORE] if max(sensor, output) <= 1.2 else [])
 
 
 @pytest.mark.slow

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,9 @@ import pytest
 from tests.diagnosis.realities import EFFECTS, belief, dataset, record, rows
 from waxstudy.diagnosis.calibration import stored
 from waxstudy.diagnosis.diagnose import diagnose
+from waxstudy.diagnosis.model.conventions import AFTER, BEFORE
+from waxstudy.diagnosis.model.segments import segments
+from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.results.json_text import json_text
 
 OF_ROOM = (
@@ -65,6 +70,19 @@ def test_what_is_damaged_or_foreign_is_computed_again(made: list[str], tmp_path:
         assert calibrated() == first
         assert kept.read_text() == whole
     assert len(made) == 5
+
+
+def test_ways_to_read_a_log_that_a_healthy_record_does_not_tell_apart_are_kept_for_the_next(made: list[str]):
+    healthy = record("REAL", 3, without=OF_ROOM, interval_s=300.0)
+    believed, effects = belief("REAL", healthy), [EFFECTS["sensor-lag"]]
+    first, *others = (each for each in segments(healthy, believed) if not each.is_supply)
+    found = stored.calibrated(healthy, believed, effects, 0.3, 1.0)
+    known = replace(found.as_built, as_good={first.name: (BEFORE,), **{each.name: () for each in others}})
+    kept = json.loads(json.dumps(stored._kept(replace(found, as_built=known))))
+    again = stored._recalled(kept, healthy, believed, effects, 1.0)
+    assert again.as_built.as_good == known.as_good
+    read = [SegmentProblem(first, healthy, believed, as_built=again.as_built, unknowns=each) for each in (None, ())]
+    assert [list(each.conventions) for each in read] == [[AFTER, BEFORE], [AFTER]]  # the healthy one has one reading
 
 
 def test_another_baseline_is_calibrated_by_itself(made: list[str], tmp_path: Path):

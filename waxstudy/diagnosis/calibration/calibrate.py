@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import log
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
+from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
 from waxstudy.diagnosis.model.room_response import OF_ROOM
@@ -28,6 +30,7 @@ ROUNDS = 2  # of fitting and weighing what is left in turn
 # of the search for a healthy chain's fit, chosen: it begins with steps of half a standard deviation and ends
 # where neither the unknowns nor the loss change enough to matter, or after so many simulations for each unknown
 SIMPLEX_SD, CLOSE_SD, CLOSE_LOSS, POLISHED = 0.5, 0.02, 1.0, 25
+OUTPUT = "control_output"
 Effects = Sequence[type[Effect]]
 
 
@@ -72,10 +75,12 @@ def _of_chain(
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     unknowns = list(knobs(effects, segment.stages, belief))
     problem = SegmentProblem(segment, record, belief, holds_out=False, unknowns=unknowns)
-    fitted = _fitted(problem)
+    tried = _read_in_each_way(problem)
+    fitted = _fitted(problem, tried)
     chain = tuple(zip(unknowns, fitted.departures.tolist(), strict=True))
     conventions = {**known.conventions, segment.name: fitted.convention}
-    there = replace(known, chain=(*known.chain, *chain), conventions=conventions)
+    as_good = {**known.as_good, segment.name: tuple(_as_good(problem, fitted, tried))}
+    there = replace(known, chain=(*known.chain, *chain), conventions=conventions, as_good=as_good)
     problem, fitted, always = _with_always(segment, record, belief, effects, there, thorough)
     return weighed_by_left(replace(there, always=(*there.always, *always)), problem, fitted)
 
@@ -101,7 +106,7 @@ def _with_always(
     fits: dict[type[Effect], tuple[Hypothesis, Hypothesis]] = {}  # by effect: the last fits without it and with it
     while True:
         problem = SegmentProblem(segment, record, belief, as_built=there, unknowns=(), parts=np.full(len(record), FIT))
-        fitted = _fitted(problem)
+        fitted = _fitted(problem, _read_in_each_way(problem))
         if len(found) == WEIGHTS.most_always:
             return problem, fitted, found
         possible = [effect for effect in named if effect not in dict(found) and not effect.hindrance(belief)]
@@ -251,11 +256,42 @@ def lasting_unknowns(
     return [*own, *(each if each.is_habit else replace(each, sd=wider * each.sd) for each in rest)]
 
 
-def _fitted(problem: SegmentProblem) -> Hypothesis:
-    """Return the best fit of a chain to the whole record."""
+def _read_in_each_way(problem: SegmentProblem) -> list[Hypothesis]:
+    """Return the fits of a chain to the whole record, read in each way that is possible."""
     estimator, start = Estimator(problem), np.zeros(len(problem.sd))
-    best = _best(estimator, [estimator.nuisance_fit((), start, way, ALL) for way in problem.conventions])
-    return _polished(estimator, best) if len(start) else best
+    tried = [estimator.nuisance_fit((), start, way, ALL) for way in problem.conventions]
+    return [each for each in tried if each]
+
+
+def _fitted(problem: SegmentProblem, tried: Sequence[Hypothesis]) -> Hypothesis:
+    """Return the best of some fits of a chain, which noise of its drive counts for in none."""
+    if not tried:
+        raise ValueError(f"what is believed of {problem.name} cannot be simulated")
+    estimator = Estimator(problem)
+    best = min(tried, key=lambda each: estimator.fair_score(each, ALL)) if len(tried) > 1 else tried[0]
+    return _polished(estimator, best) if len(problem.sd) else best
+
+
+def _as_good(problem: SegmentProblem, fitted: Hypothesis, tried: Sequence[Hypothesis]) -> Iterator[Convention]:
+    """Yield the other ways to read a record that leave no channel clearly more: it cannot tell them from the first."""
+    for other in tried:
+        if other.convention != fitted.convention and not other.convention.is_handicapped:
+            pairs = zip(fitted.residuals, other.residuals, strict=True)
+            noise = _noise(problem, other) - _noise(problem, fitted)
+            if all(_more_left(*pair, noise) <= WEIGHTS.open for pair in pairs):
+                yield other.convention
+
+
+def _noise(problem: SegmentProblem, fitted: Hypothesis) -> float:
+    """Return what noise of its drive adds to what a controller's output that runs on is missed by, in squares."""
+    return sum(problem.drive_noise(fitted).values()) if problem.discounts_noise else 0.0
+
+
+def _more_left(one: Residual, other: Residual, noise: float) -> float:
+    """Return by how much more another hypothesis leaves of a channel, in standard deviations of what weeks differ."""
+    scatter = WEIGHTS.coarse_scatter if one.unit == "s" else WEIGHTS.scatter
+    left = other.loss() - (max(0.0, noise) if one.channel == OUTPUT else 0.0)
+    return log(left / one.loss()) / (2.0 * scatter) if min(left, one.loss()) > 0.0 else 0.0
 
 
 def _polished(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Hypothesis:

@@ -118,6 +118,7 @@ def _kept(made: Calibration) -> Kept:
         "chain": [[knob.name, departure] for knob, departure in known.chain],
         "always": [[effect.name, dict(values)] for effect, values in known.always],
         "conventions": {name: asdict(each) for name, each in known.conventions.items()},
+        "as_good": {name: [asdict(each) for each in ways] for name, ways in known.as_good.items()},
         "discrepancies": {channel: asdict(each) for channel, each in known.discrepancies.items()},
         "covariance": known.covariance.tolist(),
         "departures": {name: each.fitted.departures.tolist() for name, each in made.healthy.items()},
@@ -131,13 +132,20 @@ def _recalled(kept: Kept, record: Record, belief: Belief, effects: Effects, room
     if {segment.name for segment in cut} != set(kept["departures"]):
         raise ValueError("other links")
     for segment in cut:
+        ways = Convention(**kept["conventions"][segment.name]), *_conventions(kept["as_good"].get(segment.name, ()))
         found = replace(
-            found, conventions={**found.conventions, segment.name: Convention(**kept["conventions"][segment.name])}
+            found,
+            conventions={**found.conventions, segment.name: ways[0]},
+            as_good={**found.as_good, segment.name: ways[1:]},
         )
         about = segment, record, belief, effects, found, kept
         found, problem, fitted = _of_room(*about, room_tolerance) if segment.with_room else _of_chain(*about)
         healthy[segment.name] = Healthy(problem, fitted)
     return Calibration(found, healthy)
+
+
+def _conventions(kept: Sequence[Mapping[str, Any]]) -> Iterator[Convention]:
+    return (Convention(**each) for each in kept)
 
 
 def _of_chain(

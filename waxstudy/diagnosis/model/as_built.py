@@ -36,6 +36,7 @@ class AsBuilt:
     chain: tuple[tuple[Nuisance, float], ...] = ()  # of the control chain, and their departures
     always: Edits = ()  # effects of the chain that were there from the start
     conventions: Mapping[str, Convention] = field(default_factory=dict)  # by segment: how the log is read
+    as_good: Mapping[str, Sequence[Convention]] = field(default_factory=dict)  # other ways, which nothing tells apart
     discrepancies: Mapping[str, Discrepancy] = field(default_factory=dict)  # of a room, by channel
     left: Mapping[str, Left] = field(default_factory=dict)  # of a chain, by channel
 
