@@ -31,6 +31,13 @@ def test_a_setback_at_night_is_named_with_its_hours(case: str) -> None:
     assert effect.when.spans_h[1] == pytest.approx((22.0, 30.0), abs=0.5)
 
 
+def test_a_quick_look_finds_the_hours_of_warmer_nights_and_how_much_warmer_they_are() -> None:
+    """A few switches tell them: hours that are looked at three apart lead to warmer nights that end at three."""
+    (effect,) = told("LATE", effects(setpoint_offset={"offset_K": 1.4, "from_h": 22.06, "to_h": 7.28})).effects
+    assert effect.parameters["offset_K"].value == pytest.approx(1.4, abs=0.05)
+    assert effect.parameters["from_h"].value == pytest.approx(22.06, abs=0.1)
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_a_healthy_controller_aims_at_its_setpoint(case: str) -> None:
     assert not told(case, ()).effects

@@ -20,7 +20,7 @@ STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
 MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere
-SCANNED = 24  # hours of a day
+SCANNED = 24  # hours of a day, in a quick look too: fewer lie too far apart to lead to the right ones
 STARTS, STEPS, FAR = 8, 5, 0.1  # such points, steps from each, and the share of a range that their slopes look over
 
 
@@ -173,7 +173,7 @@ class StartPoints:
         best = min((score, values), most, key=itemgetter(0))
         for name in (*hours, *hours):
             prior = self.effect.priors[name]
-            for at in np.linspace(prior.low, prior.high, round(SCANNED * min(1.0, self.thorough)), endpoint=False):
+            for at in np.linspace(prior.low, prior.high, SCANNED, endpoint=False):
                 best = min(best, self._looked({**best[1], name: float(at)}, convention, still), key=itemgetter(0))
         return best
 
