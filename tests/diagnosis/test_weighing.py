@@ -172,9 +172,9 @@ def test_what_is_missed_stands_out_where_an_effect_acts_over_what_healthy_record
     acts = per_cycle[1].sum()
     lasts, whole = np.delete(per_cycle, np.argmax(per_cycle[0]), axis=1).sum(axis=1)
     scatter = np.hypot(WEIGHTS.scatter, (0.5 * luck / acts) ** 0.5)
-    of_size, along = 0.5 * np.log(lasts / whole) / scatter, weighing._along(slow.fitted, none.fitted)
-    assert of_size > 1.0
-    assert slow.stands == pytest.approx(max(of_size, along))
+    of_size = weighing._stands(slow.fitted, none.fitted)
+    assert of_size == pytest.approx(0.5 * np.log(lasts / whole) / scatter)
+    assert slow.stands == max(of_size, weighing._along(slow.fitted, none.fitted))
 
 
 def test_what_is_usual_where_an_effect_acts_is_of_the_samples_that_it_changes() -> None:
@@ -783,10 +783,8 @@ def test_what_changed_is_told_of_all_days_though_the_last_are_kept_to_show_what_
     assert told["factor"].low <= told["factor"].value <= told["factor"].high
 
 
-@pytest.mark.parametrize(("of_it", "stands"), [(0.0, np.inf), (0.2, 5.0), (0.5, 2.0), (1.0, 1.0)])
-def test_what_lies_along_an_effect_stands_out_where_a_healthy_record_has_less_of_it(
-    of_it: float, stands: float
-) -> None:
+@pytest.mark.parametrize(("of_it", "over"), [(0.0, np.inf), (0.2, 5.0), (0.5, 2.0), (1.0, 1.0)])
+def test_what_lies_along_an_effect_stands_out_where_a_healthy_record_has_less(of_it: float, over: float) -> None:
     """However much else both leave: errors across an effect are no sign of it."""
     way, across = np.tile([1.0, -1.0, 1.0, -1.0], 10), np.tile([3.0, 3.0, -3.0, -3.0], 10)
 
@@ -794,25 +792,31 @@ def test_what_lies_along_an_effect_stands_out_where_a_healthy_record_has_less_of
         left = across + strength * way
         return leaving(residual(left, "displacement")), leaving(residual(left - way, "displacement"))
 
-    usual = HealthyLeft(3.0, 40, 10, 0.0, 3.0)
-    weighing, (given, fitted) = bare(False, usual, pair(of_it)), pair(1.0)
+    weighing, (given, fitted) = bare(False, HealthyLeft(3.0, 40, 10, 0.0, 3.0), pair(of_it)), pair(1.0)
     scatter = np.hypot(WEIGHTS.scatter, (0.5 / 9.0 + 0.5 / 9.0) ** 0.5)
-    expected = np.log(min(stands, 1.0 / WEIGHTS.form)) / scatter
-    assert weighing._stands(fitted, given) == pytest.approx(max(expected, _of_size(weighing, fitted, given)))
-    assert _of_size(weighing, fitted, given) < 0.5
-    # of what acts at certain times a healthy record has none, and errors of switches have no sign
-    some_days: Any = SimpleNamespace()
-    assert weighing._stands(fitted, given, some_days) == _of_size(weighing, fitted, given)
+    assert weighing._along(fitted, given) == pytest.approx(np.log(min(over, 1.0 / WEIGHTS.form)) / scatter)
+    assert weighing._stands(fitted, given) < 0.5  # by its size
     switches = [leaving(residual(each.whitened, "heating_signal", "s")) for each in (given, fitted)]
-    assert _strengths((switches[0], switches[1]), weighing.healthy.usual, weighing._block) is None
+    assert _strengths((switches[0], switches[1]), weighing.healthy.usual, weighing._block) is None  # they have no sign
 
 
-def _of_size(weighing: Weighing, fitted: Hypothesis, given: Hypothesis) -> float:
-    """How far what is missed stands out by its size alone."""
-    made: Any = copy(weighing)
-    made._along = lambda fitted, given: 0.0
-    found: float = made._stands(fitted, given)
-    return found
+@pytest.mark.parametrize(
+    ("names", "is_told", "has_pattern"),
+    [(("let-by",), True, False), ((), False, False), (("max-flow",), False, False), (("let-by",), False, True)],
+)
+def test_what_lies_along_an_effect_counts_where_that_one_has_a_name_and_acts_always(
+    names: tuple[str, ...], is_told: bool, has_pattern: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two effects that of the one which was added."""
+    weighing, (_, slow, _) = of(SLOW, SLOW)
+    named = [(EFFECTS[name], {}) for name in ("max-flow", "let-by")]
+    monkeypatch.setattr(Weighing, "_notable", lambda self, fitted, pattern: iter(names))
+    monkeypatch.setattr(Weighing, "_along", lambda self, fitted, given: 1e6)
+    monkeypatch.setattr("waxstudy.diagnosis.select.appraise._price", lambda effect, values: 0.0)
+    monkeypatch.setattr(Weighing, "_always", lambda self, fitted: (0.0, np.zeros(0)))
+    pattern: Any = SimpleNamespace() if has_pattern else None
+    found = weighing.of(replace(slow.fitted, effects=tuple(named)), pattern=pattern)
+    assert (found.stands == 1e6) is is_told
 
 
 def test_each_channel_of_a_link_stands_out_where_it_is_changed_itself() -> None:

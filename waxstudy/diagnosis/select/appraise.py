@@ -73,6 +73,9 @@ class Appraisal:
         spread, most = self._spread(fitted)
         price = sum(_price(effect, values) for effect, values in fitted.effects)
         names = tuple(sorted(self._notable(fitted, pattern)))
+        stands = self._stands(fitted, given or nothing, pattern)
+        if not pattern and set(fitted.names[-1:]) & set(names):
+            stands = max(stands, self._along(fitted, given or nothing))
         return Weighed(
             fitted,
             names,
@@ -88,7 +91,7 @@ class Appraisal:
             left=self._left(fitted),
             is_of_room=self.problem.segment.with_room,
             is_by_noise=self.healthy.is_noise,
-            stands=self._stands(fitted, given or nothing, pattern),
+            stands=stands,
             pattern=pattern,
         )
 
@@ -153,13 +156,13 @@ class Appraisal:
         over = _lasting(np.concatenate(missed), np.concatenate(weights), block)
         acts = sum(float(each.sum()) for each in weights)
         scatter = float(np.hypot(self.healthy.stands_scatter, (0.5 * luck / acts) ** 0.5 if acts else 0.0))
-        return max(0.5 * float(np.log(max(1.0, over))) / scatter, 0.0 if pattern else self._along(fitted, given))
+        return 0.5 * float(np.log(max(1.0, over))) / scatter
 
     def _along(self, fitted: Hypothesis, given: Hypothesis) -> float:
         """Return how far what another hypothesis leaves of a chain stands out along what this one changes.
 
         A healthy record whose errors do not lie along it tells that this is no error of the form, however large others
-        are. Errors of switches have no sign.
+        are. Errors of switches have no sign. An effect too small for a name is not told so: form errs by as much.
         """
         healthy = self.healthy.pair(given.effects, fitted.effects)
         if healthy is None:
