@@ -793,11 +793,15 @@ def test_what_lies_along_an_effect_stands_out_where_a_healthy_record_has_less(of
         return leaving(residual(left, "displacement")), leaving(residual(left - way, "displacement"))
 
     weighing, (given, fitted) = bare(False, HealthyLeft(3.0, 40, 10, 0.0, 3.0), pair(of_it)), pair(1.0)
-    scatter = np.hypot(WEIGHTS.scatter, (0.5 / 9.0 + 0.5 / 9.0) ** 0.5)
+    scatter = np.hypot(WEIGHTS.scatter, (0.5 / 10.0 + 0.5 / 9.0) ** 0.5)  # of the later one a cycle is left out
     assert weighing._along(fitted, given) == pytest.approx(np.log(min(over, 1.0 / WEIGHTS.form)) / scatter)
     assert weighing._stands(fitted, given) < 0.5  # by its size
+    once = (leaving(residual(np.repeat([2.0, 0.0], [4, 36]))), leaving(residual(np.repeat([1.0, -1.0], [4, 36]))))
+    about = weighing.healthy.usual, weighing._block
+    assert _strengths(once, *about) == pytest.approx((4.0 / 10.0, 10.0))
+    assert _strengths(once, *about, is_lasting=True) == pytest.approx((0.0, 9.0))  # what happened once may be chance
     switches = [leaving(residual(each.whitened, "heating_signal", "s")) for each in (given, fitted)]
-    assert _strengths((switches[0], switches[1]), weighing.healthy.usual, weighing._block) is None  # they have no sign
+    assert _strengths((switches[0], switches[1]), *about) is None  # they have no sign
 
 
 @pytest.mark.parametrize(

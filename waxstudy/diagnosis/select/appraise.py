@@ -167,7 +167,8 @@ class Appraisal:
         healthy = self.healthy.pair(given.effects, fitted.effects)
         if healthy is None:
             return 0.0
-        there, here = (_strengths(pair, self.healthy.usual, self._block) for pair in (healthy, (given, fitted)))
+        about = self.healthy.usual, self._block
+        there, here = _strengths(healthy, *about), _strengths((given, fitted), *about, is_lasting=True)
         if there is None or here is None:
             return 0.0
         usual, luck = max(there[0], WEIGHTS.form**2), 0.5 / there[1] + 0.5 / here[1]
@@ -354,11 +355,14 @@ def _of_form(left: Residual, change: FloatArray) -> FloatArray:
 
 
 def _strengths(
-    pair: tuple[Hypothesis, Hypothesis], usual: Callable[[Residual], float], block: Callable[[Residual], np.ndarray]
+    pair: tuple[Hypothesis, Hypothesis],
+    usual: Callable[[Residual], float],
+    block: Callable[[Residual], np.ndarray],
+    is_lasting: bool = False,
 ) -> tuple[float, float] | None:
     """Return the mean square of how much of an effect cycles have that are taken to be without it, and how many.
 
-    The pair is a link without and with it. The cycle of most is left out. None where the effect changes nothing.
+    The pair is a link without and with it. Of what is to last the cycle of most is left out. None if nothing changes.
     """
     rows = [
         (old.whitened[old.judged] / usual(old), new.whitened[old.judged] / usual(old), block(old)[old.judged])
@@ -374,11 +378,11 @@ def _strengths(
     if not power.any():
         return None
     squares = np.divide(along**2, power, out=np.zeros(len(along)), where=power > 0.0)
-    rest = np.arange(len(squares)) != np.argmax(squares) if len(squares) > 1 else np.ones(1, dtype=bool)
-    whole = float(power[rest].sum())
-    if not whole:
-        return None
-    return float(squares[rest].sum()) / whole, float(whole**2 / (power[rest] @ power[rest]))
+    if is_lasting and len(squares) > 1:
+        most = np.argmax(squares)
+        squares, power = np.delete(squares, most), np.delete(power, most)
+    whole = float(power.sum())
+    return (float(squares.sum()) / whole, float(whole**2 / (power @ power))) if whole else None
 
 
 def _gap_square(residual: Residual) -> float:
