@@ -21,7 +21,7 @@ from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual, motions_of
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import Knob
-from waxstudy.diagnosis.model.conventions import PLAIN
+from waxstudy.diagnosis.model.conventions import PLAIN, RAW
 from waxstudy.diagnosis.model.nuisance import Nuisance
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT
@@ -390,7 +390,7 @@ def bare(
         _usual_square=lambda residual: usual._usual_square(made.healthy, residual),
         usual_where=lambda residual, effects, given: UsualWhere(usual.usual(made.healthy, residual)),
         acts=partial(usual.acts, None),
-        pair=lambda given, effects: pair,
+        pair=lambda given, effects, way: pair,
     )
     made.share = {}
     weighing: Weighing = made
@@ -796,6 +796,8 @@ def test_what_lies_along_an_effect_stands_out_where_a_healthy_record_has_less(of
     scatter = np.hypot(WEIGHTS.scatter, (0.5 / 10.0 + 0.5 / 9.0) ** 0.5)  # of the later one a cycle is left out
     assert weighing._along(fitted, given) == pytest.approx(np.log(min(over, 1.0 / WEIGHTS.form)) / scatter)
     assert weighing._stands(fitted, given) < 0.5  # by its size
+    assert weighing._along(replace(fitted, convention=RAW), given) == 0.0
+    assert bare(True, pair=pair(of_it))._along(fitted, given) == 0.0
     once = (leaving(residual(np.repeat([2.0, 0.0], [4, 36]))), leaving(residual(np.repeat([1.0, -1.0], [4, 36]))))
     about = weighing.healthy.usual, weighing._block
     assert _strengths(once, *about) == pytest.approx((4.0 / 10.0, 10.0))
@@ -808,7 +810,7 @@ def test_what_lies_along_an_effect_stands_out_where_a_healthy_record_has_less(of
     ("names", "is_told", "has_pattern"),
     [(("let-by",), True, False), ((), False, False), (("max-flow",), False, False), (("let-by",), False, True)],
 )
-def test_what_lies_along_an_effect_counts_where_that_one_has_a_name_and_acts_always(
+def test_what_lies_along_an_effect_counts_where_that_one_has_a_name_and_no_pattern(
     names: tuple[str, ...], is_told: bool, has_pattern: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of two effects that of the one which was added."""

@@ -8,7 +8,7 @@ from math import log
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room, together
+from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room, least_usual, together
 from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
@@ -75,13 +75,12 @@ def _of_chain(
 ) -> tuple[AsBuilt, SegmentProblem, Hypothesis]:
     unknowns = list(knobs(effects, segment.stages, belief))
     problem = SegmentProblem(segment, record, belief, holds_out=False, unknowns=unknowns)
-    tried = _read_in_each_way(problem)
-    fitted = _fitted(problem, tried)
+    fitted = _fitted(problem)
     chain = tuple(zip(unknowns, fitted.departures.tolist(), strict=True))
     conventions = {**known.conventions, segment.name: fitted.convention}
-    as_good = {**known.as_good, segment.name: tuple(_as_good(problem, fitted, tried))}
-    there = replace(known, chain=(*known.chain, *chain), conventions=conventions, as_good=as_good)
+    there = replace(known, chain=(*known.chain, *chain), conventions=conventions)
     problem, fitted, always = _with_always(segment, record, belief, effects, there, thorough)
+    there = replace(there, as_good={**there.as_good, segment.name: tuple(_as_good(problem, fitted))})
     return weighed_by_left(replace(there, always=(*there.always, *always)), problem, fitted)
 
 
@@ -106,7 +105,7 @@ def _with_always(
     fits: dict[type[Effect], tuple[Hypothesis, Hypothesis]] = {}  # by effect: the last fits without it and with it
     while True:
         problem = SegmentProblem(segment, record, belief, as_built=there, unknowns=(), parts=np.full(len(record), FIT))
-        fitted = _fitted(problem, _read_in_each_way(problem))
+        fitted = _fitted(problem)
         if len(found) == WEIGHTS.most_always:
             return problem, fitted, found
         possible = [effect for effect in named if effect not in dict(found) and not effect.hindrance(belief)]
@@ -256,42 +255,41 @@ def lasting_unknowns(
     return [*own, *(each if each.is_habit else replace(each, sd=wider * each.sd) for each in rest)]
 
 
-def _read_in_each_way(problem: SegmentProblem) -> list[Hypothesis]:
-    """Return the fits of a chain to the whole record, read in each way that is possible."""
+def _fitted(problem: SegmentProblem) -> Hypothesis:
+    """Return the best fit of a chain to the whole record; noise of its drive counts against no way to read it."""
     estimator, start = Estimator(problem), np.zeros(len(problem.sd))
     tried = [estimator.nuisance_fit((), start, way, ALL) for way in problem.conventions]
-    return [each for each in tried if each]
+    best = _best(estimator, tried, is_fair=True)
+    return _polished(estimator, best) if len(start) else best
 
 
-def _fitted(problem: SegmentProblem, tried: Sequence[Hypothesis]) -> Hypothesis:
-    """Return the best of some fits of a chain, which noise of its drive counts for in none."""
-    if not tried:
-        raise ValueError(f"what is believed of {problem.name} cannot be simulated")
-    estimator = Estimator(problem)
-    best = min(tried, key=lambda each: estimator.fair_score(each, ALL)) if len(tried) > 1 else tried[0]
-    return _polished(estimator, best) if len(problem.sd) else best
+def _as_good(problem: SegmentProblem, fitted: Hypothesis) -> Iterator[Convention]:
+    """Yield the other ways to read a record that leave no channel clearly more: it cannot tell them from the first.
+
+    One with more freedom has to leave less to be one at all.
+    """
+    for way in problem.segment.conventions:
+        if way != fitted.convention and not way.is_handicapped:
+            other = problem.at((), fitted.departures, way)
+            if other and _more_left(problem, fitted, other) <= WEIGHTS.open:
+                yield way
 
 
-def _as_good(problem: SegmentProblem, fitted: Hypothesis, tried: Sequence[Hypothesis]) -> Iterator[Convention]:
-    """Yield the other ways to read a record that leave no channel clearly more: it cannot tell them from the first."""
-    for other in tried:
-        if other.convention != fitted.convention and not other.convention.is_handicapped:
-            pairs = zip(fitted.residuals, other.residuals, strict=True)
-            noise = _noise(problem, other) - _noise(problem, fitted)
-            if all(_more_left(*pair, noise) <= WEIGHTS.open for pair in pairs):
-                yield other.convention
+def _more_left(problem: SegmentProblem, one: Hypothesis, other: Hypothesis) -> float:
+    """Return by how much more another hypothesis leaves of the channel with most, in standard deviations of weeks.
 
-
-def _noise(problem: SegmentProblem, fitted: Hypothesis) -> float:
-    """Return what noise of its drive adds to what a controller's output that runs on is missed by, in squares."""
-    return sum(problem.drive_noise(fitted).values()) if problem.discounts_noise else 0.0
-
-
-def _more_left(one: Residual, other: Residual, noise: float) -> float:
-    """Return by how much more another hypothesis leaves of a channel, in standard deviations of what weeks differ."""
-    scatter = WEIGHTS.coarse_scatter if one.unit == "s" else WEIGHTS.scatter
-    left = other.loss() - (max(0.0, noise) if one.channel == OUTPUT else 0.0)
-    return log(left / one.loss()) / (2.0 * scatter) if min(left, one.loss()) > 0.0 else 0.0
+    That is without what noise of the drive adds to a controller's output that runs on. Leaving less than usual is luck.
+    """
+    noise, found = 0.0, 0.0
+    if problem.discounts_noise:
+        of_noise = [sum(problem.drive_noise(each, OUTPUT).values()) for each in (other, one)]
+        noise = max(0.0, of_noise[0] - of_noise[1])
+    for old, new in zip(one.residuals, other.residuals, strict=True):
+        least = least_usual(old) ** 2 * max(1, int(old.judged.sum()))
+        left = new.loss() - (noise if old.channel == OUTPUT else 0.0)
+        scatter = WEIGHTS.coarse_scatter if old.unit == "s" else WEIGHTS.scatter
+        found = max(found, log(max(left, least) / max(old.loss(), least)) / (2.0 * scatter))
+    return found
 
 
 def _polished(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Hypothesis:
@@ -322,11 +320,13 @@ def _polished(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Hypot
     return _best(estimator, [fitted, at(found.x)])
 
 
-def _best(estimator: Estimator[SegmentProblem], tried: Sequence[Hypothesis | None]) -> Hypothesis:
+def _best(
+    estimator: Estimator[SegmentProblem], tried: Sequence[Hypothesis | None], is_fair: bool = False
+) -> Hypothesis:
     done = [each for each in tried if each is not None]
     if not done:
         raise ValueError(f"what is believed of {estimator.problem.name} cannot be simulated")
-    return min(done, key=lambda each: estimator.score(each, ALL))
+    return min(done, key=lambda each: (estimator.fair_score if is_fair else estimator.score)(each, ALL))
 
 
 def _settled(problem: SegmentProblem, fitted: Hypothesis) -> Hypothesis:

@@ -13,6 +13,7 @@ from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
+from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.residuals.noise_floor import PERTURBATIONS, of_noise
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -96,7 +97,7 @@ class Healthy:
 
     def usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample of a channel, over what it is weighed by; less is luck."""
-        return max(float(np.sqrt(self._usual_square(residual))), _least(residual))
+        return max(float(np.sqrt(self._usual_square(residual))), least_usual(residual))
 
     def acts(self, given: Residual, other: Residual) -> FloatArray:
         """Return how much another hypothesis changes each sample of a channel (m,), beside a given one."""
@@ -113,13 +114,11 @@ class Healthy:
             return UsualWhere(self.usual(residual))
         left = float(np.sqrt(acts @ healthy.whitened**2 / acts.sum()))
         power = np.bincount(healthy.block - healthy.block.min(), acts)
-        return UsualWhere(max(left, _least(residual)), float(power.sum() ** 2 / (power @ power)))
+        return UsualWhere(max(left, least_usual(residual)), float(power.sum() ** 2 / (power @ power)))
 
-    def pair(self, given: Edits, effects: Edits) -> tuple[Hypothesis, Hypothesis] | None:
-        """Return the healthy link with given effects and with others, None where one of them cannot be."""
-        without, with_it = (
-            self.problem.at(each, self.fitted.departures, self.fitted.convention) for each in (given, effects)
-        )
+    def pair(self, given: Edits, effects: Edits, way: Convention) -> tuple[Hypothesis, Hypothesis] | None:
+        """Return the healthy link with given effects and with others, read in a way; None where one cannot be."""
+        without, with_it = (self.problem.at(each, self.fitted.departures, way) for each in (given, effects))
         return (without, with_it) if without and with_it else None
 
     def usual_loss(self, residual: Residual) -> float:
@@ -157,7 +156,8 @@ class Healthy:
         return -0.5 * float(left @ left), step
 
 
-def _least(residual: Residual) -> float:
+def least_usual(residual: Residual) -> float:
+    """Return the least that counts as usual of a sample of a channel: less is luck."""
     return WEIGHTS.least_off if residual.unit == "s" else WEIGHTS.least_left
 
 
@@ -220,7 +220,7 @@ class AsBelieved(Healthy):
         """Return what is usual of a channel anywhere: noise is the same all over it."""
         return UsualWhere(self.usual(residual))
 
-    def pair(self, given: Edits, effects: Edits) -> None:
+    def pair(self, given: Edits, effects: Edits, way: Convention) -> None:
         """Return nothing: there is no healthy record."""
         return
 

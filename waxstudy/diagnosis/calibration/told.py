@@ -93,7 +93,9 @@ def _of_effect(knob: Knob, departure: float, sd: float, part: Part, values: Mapp
     value, still = knob.values(departure)[knob.parameter], knob.neutral[knob.parameter]
     interval = Interval(value, nan, nan)
     if sd == sd:
-        interval = Interval(value, *(knob.values(departure + way * NORMAL * sd)[knob.parameter] for way in (-1, 1)))
+        known = knob.known_within(sd)
+        ends = (knob.values(departure + known.step(way * NORMAL * sd))[knob.parameter] for way in (-1, 1))
+        interval = Interval(value, *ends)
     is_clear = _is_noticeable(knob.effect.priors[knob.parameter], value, still) and _leaves_out(interval, still)
     sentence = knob.effect.sentence(knob.effect.Parameters(**values))
     return Calibrated(knob.name, interval, still, sentence, part, is_clear)

@@ -96,14 +96,14 @@ class Knob(Nuisance):
     effect: type[Effect] = Effect
     parameter: str = ""
     neutral: Mapping[str, float] = field(default_factory=dict)
-    by_record: float = 0.0  # share of the variance of a factor that is left by what a healthy record tells of it
+    by_record: float = 0.0  # share of a factor's variance that is a healthy record's, neither of belief nor `varies`
 
     @property
     def tells(self) -> frozenset[str]:
         return frozenset((self.name, *self.effect.absorbs))
 
     def known_within(self, sd: float) -> Knob:
-        left = max(0.0, sd**2 - self.varies**2)
+        left = min(self.sd**2, max(0.0, sd**2 - self.varies**2))  # errors that hang together may widen it beyond belief
         is_factor = self.effect.priors[self.parameter].is_log
         return replace(self, sd=sd, by_record=left * (1.0 - left / self.sd**2) / sd**2 if is_factor else 0.0)
 
@@ -115,7 +115,7 @@ class Knob(Nuisance):
         """
         from scipy.optimize import brentq
 
-        if not departure or not self.by_record:
+        if not departure or self.by_record <= 0.0:
             return departure
         told = min(self.by_record, MOST_BY_RECORD)
         rest = sqrt(1.0 - told)

@@ -151,8 +151,11 @@ class SegmentProblem:
 
         return self._seen.get((*key, convention), made)
 
-    def drive_noise(self, fitted: Hypothesis) -> Mapping[int, float]:
-        """Return what noise of the drive adds to a model's loss, by part: a low-pass lets less of it through."""
+    def drive_noise(self, fitted: Hypothesis, channel: str = "") -> Mapping[int, float]:
+        """Return what noise of the drive adds to a model's loss, by part: a low-pass lets less of it through.
+
+        Of one channel, or of all that run on.
+        """
         if self.segment.with_room or self.segment.driven_by in self.record.binary or fitted.convention.is_raw:
             return {}
         belief = self.belief_of(fitted)
@@ -161,7 +164,7 @@ class SegmentProblem:
         moved = self.predicted(belief, fitted.convention, perturbation)
         found: dict[int, float] = {}
         for now, then in zip(self.judge.residuals(still), self.judge.residuals(moved), strict=True):
-            if now.channel not in self.record.binary:
+            if now.channel not in self.record.binary and now.channel in (channel or now.channel,):
                 for part in BOTH:
                     chosen = now.part == part
                     added = float(np.sum((then.whitened[chosen] - now.whitened[chosen]) ** 2))

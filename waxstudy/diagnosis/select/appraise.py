@@ -164,7 +164,10 @@ class Appraisal:
         A healthy record whose errors do not lie along it tells that this is no error of the form, however large others
         are. Errors of switches have no sign. An effect too small for a name is not told so: form errs by as much.
         """
-        healthy = self.healthy.pair(given.effects, fitted.effects)
+        # read otherwise, a link changes by more than the effect does; a room's gain is bounded by its own days
+        if self.problem.segment.with_room or given.convention != fitted.convention:
+            return 0.0
+        healthy = self.healthy.pair(given.effects, fitted.effects, fitted.convention)
         if healthy is None:
             return 0.0
         about = self.healthy.usual, self._block

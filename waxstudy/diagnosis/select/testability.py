@@ -155,8 +155,9 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
     believed = problem.belief_of(base)
     named = {name for found in selection.found for name in found.group}
     least = 2.0 * limit(Question.SLIGHT, "gain_per_form") * max(1.0, float(np.mean(base.whitened**2)))
-    # beside a healthy record in the likeliest way, else in each that may be
-    ways = problem.conventions[:1] if problem.as_built else estimator.conventions
+    # in the likeliest way where a healthy record tells it, else in each that may be
+    is_told = problem.as_built is not None and problem.segment.name in problem.as_built.conventions
+    ways = problem.conventions[:1] if is_told else estimator.conventions
     tried = [(convention, problem.at((), base.departures, convention)) for convention in ways]
     stills = [(convention, still.whitened) for convention, still in tried if still]
 
