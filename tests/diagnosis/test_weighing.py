@@ -27,10 +27,10 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.appraise import _of_form, _price, _strengths
+from waxstudy.diagnosis.select.appraise import _of_form, _price
 from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without, best_of, changed, in_place, likeliest
 from waxstudy.diagnosis.select.day import SPANS
-from waxstudy.diagnosis.select.gain_spread import gain_spread
+from waxstudy.diagnosis.select.gain_spread import gain_spread, strength
 from waxstudy.diagnosis.select.patterns import patterns
 from waxstudy.diagnosis.select.posterior import Weighed, posterior, score
 from waxstudy.diagnosis.select.search import Search
@@ -799,11 +799,10 @@ def test_what_lies_along_an_effect_stands_out_where_a_healthy_record_has_less(of
     assert weighing._along(replace(fitted, convention=RAW), given) == 0.0
     assert bare(True, pair=pair(of_it))._along(fitted, given) == 0.0
     once = (leaving(residual(np.repeat([2.0, 0.0], [4, 36]))), leaving(residual(np.repeat([1.0, -1.0], [4, 36]))))
-    about = weighing.healthy.usual, weighing._block
-    assert _strengths(once, *about) == pytest.approx((4.0 / 10.0, 10.0))
-    assert _strengths(once, *about, is_lasting=True) == pytest.approx((0.0, 9.0))  # what happened once may be chance
+    assert strength(*weighing._signed(*once)) == pytest.approx((4.0 / 10.0, 10.0))
+    assert strength(*weighing._signed(*once), is_lasting=True) == pytest.approx((0.0, 9.0))
     switches = [leaving(residual(each.whitened, "heating_signal", "s")) for each in (given, fitted)]
-    assert _strengths((switches[0], switches[1]), *about) is None  # they have no sign
+    assert strength(*weighing._signed(switches[0], switches[1])) is None  # they have no sign
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from math import log
 
 import numpy as np
 
-from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room, least_usual, together
+from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room, least_usual, scatter_of_weeks, together
 from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.estimate.parameter_space import Edits
@@ -266,7 +266,7 @@ def _fitted(problem: SegmentProblem) -> Hypothesis:
 def _as_good(problem: SegmentProblem, fitted: Hypothesis) -> Iterator[Convention]:
     """Yield the other ways to read a record that leave no channel clearly more: it cannot tell them from the first.
 
-    One with more freedom has to leave less to be one at all.
+    A reading with more freedom would have to leave less, and is not one of them.
     """
     for way in problem.segment.conventions:
         if way != fitted.convention and not way.is_handicapped:
@@ -276,9 +276,9 @@ def _as_good(problem: SegmentProblem, fitted: Hypothesis) -> Iterator[Convention
 
 
 def _more_left(problem: SegmentProblem, one: Hypothesis, other: Hypothesis) -> float:
-    """Return by how much more another hypothesis leaves of the channel with most, in standard deviations of weeks.
+    """Return by how much more another hypothesis leaves of a channel, at most, in standard deviations of what weeks do.
 
-    That is without what noise of the drive adds to a controller's output that runs on. Leaving less than usual is luck.
+    Noise that the drive brings into a controller's output is taken off. Leaving less than usual is luck.
     """
     noise, found = 0.0, 0.0
     if problem.discounts_noise:
@@ -287,8 +287,7 @@ def _more_left(problem: SegmentProblem, one: Hypothesis, other: Hypothesis) -> f
     for old, new in zip(one.residuals, other.residuals, strict=True):
         least = least_usual(old) ** 2 * max(1, int(old.judged.sum()))
         left = new.loss() - (noise if old.channel == OUTPUT else 0.0)
-        scatter = WEIGHTS.coarse_scatter if old.unit == "s" else WEIGHTS.scatter
-        found = max(found, log(max(left, least) / max(old.loss(), least)) / (2.0 * scatter))
+        found = max(found, log(max(left, least) / max(old.loss(), least)) / (2.0 * scatter_of_weeks(old)))
     return found
 
 

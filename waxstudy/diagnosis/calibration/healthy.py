@@ -57,8 +57,7 @@ class Healthy:
 
     def scatter(self, residual: Residual) -> float:
         """Return the same beside which what is left of a channel is amiss."""
-        is_coarse = residual.unit == "s" or residual.channel == "return_temperature_C"
-        return WEIGHTS.coarse_scatter if is_coarse else WEIGHTS.scatter
+        return scatter_of_weeks(residual)
 
     @cached_property
     def slopes(self) -> FloatArray:
@@ -107,9 +106,9 @@ class Healthy:
     def usual_where(self, residual: Residual, effects: Edits, given: Edits) -> UsualWhere:
         """Return what nothing amiss leaves of the samples that effects change beside given ones, as far as they do."""
         healthy = self.fitted.motion_of(residual.channel)
-        pair = [self.problem.at(each, self.fitted.departures, self.fitted.convention) for each in (given, effects)]
-        made = [other for each in pair if each and (other := each.motion_of(residual.channel))] if healthy else []
-        acts = self.acts(*made) if len(made) == len(pair) else np.zeros(1)
+        pair = (self.pair(given, effects, self.fitted.convention) if healthy else None) or ()
+        made = [other for each in pair if (other := each.motion_of(residual.channel))]
+        acts = self.acts(*made) if made and len(made) == len(pair) else np.zeros(1)
         if healthy is None or not acts.any():
             return UsualWhere(self.usual(residual))
         left = float(np.sqrt(acts @ healthy.whitened**2 / acts.sum()))
@@ -154,6 +153,12 @@ class Healthy:
         step = np.linalg.lstsq(ways, -both, rcond=None)[0] if len(sd) else np.zeros(0)
         left = both + ways @ step if len(sd) else both
         return -0.5 * float(left @ left), step
+
+
+def scatter_of_weeks(residual: Residual) -> float:
+    """Return the standard deviation of the logarithm of what weeks leave of a channel."""
+    is_coarse = residual.unit == "s" or residual.channel == "return_temperature_C"
+    return WEIGHTS.coarse_scatter if is_coarse else WEIGHTS.scatter
 
 
 def least_usual(residual: Residual) -> float:

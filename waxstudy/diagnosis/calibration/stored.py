@@ -132,20 +132,17 @@ def _recalled(kept: Kept, record: Record, belief: Belief, effects: Effects, room
     if {segment.name for segment in cut} != set(kept["departures"]):
         raise ValueError("other links")
     for segment in cut:
-        ways = Convention(**kept["conventions"][segment.name]), *_conventions(kept["as_good"].get(segment.name, ()))
+        read = (kept["conventions"][segment.name], *kept["as_good"].get(segment.name, ()))
+        first, *others = (Convention(**each) for each in read)
         found = replace(
             found,
-            conventions={**found.conventions, segment.name: ways[0]},
-            as_good={**found.as_good, segment.name: ways[1:]},
+            conventions={**found.conventions, segment.name: first},
+            as_good={**found.as_good, segment.name: tuple(others)},
         )
         about = segment, record, belief, effects, found, kept
         found, problem, fitted = _of_room(*about, room_tolerance) if segment.with_room else _of_chain(*about)
         healthy[segment.name] = Healthy(problem, fitted)
     return Calibration(found, healthy)
-
-
-def _conventions(kept: Sequence[Mapping[str, Any]]) -> Iterator[Convention]:
-    return (Convention(**each) for each in kept)
 
 
 def _of_chain(

@@ -164,7 +164,7 @@ class SegmentProblem:
         moved = self.predicted(belief, fitted.convention, perturbation)
         found: dict[int, float] = {}
         for now, then in zip(self.judge.residuals(still), self.judge.residuals(moved), strict=True):
-            if now.channel not in self.record.binary and now.channel in (channel or now.channel,):
+            if now.channel not in self.record.binary and channel in ("", now.channel):
                 for part in BOTH:
                     chosen = now.part == part
                     added = float(np.sum((then.whitened[chosen] - now.whitened[chosen]) ** 2))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import days_of
 from waxstudy.diagnosis.select.evidence import departure, travel_left
-from waxstudy.diagnosis.select.gain_spread import gain_spread
+from waxstudy.diagnosis.select.gain_spread import along_change, gain_spread, strength
 from waxstudy.diagnosis.select.patterns import Pattern, day_of
 from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.weights import WEIGHTS
@@ -162,21 +162,32 @@ class Appraisal:
         """Return how far what another hypothesis leaves of a chain stands out along what this one changes.
 
         A healthy record whose errors do not lie along it tells that this is no error of the form, however large others
-        are. Errors of switches have no sign. An effect too small for a name is not told so: form errs by as much.
+        are. An effect too small for a name is not told so: form errs by as much.
         """
-        # read otherwise, a link changes by more than the effect does; a room's gain is bounded by its own days
+        # read in another way, a link changes by more than the effect does
         if self.problem.segment.with_room or given.convention != fitted.convention:
             return 0.0
         healthy = self.healthy.pair(given.effects, fitted.effects, fitted.convention)
-        if healthy is None:
-            return 0.0
-        about = self.healthy.usual, self._block
-        there, here = _strengths(healthy, *about), _strengths((given, fitted), *about, is_lasting=True)
+        there = strength(*self._signed(*healthy)) if healthy else None
+        here = strength(*self._signed(given, fitted), is_lasting=True)
         if there is None or here is None:
             return 0.0
-        usual, luck = max(there[0], WEIGHTS.form**2), 0.5 / there[1] + 0.5 / here[1]
+        usual, luck = max(there.square, WEIGHTS.form**2), 0.5 / there.cycles + 0.5 / here.cycles
         scatter = float(np.hypot(self.healthy.stands_scatter, luck**0.5))
-        return 0.5 * float(np.log(max(1.0, here[0] / usual))) / scatter
+        return 0.5 * float(np.log(max(1.0, here.square / usual))) / scatter
+
+    def _signed(self, given: Hypothesis, fitted: Hypothesis) -> tuple[FloatArray, FloatArray, np.ndarray]:
+        """Return what two hypotheses leave of judged samples over the usual, each (m,), and the block of each sample.
+
+        Errors of switches have no sign, and are left out.
+        """
+        pairs = zip(given.by_motion, fitted.by_motion, strict=True)
+        rows = [(np.zeros(0), np.zeros(0), np.zeros(0, dtype=int))]
+        for old, new in (each for each in pairs if each[0].unit != "s"):
+            usual, judged = self.healthy.usual(old), old.judged
+            rows.append((old.whitened[judged] / usual, new.whitened[judged] / usual, self._block(old)[judged]))
+        before, after, block = (np.concatenate(each) for each in zip(*rows, strict=True))
+        return before, after, block
 
     def _left(self, fitted: Hypothesis) -> float:
         """Return the share that a hypothesis leaves of what a chain misses beyond the usual, at least `_kept` of it."""
@@ -349,43 +360,10 @@ def _of_form(left: Residual, change: FloatArray) -> FloatArray:
     Its strength may differ by the share of an effect that its form may leave. `change` (m,) is what the effect does to
     the residuals. What is left across it has another cause; errors of switches have no sign and always lie along it.
     """
-    _, member = np.unique(left.block[left.judged], return_inverse=True)
-    here, moved = left.whitened[left.judged], change[left.judged]
-    along, power = np.bincount(member, here * moved), np.bincount(member, moved * moved)
+    along, power = along_change(left.whitened[left.judged], change[left.judged], left.block[left.judged])
     best = np.divide(along, power, out=np.zeros(len(along)), where=power > 0.0)
     more = np.clip(best, -WEIGHTS.form, WEIGHTS.form)
     return np.asarray(more * (2.0 * along - more * power))
-
-
-def _strengths(
-    pair: tuple[Hypothesis, Hypothesis],
-    usual: Callable[[Residual], float],
-    block: Callable[[Residual], np.ndarray],
-    is_lasting: bool = False,
-) -> tuple[float, float] | None:
-    """Return the mean square of how much of an effect cycles have that are taken to be without it, and how many.
-
-    The pair is a link without and with it. Of what is to last the cycle of most is left out. None if nothing changes.
-    """
-    rows = [
-        (old.whitened[old.judged] / usual(old), new.whitened[old.judged] / usual(old), block(old)[old.judged])
-        for old, new in zip(pair[0].by_motion, pair[1].by_motion, strict=True)
-        if old.unit != "s" and old.judged.any()
-    ]
-    if not rows:
-        return None
-    old, new, blocks = (np.concatenate(each) for each in zip(*rows, strict=True))
-    change = old - new
-    _, member = np.unique(blocks, return_inverse=True)
-    along, power = np.bincount(member, old * change), np.bincount(member, change * change)
-    if not power.any():
-        return None
-    squares = np.divide(along**2, power, out=np.zeros(len(along)), where=power > 0.0)
-    if is_lasting and len(squares) > 1:
-        most = np.argmax(squares)
-        squares, power = np.delete(squares, most), np.delete(power, most)
-    whole = float(power.sum())
-    return (float(squares.sum()) / whole, float(whole**2 / (power @ power))) if whole else None
 
 
 def _gap_square(residual: Residual) -> float:

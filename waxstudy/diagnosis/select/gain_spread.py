@@ -2,9 +2,40 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from waxstudy.plugin import FloatArray
+
+
+class Strength(NamedTuple):
+    """How much of an effect cycles have, as a mean square over its own, and how many cycles tell it."""
+
+    square: float
+    cycles: float
+
+
+def along_change(errors: FloatArray, change: FloatArray, block: np.ndarray) -> tuple[FloatArray, FloatArray]:
+    """Return by block how far errors (m,) lie along a change (m,), and the squares of that change, each (blocks,)."""
+    _, member = np.unique(block, return_inverse=True)
+    along, power = np.bincount(member, errors * change), np.bincount(member, change * change)
+    return np.asarray(along, dtype=float), np.asarray(power, dtype=float)
+
+
+def strength(before: FloatArray, after: FloatArray, block: np.ndarray, is_lasting: bool = False) -> Strength | None:
+    """Return how much of an effect cycles have, from what is left (m,) without and with it; None if nothing changes.
+
+    Of what is to last the cycle of most is left out: what happened once may be chance.
+    """
+    change = before - after
+    along, power = along_change(before, change, block)
+    squares = np.divide(along**2, power, out=np.zeros(len(along)), where=power > 0.0)
+    if is_lasting and len(squares) > 1:
+        most = np.argmax(squares)
+        squares, power = np.delete(squares, most), np.delete(power, most)
+    whole = float(power.sum())
+    return Strength(float(squares.sum()) / whole, whole**2 / float(power @ power)) if whole else None
 
 
 def gain_spread(before: FloatArray, after: FloatArray, block: np.ndarray) -> tuple[float, float]:
@@ -15,8 +46,7 @@ def gain_spread(before: FloatArray, after: FloatArray, block: np.ndarray) -> tup
     Student's t that so many give.
     """
     change = before - after
-    _, member = np.unique(block, return_inverse=True)
-    along, power = np.bincount(member, before * change), np.bincount(member, change * change)
+    along, power = along_change(before, change, block)
     count, whole = int(np.count_nonzero(power)), float(power.sum())
     if count < 2:
         return 1.0, 0.0
