@@ -19,11 +19,12 @@ from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.select.day import BINS, DAY_H, parts_of_day, promising
+from waxstudy.diagnosis.select.day import BINS, parts_of_day, promising
 from waxstudy.diagnosis.select.looks import acts_all_day
 from waxstudy.diagnosis.select.superposed import Superposed
 from waxstudy.diagnosis.select.timed import timed
 from waxstudy.plugin import Belief, Effect, FloatArray
+from waxstudy.plugin.hours import DAY_H
 
 SAMPLES, NUISANCES = 200, 3
 TAKES, BOTH_WAYS = (0.0, 5.0), (-5.0, 5.0)  # strengths

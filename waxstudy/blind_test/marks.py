@@ -10,10 +10,10 @@ from typing import Any
 
 from waxstudy.blind_test.answer import NONE, UNKNOWN, Answer, Claim, hypothesis
 from waxstudy.plugin.effect import Effect
+from waxstudy.plugin.hours import DAY_H
 from waxstudy.plugin.registry import installed
 from waxstudy.plugin.trial import engine_of
 
-DAY_H = 24.0
 LEAST_STATED = 0.01  # of a probability that is looked at
 LEAST_TRUE = 1e-4  # what the truth is given at least, so that no single answer makes the mean infinite
 Spans = Sequence[tuple[float, float]]

@@ -13,6 +13,7 @@ import pandas as pd
 IMPACTS = ("heat_percent", "air_K")
 Part = Literal["room", "drives", "chain"]  # of a loop: drives are sun, gains and supply
 Verdict = Literal["effect", "group", "unknown", "untestable", "none", "room"]
+NORMAL = 1.96  # standard deviations to either side that hold 95 % of a normal distribution
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,9 @@ from waxstudy.diagnosis.criteria import ROOM_STAGES, limits
 from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.nuisance import Nuisance
-from waxstudy.diagnosis.result import BaselineFit, Calibrated, Interval, Part
+from waxstudy.diagnosis.result import NORMAL, BaselineFit, Calibrated, Interval, Part
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Prior, Room
-
-NORMAL = 1.96
 
 
 def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibrated]:

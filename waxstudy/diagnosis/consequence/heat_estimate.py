@@ -9,10 +9,9 @@ from itertools import product
 
 import numpy as np
 
-from waxstudy.diagnosis.result import Interval
+from waxstudy.diagnosis.result import NORMAL, Interval
 from waxstudy.plugin import FloatArray
 
-NORMAL = 1.96
 # chosen: how large heat may be that nobody knows of, W per m² of floor; each is as likely
 SIZES_W_M2 = (0.1, 0.4, 1.6, 6.4, 25.6)
 HANGS_H = 12.0  # chosen: over which heat that does not come every day hangs together

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from waxstudy.diagnosis.consequence.heat_estimate import NORMAL
-from waxstudy.diagnosis.result import HeatBy, HeatPer, Interval, MissingHeat
+from waxstudy.diagnosis.result import NORMAL, HeatBy, HeatPer, Interval, MissingHeat
 from waxstudy.diagnosis.weights import WEIGHTS
 
 COURSES = {"outdoor difference": ("the cold outside", "kelvin"), "sun": ("the sun", "watt of sun")}

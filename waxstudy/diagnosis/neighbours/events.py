@@ -14,10 +14,8 @@ from waxstudy.diagnosis.neighbours.pattern import Pattern
 from waxstudy.diagnosis.neighbours.search import beside, gained, sizes
 from waxstudy.diagnosis.neighbours.series import response
 from waxstudy.diagnosis.neighbours.spans import unrest_of
-from waxstudy.diagnosis.result import Interval
+from waxstudy.diagnosis.result import NORMAL, Interval
 from waxstudy.plugin import FloatArray
-
-NORMAL = 1.96
 
 
 @dataclass(frozen=True)

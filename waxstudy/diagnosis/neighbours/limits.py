@@ -7,7 +7,7 @@ All are chosen, unless it is said on what they were set. How a search is done, a
 STEP_S = 1800.0  # long enough for a room's air, short enough for a window that is open for an hour
 LEAST_KNOWN = 0.5  # of the samples of a step, for its mean to count
 SUNNY = 0.05  # of the strongest sun: beyond, it is day
-DAY_H = (8.0, 18.0)  # where no sun was recorded
+DAYTIME_H = (8.0, 18.0)  # where no sun was recorded
 
 # --- a room's own unrest
 ORDER = 4  # steps that an error remembers: enough for a thermostat that swings, and a slow store beside it

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from waxstudy.diagnosis.neighbours.limits import DAY_H, LEAST_KNOWN, SUNNY
+from waxstudy.diagnosis.neighbours.limits import DAYTIME_H, LEAST_KNOWN, SUNNY
 from waxstudy.plugin import FloatArray
 
 
@@ -51,7 +51,7 @@ class House:
     def is_day(self) -> np.ndarray:
         """Whether the sun shines at a step (n,), by the clock where it was not recorded."""
         if not self.sun:
-            return np.asarray((self.hour >= DAY_H[0]) & (self.hour < DAY_H[1]))
+            return np.asarray((self.hour >= DAYTIME_H[0]) & (self.hour < DAYTIME_H[1]))
         strength = [bridged(each) / max(float(np.nanmax(each)), 1.0) for each in self.sun.values()]
         return np.asarray(np.max(strength, axis=0) > SUNNY)
 

@@ -13,7 +13,7 @@ from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Value
 from waxstudy.diagnosis.model.travel import opening, opening_difference_s
 from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.result import Interval
+from waxstudy.diagnosis.result import NORMAL, Interval
 from waxstudy.diagnosis.select.null import by_block, redrawn, whole
 from waxstudy.plugin import HOURS, FloatArray, Prior
 from waxstudy.plugin.hours import DAY_H
@@ -201,7 +201,7 @@ class _Local:
             return half
         sds = [nuisance.sd for nuisance in self.problem.nuisances if nuisance.name in effect.absorbs]
         spread = sum(sd**2 for sd in sds) ** 0.5
-        return float(np.hypot(half, 1.96 * spread / np.log(prior.high / prior.low)))
+        return float(np.hypot(half, NORMAL * spread / np.log(prior.high / prior.low)))
 
     def _still(self, effect: EffectType, place: int, way: int) -> float:
         """Return how far one way a parameter may go before anything recorded would change, as a share of its range."""

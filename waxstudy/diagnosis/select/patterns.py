@@ -14,8 +14,8 @@ from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import GROWING
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
+from waxstudy.plugin.hours import DAY_H
 
-DAY_H = 24.0
 TINY = 1e-9
 LEAST_SHARE, MOST_SHARE = 0.02, 0.9  # of a record, in which something acts at times
 LENGTHS_H = (2.0, 4.0, 6.0, 8.0, 12.0)

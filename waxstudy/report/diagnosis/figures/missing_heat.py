@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from waxstudy.diagnosis.result import Diagnosis, HeatBy, HeatPiece, Interval
+from waxstudy.diagnosis.result import NORMAL, Diagnosis, HeatBy, HeatPiece, Interval
 from waxstudy.report.figures.plot import Lacking, drawing, panels
 from waxstudy.report.figures.style import BLACK, COLOURS, DASHED, legend_below
 
@@ -69,7 +69,7 @@ def _course(panel: Axes, before: Sequence[HeatPiece], after: Sequence[HeatPiece]
         for each in (low, high):
             panel.step(edges, each, where="post", color=COLOURS[1], linewidth=0.5)
     if np.isfinite(usual_W):
-        for way, label in ((-1.96, "usual"), (1.96, None)):
+        for way, label in ((-NORMAL, "usual"), (NORMAL, None)):
             panel.axhline(way * usual_W, color=COLOURS[5], linestyle=":", linewidth=1.4, label=label)
     panel.axhline(0.0, color=BLACK, linewidth=0.8)
     panel.set(ylabel="heat into the room, W", xlim=(edges[0], edges[-1]))
