@@ -612,6 +612,18 @@ def test_of_what_was_calibrated_is_known_how_much_was_there() -> None:
     assert weighing._always(both)[0] == 2.0
 
 
+def test_an_effect_in_the_place_of_what_was_calibrated_was_not_there_from_the_start() -> None:
+    """The healthy record tells how heavy the walls are: heavier ones are a change, though other walls might hide it."""
+    heavy = EFFECTS["thermal-mass"]
+    walls = Nuisance("boards-capacity", 0.2, lambda believed, _: believed)
+    weighing: Any = bare(False, as_built=SimpleNamespace(knobs=[walls]))
+    weighing.healthy = SimpleNamespace(had_it=lambda effects: (float(len(effects)), np.ones(1)))
+    heavier = replace(leaving(), effects=((heavy, {}),))
+    assert weighing._always(heavier)[0] == 0.0
+    weighing.problem.as_built.knobs = []
+    assert weighing._always(heavier)[0] == 1.0
+
+
 def test_more_is_looked_for_beside_all_of_a_room_and_of_a_chain_beside_what_leaves_something() -> None:
     _, (first, *_) = of(NOTHING, NOTHING)
     some = [replace(first, misfit=misfit) for misfit in (0.0, WEIGHTS.open, WEIGHTS.open + 0.01)]

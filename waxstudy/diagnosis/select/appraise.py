@@ -106,12 +106,16 @@ class Appraisal:
     def _always(self, fitted: Hypothesis) -> tuple[float, FloatArray]:
         """Return how much likelier the healthy record were, had effects been there then, and what else would differ.
 
-        Of what was calibrated on it is known how much of it was there: more of it is a change. What acts on some days
-        only is not looked for there.
+        Of what was calibrated on it is known how much of it was there: more of it is a change. So is an effect in whose
+        place calibration had something else. What acts on some days only is not looked for there.
         """
         known = self.problem.as_built.knobs if self.problem.as_built else ()
-        calibrated = {each.effect for each in known if isinstance(each, Knob)}
-        open_ = [pair for pair in fitted.effects if pair[0] not in calibrated and days_of(pair[0]) is None]
+        calibrated, names = {each.effect for each in known if isinstance(each, Knob)}, {each.name for each in known}
+
+        def is_open(effect: EffectType) -> bool:
+            return effect not in calibrated and names.isdisjoint(effect.absorbs) and days_of(effect) is None
+
+        open_ = [(effect, values) for effect, values in fitted.effects if is_open(effect)]
         return self.healthy.had_it(open_) if open_ else (0.0, np.zeros(len(self.problem.sd)))
 
     def _unlike(self, fitted: Hypothesis, moved: FloatArray) -> float:
