@@ -49,10 +49,10 @@ def shifted(loop: Path, place: Path, without: tuple[str, ...] = (), first: int =
     return place
 
 
-def chain_alone(loop: Path, place: Path, **how: object) -> Path:
+def chain_alone(loop: Path, place: Path, *beside: str, **how: object) -> Path:
     """Such a copy without what the room shows, which is quick to judge."""
     of_room = [name for name in pd.read_csv(loop / "data.csv") if name.endswith("temperature_C")]
-    keep = ("sensor_temperature_C", "outdoor_temperature_C", "supply_temperature_C")
+    keep = ("sensor_temperature_C", "outdoor_temperature_C", "supply_temperature_C", *beside)
     without = (*(name for name in of_room if name not in keep), *how.pop("without", ()))  # type: ignore[misc]
     return shifted(loop, place, without=without, **how)  # type: ignore[arg-type]
 
@@ -246,6 +246,18 @@ def test_a_link_that_only_the_record_shows_is_told(loop: Path, entry: Entry, tmp
     for link in ("actuator", "valve"):
         said = f"the baseline has no link {link}: there what is believed is compared, not what was healthy"
         assert said in warnings
+
+
+@pytest.mark.slow
+def test_a_channel_that_only_the_record_has_is_told(loop: Path, entry: Entry, tmp_path: Path) -> None:
+    """Its link is there in both: an offset of the reading, seen beside the air, may be as old as the loop."""
+    blind = chain_alone(loop / "before", tmp_path / "blind")
+    record = chain_alone(loop / "loop", tmp_path / "record", "air_temperature_C")
+    done = entry("diagnose", record, "--baseline", blind, "--quick", "--json")
+    assert (done.code, done.stderr) == (0, "")
+    said = [each for each in json.loads(done.stdout)["warnings"] if each.startswith("the baseline cannot judge")]
+    reading = "the baseline cannot judge sensor_temperature_C at sensor+controller"
+    assert said == [f"{reading}: what is off there may have been so before"]
 
 
 @pytest.mark.slow

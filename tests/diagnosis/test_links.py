@@ -20,7 +20,7 @@ from waxstudy.diagnosis.calibration.told import doubts
 from waxstudy.diagnosis.consequence.closed_loop import recorded
 from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.diagnose import calibrated, diagnose, record_of
-from waxstudy.diagnosis.model.as_built import AsBuilt, Left
+from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
 from waxstudy.diagnosis.model.conventions import PLAIN
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -168,3 +168,25 @@ def test_a_link_in_which_nothing_moved_is_not_known_as_healthy() -> None:
     whole, none = (calibrated(each, effects, thorough=0.33) for each in (made, still(made)))
     assert {"actuator", "valve"} <= whole.healthy.keys()
     assert not {"actuator", "valve"} & (none.healthy.keys() | none.as_built.conventions.keys())
+    assert "actuator" in {knob.effect.stage for knob, _ in whole.as_built.chain}
+    assert not {knob.effect.stage for knob, _ in none.as_built.chain} & {"actuator", "valve"}
+    assert not {effect.stage for effect, _ in none.as_built.always} & {"actuator", "valve"}
+
+
+@pytest.mark.slow
+def test_a_room_that_a_healthy_record_hardly_shows_is_as_documented() -> None:
+    calibration, _ = of_temperatures()
+    (room,) = calibration.healthy
+    assert calibration.as_built.knobs
+    found = calibration.without({room})
+    assert (found.healthy, found.as_built.knobs, found.as_built.discrepancies) == ({}, (), {})
+    assert found.as_built.covariance.shape == (0, 0)
+
+
+def test_what_is_so_between_hours_from_the_start_is_told_beside_what_differs_at_all_hours() -> None:
+    setpoint, documents = EFFECTS["setpoint-offset"], belief("REAL", record("REAL", 2))
+    (knob,) = (each for each in knobs([setpoint], ["controller"], documents) if each.parameter == "offset_K")
+    by_night = {"offset_K": -2.0, "from_h": 22.0, "to_h": 6.0}
+    built = AsBuilt((), np.zeros(0), np.zeros((0, 0)), chain=((knob, 0.1),), always=[(setpoint, by_night)])
+    offsets = [each.value.value for each in told(Calibration(built, {}), documents) if each.name == knob.name]
+    assert offsets == [pytest.approx(0.1), -2.0]

@@ -164,11 +164,15 @@ def log_score(chosen: Chosen) -> Figure:
 
 
 def right_hours(chosen: Chosen) -> Figure:
-    return share([found >= HALF for m in chosen.own for _, found in m.overlaps])
+    return share([found >= HALF for m in _of_goal(chosen) for _, found in m.overlaps])
 
 
 def right_hours_of_some(chosen: Chosen) -> Figure:
-    return share([found >= HALF for m in chosen.own for is_timed, found in m.overlaps if is_timed])
+    return share([found >= HALF for m in _of_goal(chosen) for is_timed, found in m.overlaps if is_timed])
+
+
+def _of_goal(chosen: Chosen) -> list[Mark]:
+    return [mark for mark in chosen.own if _is_goal(mark, "all")]
 
 
 def _everywhere(

@@ -324,7 +324,7 @@ class Mark:
         found = []
         for cause, claim in self.right_claims:
             if claim.name == cause.name:
-                told = {n: said for n, said in claim.parameters.items() if n in cause.values}
+                told = {n: unrolled(n, said) for n, said in claim.parameters.items() if n in cause.values}
                 found += [(f"{cause.name}.{n}", turned(n, cause.values[n], said[0]), said) for n, said in told.items()]
         return found
 
@@ -353,5 +353,22 @@ def turned(parameter: str, true: float, said: float) -> float:
     >>> turned("shift_h", -12.0, 11.9), turned("from_h", 23.5, 0.5), turned("flow_L_h", 50.0, 20.0)
     (12.0, -0.5, 50.0)
     """
-    is_hour = parameter.endswith("_h") and not parameter.endswith(FLOW)
-    return true + DAY_H * round((said - true) / DAY_H) if is_hour else true
+    return true + DAY_H * round((said - true) / DAY_H) if _is_hour(parameter) else true
+
+
+def unrolled(parameter: str, said: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return a value, low and high as said, of an hour of the day with an interval that reaches over midnight.
+
+    >>> unrolled("from_h", (23.75, 23.5, 0.25)), unrolled("to_h", (2.0, 0.0, 24.0)), unrolled("bias_K", (0.1, 0.0, 0.2))
+    ((23.75, 23.5, 24.25), (2.0, -10.0, 14.0), (0.1, 0.0, 0.2))
+    """
+    value, low, high = said
+    if not _is_hour(parameter):
+        return said
+    if (low, high) == (0.0, DAY_H):  # any hour
+        return value, value - 0.5 * DAY_H, value + 0.5 * DAY_H
+    return said if low <= high else (value, value - (value - low) % DAY_H, value + (high - value) % DAY_H)
+
+
+def _is_hour(parameter: str) -> bool:
+    return parameter.endswith("_h") and not parameter.endswith(FLOW)

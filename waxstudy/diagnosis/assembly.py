@@ -167,8 +167,15 @@ def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
         return
     yield from doubts(work.calibration, work.documented)
     for segment in cut:
-        if not segment.is_supply and segment.name not in work.calibration.healthy:
+        if segment.is_supply:
+            continue
+        healthy = work.calibration.healthy.get(segment.name)
+        if healthy is None:
             yield f"the baseline has no link {segment.name}: there what is believed is compared, not what was healthy"
+            continue
+        seen = {each.channel for each in healthy.fitted.residuals}
+        for channel in (each for each in segment.judged if each not in seen):
+            yield f"the baseline cannot judge {channel} at {segment.name}: what is off there may have been so before"
 
 
 def _found(selection: Selection, seed: int) -> Iterator[FoundEffect]:

@@ -42,10 +42,17 @@ class Calibration:
     healthy: Mapping[str, Healthy]  # by segment
 
     def without(self, links: Collection[str]) -> Calibration:
-        """Return the same without what is left of some links: nobody knows what these leave when healthy."""
-        conventions = {name: way for name, way in self.as_built.conventions.items() if name not in links}
-        healthy = {name: each for name, each in self.healthy.items() if name not in links}
-        return Calibration(replace(self.as_built, conventions=conventions), healthy)
+        """Return the same without some links, in which too little happened: there the documents hold."""
+        lost = [each.problem.segment for name, each in self.healthy.items() if name in links]
+        stages = {stage for segment in lost if not segment.with_room for stage in segment.stages}
+        known = self.as_built.as_documented() if any(segment.with_room for segment in lost) else self.as_built
+        found = replace(
+            known,
+            chain=tuple((knob, departure) for knob, departure in known.chain if knob.effect.stage not in stages),
+            always=[(effect, values) for effect, values in known.always if effect.stage not in stages],
+            conventions={name: way for name, way in known.conventions.items() if name not in links},
+        )
+        return Calibration(found, {name: each for name, each in self.healthy.items() if name not in links})
 
     def seen_in(self, record: Record) -> Calibration:
         """Return the same for another record of the loop."""

@@ -35,7 +35,7 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
         part: Part = "room" if is_of_room else "chain" if is_of_chain else "drives"
         if not isinstance(knob, Knob):
             yield _of_room(knob, departure, each, part, said.get(knob.name, ""))
-        elif knob.effect not in always:
+        elif knob.effect not in always or _has_hours(knob.effect, always[knob.effect]):
             values = {
                 other.parameter: other.values(at)[other.parameter]
                 for other, at, _ in of_loop
@@ -57,18 +57,25 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
             )
 
 
+def _has_hours(effect: EffectType, values: Values) -> bool:
+    return effect.hours(effect.Parameters(**values)) is not None
+
+
 def _is_clear(effect: EffectType, name: str, value: float, still: float) -> bool:
     """Whether a value of an effect that was there from the start is worth a word."""
     return not isfinite(still) or name not in effect.priors or _is_noticeable(effect.priors[name], value, still)
 
 
 def _always(calibration: Calibration, documented: Belief) -> dict[EffectType, Values]:
-    """Return effects that were there from the start, as they come to with what differs usually."""
+    """Return effects that were there from the start, as they come to with what differs usually.
+
+    What is so between hours alone is told beside what differs at all hours.
+    """
     found: dict[EffectType, Values] = {}
     for effect, values in calibration.as_built.always:
         still, whole = effect.neutral(documented) or {}, dict(values)
         for knob, departure in calibration.as_built.chain:
-            if isinstance(knob, Knob) and knob.effect is effect:
+            if knob.effect is effect and not _has_hours(effect, values):
                 name = knob.parameter
                 usual = knob.values(departure)[name]
                 whole[name] = (

@@ -33,7 +33,7 @@ class AsBuilt:
     knobs: tuple[Nuisance, ...]  # departures from the documents; of room and drives
     departures: FloatArray  # (knobs,) their posterior mean
     covariance: FloatArray  # (knobs, knobs) of their posterior
-    chain: tuple[tuple[Nuisance, float], ...] = ()  # of the control chain, and their departures
+    chain: tuple[tuple[Knob, float], ...] = ()  # of the control chain, and their departures
     always: Edits = ()  # effects of the chain that were there from the start
     conventions: Mapping[str, Convention] = field(default_factory=dict)  # by segment: how the log is read
     as_good: Mapping[str, Sequence[Convention]] = field(default_factory=dict)  # other ways, which nothing tells apart
@@ -50,7 +50,7 @@ class AsBuilt:
         Of one without what drives a room nothing of it can be said.
         """
         if not record.has_inputs:
-            return replace(self, knobs=(), departures=np.zeros(0), covariance=np.zeros((0, 0)))
+            return self.as_documented()
         there = {each.name: each for each in habits(record)}
         known = [there.get(knob.name) if knob.is_habit else knob for knob in self.knobs]
         kept = [place for place, knob in enumerate(known) if knob]
@@ -60,6 +60,10 @@ class AsBuilt:
             departures=self.departures[kept],
             covariance=self.covariance[np.ix_(kept, kept)],
         )
+
+    def as_documented(self) -> AsBuilt:
+        """Return the same with room and drives as in the documents."""
+        return replace(self, knobs=(), departures=np.zeros(0), covariance=np.zeros((0, 0)), discrepancies={})
 
     def unknowns(self) -> list[Nuisance]:
         """Return what is unknown of room and drives, as departures from what they were built with."""

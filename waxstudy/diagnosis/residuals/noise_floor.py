@@ -86,6 +86,6 @@ def _at_least(floor: NoiseFloor, problem: SegmentProblem) -> NoiseFloor:
             plain[channel] = max(plain[channel], left.gap)
             white[channel] = 1.0 if left.whitened > 1.0 else white[channel]
         elif channel in known.discrepancies:
-            plain[channel] = float(np.hypot(plain[channel], known.discrepancies[channel].rms_K))
+            plain[channel] = max(plain[channel], known.discrepancies[channel].rms_K)  # which has its noise
             white[channel] = known.discrepancies[channel].shared ** -0.5
     return NoiseFloor(plain, white)
