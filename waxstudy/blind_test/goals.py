@@ -16,6 +16,7 @@ HALF = 0.5  # of the hours in which an effect acts or is said to
 NOMINAL_COVERAGE = 0.95
 MOST_NOISE = 2.0  # times the nominal one, of records of temperatures only
 ROOM_STAGES = frozenset({"emitter", "room"})
+WITH_CAUSE = ("single", "pair", "family")
 BRIER, LOG_SCORE = "Brier score of the probabilities", "logarithmic score of the probabilities"
 
 
@@ -164,15 +165,11 @@ def log_score(chosen: Chosen) -> Figure:
 
 
 def right_hours(chosen: Chosen) -> Figure:
-    return share([found >= HALF for m in _of_goal(chosen) for _, found in m.overlaps])
+    return share([found >= HALF for m in chosen.of(*WITH_CAUSE) for _, found in m.overlaps])
 
 
 def right_hours_of_some(chosen: Chosen) -> Figure:
-    return share([found >= HALF for m in _of_goal(chosen) for is_timed, found in m.overlaps if is_timed])
-
-
-def _of_goal(chosen: Chosen) -> list[Mark]:
-    return [mark for mark in chosen.own if _is_goal(mark, "all")]
+    return share([found >= HALF for m in chosen.of(*WITH_CAUSE) for is_timed, found in m.overlaps if is_timed])
 
 
 def _everywhere(

@@ -166,15 +166,12 @@ def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
     if work.calibration is None:
         return
     yield from doubts(work.calibration, work.documented)
-    for segment in cut:
-        if segment.is_supply:
-            continue
-        healthy = work.calibration.healthy.get(segment.name)
-        if healthy is None:
+    for segment in (each for each in cut if not each.is_supply):
+        if (healthy := work.calibration.healthy.get(segment.name)) is None:
             yield f"the baseline has no link {segment.name}: there what is believed is compared, not what was healthy"
             continue
-        seen = {each.channel for each in healthy.fitted.residuals}
-        for channel in (each for each in segment.judged if each not in seen):
+        judged = {each.channel for each in healthy.fitted.residuals}
+        for channel in (each for each in segment.judged if each not in judged):
             yield f"the baseline cannot judge {channel} at {segment.name}: what is off there may have been so before"
 
 
