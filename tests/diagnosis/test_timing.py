@@ -1,4 +1,4 @@
-"""What switches are weighed by: noise under the hypothesis that tells when they were thrown, not under a wrong one."""
+"""What switches and outputs are weighed by: noise under the likeliest hypothesis, not under a wrong one."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from waxstudy.diagnosis.residuals.judge import MOST, perturbed_by_noise
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
 from waxstudy.diagnosis.select.evidence import departure
-from waxstudy.diagnosis.select.timing import best_timed, has_times
+from waxstudy.diagnosis.select.timing import best_timed, is_moved_by_noise
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, SimulationError
 
@@ -74,7 +74,7 @@ def test_a_loop_as_believed_is_weighed_as_it_is_believed() -> None:
 
 def test_what_a_switch_drives_and_a_room_have_no_times_to_be_weighed_by() -> None:
     links = segments(problem().record, problem().belief)
-    timed = {link.name: has_times(problem(stage=place)) for place, link in enumerate(links)}
+    timed = {link.name: is_moved_by_noise(problem(stage=place)) for place, link in enumerate(links)}
     assert [name for name, has in timed.items() if has] == [problem().name]
     assert len(timed) > 3
 
@@ -201,3 +201,44 @@ def test_a_thermostat_that_began_within_its_dead_band_is_believed_to_log_what_it
     assert not base.convention.is_raw
     (switched,) = (each for each in base.residuals if each.channel == OUTPUT)
     assert switched.loss() < 3.0 * switched.judged.sum()
+
+
+# --- an output that runs on --------------------------------------------------------------------------
+
+TUNED = {"gain": 30.0, "integration_time_s": 20_000.0}
+
+
+@cache
+def of_pi(is_tuned: bool) -> SegmentProblem:
+    """The controller of a PI loop that is believed to be the paper's, tuned otherwise or not."""
+    seen = record("PI", days=6, effects=effects(pi_tuning=TUNED) if is_tuned else (), seed=4)
+    believed = belief("PI", seen)
+    link = next(each for each in segments(seen, believed) if OUTPUT in each.judged)
+    return SegmentProblem(link, seen, believed, parts=np.full(len(seen), FIT))
+
+
+def left_of_output(judged: SegmentProblem, edits: Edits = ()) -> float:
+    """Return what is left of a controller's output, over what it is weighed by."""
+    fitted = judged.at(edits, np.zeros(len(judged.sd)), judged.conventions[0])
+    assert fitted
+    left = fitted.residual_of(OUTPUT)
+    return float(np.sqrt(left.loss() / left.judged.sum()))
+
+
+def test_an_output_is_weighed_by_what_noise_does_to_the_controller_that_it_is_of() -> None:
+    """Noise moves it as far as gain and time have it: the right controller leaves no more than that."""
+    believed, tuning = of_pi(is_tuned=True), EFFECTS["pi-tuning"]
+    assert is_moved_by_noise(believed)
+    fits, noisy = best_timed(believed, [tuning, EFFECTS["sensor-delay"]], 1.0)
+    assert fits[0].names == ("pi-tuning",)
+    found = believed.timed_by(fits, noisy)
+    best = fits[0].effects
+    assert left_of_output(believed, best) > 1.5
+    assert left_of_output(found, best) < 1.2
+    assert left_of_output(found) > 1.5 * left_of_output(found, best)
+
+
+def test_an_output_as_believed_is_weighed_as_it_is_believed() -> None:
+    believed = of_pi(is_tuned=False)
+    fits, noisy = best_timed(believed, [EFFECTS["pi-tuning"], EFFECTS["sensor-delay"]], 1.0)
+    assert left_of_output(believed.timed_by(fits, noisy)) == pytest.approx(left_of_output(believed), rel=0.15)

@@ -34,7 +34,7 @@ from waxstudy.diagnosis.select.exact_room import with_exact_room
 from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.select.search import Search, Selection, Tick, select
 from waxstudy.diagnosis.select.testability import DRIVES, too_short
-from waxstudy.diagnosis.select.timing import best_timed, has_times
+from waxstudy.diagnosis.select.timing import best_timed, is_moved_by_noise
 from waxstudy.diagnosis.select.weigh import Weighing
 from waxstudy.plugin import Belief, Effect
 from waxstudy.plugin.registry import installed
@@ -110,7 +110,7 @@ def _problems(work: Work, segment: Segment) -> tuple[SegmentProblem, SegmentProb
     about = segment, work.record, work.documented
     whole = SegmentProblem(*about, as_built=work.as_built, parts=parts)
     problem = SegmentProblem(*about, as_built=work.as_built, alike=whole)
-    if not has_times(whole):
+    if not is_moved_by_noise(whole):
         return whole, problem
     _base(work, Estimator(whole, work.thorough))
     fits, noisy = best_timed(whole, of_segment(segment, work.effects), work.thorough)

@@ -48,7 +48,7 @@ class Continuous:
         self.measured = record.smooth(filled) if channel in SMOOTHED else record.metered(channel, filled)
         self.pulses = record.pulses if channel == FLOW else None
         self.known = self._known()
-        self._squares, self._draws = np.zeros(len(record)), 0
+        self._squares, self.draws = np.zeros(len(record)), 0
 
     @property
     def is_moved(self) -> bool:
@@ -59,7 +59,17 @@ class Continuous:
         """Take one draw more of what noise of the drive does."""
         assert self.still
         self._squares += (moved[self.channel] - self.still[self.channel]) ** 2
-        self._draws += 1
+        self.draws += 1
+
+    def is_moved_as_far_as(self, other: Continuous) -> None:
+        """Let noise of the drive move it at least as far as another one: a fit to noise would have it move less."""
+        if self.draws and other.draws:
+            self._squares = np.maximum(self._squares, other._squares * self.draws / other.draws)
+
+    def likelihood(self, error: FloatArray) -> float:
+        """Return the logarithm of how likely errors are (n,), each sample by itself."""
+        scale, missed = self.scale[self.known], error[self.known]
+        return -float(0.5 * np.sum((missed / scale) ** 2) + np.sum(np.log(scale)))
 
     @cached_property
     def scale(self) -> FloatArray:
@@ -143,9 +153,9 @@ class Continuous:
     @property
     def driven(self) -> FloatArray:
         """Return how far noise of the drive moves an output or a flow (n,), smoothed where the loop is slow."""
-        if not self._draws:
+        if not self.draws:
             return np.zeros(len(self.record))
-        moved = self._squares / self._draws
+        moved = self._squares / self.draws
         if self.channel == FLOW:
             return np.asarray(np.sqrt(moved))
         width = max(1, round(3600.0 / self.record.interval_s))

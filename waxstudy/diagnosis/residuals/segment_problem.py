@@ -21,6 +21,7 @@ from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
+from waxstudy.diagnosis.residuals.continuous import Continuous
 from waxstudy.diagnosis.residuals.judge import Judge, perturbed_by_noise
 from waxstudy.plugin import Belief, FloatArray
 
@@ -58,7 +59,7 @@ class SegmentProblem:
         shared: Prediction | None = alike.predicted if alike else None
         self.predicted: Prediction = shared or Prediction(segment, record, self.belief, is_exact_room)
         self._parts = parts
-        self.timed: Hypothesis | None = None  # under which switches are weighed, where that is not what is believed
+        self.timed: Hypothesis | None = None  # under which noise is weighed, where that is not what is believed
         self.near: Mapping[EffectType, Values] = {}  # where fits of effects may begin
         self.nuisances = list(unknowns) if unknowns is not None else self._nuisances() if segment.with_room else []
         self.sd = np.array([nuisance.sd for nuisance in self.nuisances])
@@ -112,10 +113,17 @@ class SegmentProblem:
         return list(perturbed_by_noise(self.segment, self.record, self.belief_of(fitted), fitted.convention))
 
     def timed_by(self, fits: Sequence[Hypothesis], noisy: Sequence[Predicted]) -> SegmentProblem:
-        """Return the same, near these fits, its switches weighed by what noise does to them under the first one."""
+        """Return the same, near these fits, weighed by what noise of its drive does under the first one.
+
+        What runs on is moved by noise at least as far as under what is believed.
+        """
         other = copy(self)
         other.timed = fits[0]
         other.judge = self._judge(iter(noisy))
+        for channel, way in other.judge.ways.items():
+            believed = self.judge.ways[channel]
+            if isinstance(way, Continuous) and isinstance(believed, Continuous):
+                way.is_moved_as_far_as(believed)
         other.near = {effect: values for each in fits for effect, values in each.effects}
         other._seen = self.record.memory(arrays=4)
         return other

@@ -1,7 +1,7 @@
-"""What switches are weighed by: what noise does to them under the hypothesis that tells best when they were thrown.
+"""What switches and a controller's output are weighed by: what noise does to them under the likeliest hypothesis.
 
 Under a wrong hypothesis a reading may lie at a threshold for hours, and noise decides when it switches. Under the right
-one the time is known to seconds or minutes.
+one the time is known to seconds or minutes. An output that runs on moves with noise as far as the controller's gain.
 """
 
 from __future__ import annotations
@@ -15,22 +15,26 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.observations.partition import ALL
+from waxstudy.diagnosis.residuals.room_means import RoomMeans
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
 
+OUTPUT = "control_output"
 
-def has_times(problem: SegmentProblem) -> bool:
-    """Whether something that runs on throws switches of a link."""
+
+def is_moved_by_noise(problem: SegmentProblem) -> bool:
+    """Whether something that runs on throws switches of a link, or moves a controller's output."""
     segment, binary = problem.segment, problem.record.binary
-    return not segment.with_room and segment.driven_by not in binary and any(each in binary for each in segment.judged)
+    moved = any(each in binary or each == OUTPUT for each in segment.judged)
+    return not segment.with_room and segment.driven_by not in binary and moved
 
 
 def best_timed(
     problem: SegmentProblem, effects: Sequence[EffectType], thorough: float
 ) -> tuple[Sequence[Hypothesis], Sequence[Predicted]]:
-    """Return hypotheses of at most one effect, the one under which the switches are likeliest first, and its noise.
+    """Return hypotheses of at most one effect, the one under which what noise moves is likeliest first, and its noise.
 
-    Each is fitted as switches are weighed under what is believed, then weighed by what noise does under itself.
+    Each is fitted as that is weighed under what is believed, then weighed by what noise does under itself.
     """
     estimator = Estimator(problem, thorough)
     possible = [each for each in effects if not each.hindrance(problem.belief)]
@@ -46,9 +50,10 @@ def best_timed(
 
 
 def _likelihood(problem: SegmentProblem, fitted: Hypothesis, noisy: Sequence[Predicted]) -> float:
-    """Return the logarithm of how likely the switches are under a hypothesis, by its own noise."""
+    """Return the logarithm of how likely switches and output are under a hypothesis, by its own noise."""
     judge = problem.timed_by([fitted], noisy).judge
-    ways = [way for way in judge.ways.values() if isinstance(way, Switching)]
+    moved = (way for way in judge.ways.values() if not isinstance(way, RoomMeans))
+    ways = [way for way in moved if isinstance(way, Switching) or way.channel == OUTPUT]
     if not all(way.draws for way in ways):
         return -np.inf
     errors = {each.channel: each.error for each in fitted.residuals}
