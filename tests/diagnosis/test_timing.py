@@ -15,6 +15,7 @@ from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.estimate.start_points import Screen
+from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import AFTER, RAW, Convention
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment, segments
@@ -214,7 +215,8 @@ def of_pi(is_tuned: bool) -> SegmentProblem:
     seen = record("PI", days=6, effects=effects(pi_tuning=TUNED) if is_tuned else (), seed=4)
     believed = belief("PI", seen)
     link = next(each for each in segments(seen, believed) if OUTPUT in each.judged)
-    return SegmentProblem(link, seen, believed, parts=np.full(len(seen), FIT))
+    was_healthy = AsBuilt((), np.zeros(0), np.zeros((0, 0)), conventions={link.name: link.conventions[0]})
+    return SegmentProblem(link, seen, believed, as_built=was_healthy, parts=np.full(len(seen), FIT))
 
 
 def left_of_output(judged: SegmentProblem, edits: Edits = ()) -> float:
@@ -236,6 +238,11 @@ def test_an_output_is_weighed_by_what_noise_does_to_the_controller_that_it_is_of
     assert left_of_output(believed, best) > 1.5
     assert left_of_output(found, best) < 1.2
     assert left_of_output(found) > 1.5 * left_of_output(found, best)
+
+
+def test_an_output_of_a_controller_that_nobody_saw_when_healthy_is_weighed_as_it_is_believed() -> None:
+    seen = of_pi(is_tuned=True)
+    assert not is_moved_by_noise(SegmentProblem(seen.segment, seen.record, seen.belief))
 
 
 def test_an_output_as_believed_is_weighed_as_it_is_believed() -> None:

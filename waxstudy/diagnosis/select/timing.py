@@ -23,9 +23,13 @@ OUTPUT = "control_output"
 
 
 def is_moved_by_noise(problem: SegmentProblem) -> bool:
-    """Whether something that runs on throws switches of a link, or moves a controller's output."""
+    """Whether something that runs on throws switches of a link, or moves the output of a controller seen when healthy.
+
+    Without a healthy record nobody knows what the controller's own reading of its sensor adds to that of the log.
+    """
     segment, binary = problem.segment, problem.record.binary
-    moved = any(each in binary or each == OUTPUT for each in segment.judged)
+    was_healthy = problem.as_built is not None and segment.name in problem.as_built.conventions
+    moved = any(each in binary or (each == OUTPUT and was_healthy) for each in segment.judged)
     return not segment.with_room and segment.driven_by not in binary and moved
 
 
