@@ -61,8 +61,8 @@ class Continuous:
         self._squares += (moved[self.channel] - self.still[self.channel]) ** 2
         self.draws += 1
 
-    def is_moved_as_far_as(self, other: Continuous) -> None:
-        """Let noise of the drive move it at least as far as another one: a fit to noise would have it move less."""
+    def see_at_least(self, other: Continuous) -> None:
+        """Take noise of the drive to move it at least as far as another one: a fit to noise would have it move less."""
         if self.draws and other.draws:
             self._squares = np.maximum(self._squares, other._squares * self.draws / other.draws)
 

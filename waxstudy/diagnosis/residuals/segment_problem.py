@@ -123,7 +123,7 @@ class SegmentProblem:
         for channel, way in other.judge.ways.items():
             believed = self.judge.ways[channel]
             if isinstance(way, Continuous) and isinstance(believed, Continuous):
-                way.is_moved_as_far_as(believed)
+                way.see_at_least(believed)
         other.near = {effect: values for each in fits for effect, values in each.effects}
         other._seen = self.record.memory(arrays=4)
         return other
