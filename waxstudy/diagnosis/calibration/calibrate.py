@@ -21,7 +21,7 @@ from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
 from waxstudy.diagnosis.model.room_response import OF_ROOM
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT, SELECT
-from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.observations.record import OUTPUT, Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Effect, FloatArray
@@ -30,7 +30,6 @@ ROUNDS = 2  # of fitting and weighing what is left in turn
 # of the search for a healthy chain's fit, chosen: it begins with steps of half a standard deviation and ends
 # where neither the unknowns nor the loss change enough to matter, or after so many simulations for each unknown
 SIMPLEX_SD, CLOSE_SD, CLOSE_LOSS, POLISHED = 0.5, 0.02, 1.0, 25
-OUTPUT = "control_output"
 Effects = Sequence[type[Effect]]
 
 

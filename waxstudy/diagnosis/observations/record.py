@@ -21,6 +21,7 @@ SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blo
 AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
 LOST_S = 6 * 3600.0  # chosen: of a drive of the room, from which a straight line through a gap hides a day's course
 FLOW = "flow_L_h"
+OUTPUT = "control_output"
 SUPPLY = "supply_temperature_C"
 DAILY = (SUN, GAINS)  # drives whose course is much the same every day
 ROOM_DRIVES = ("outdoor_temperature_C", SUPPLY, FLOW, *DAILY)

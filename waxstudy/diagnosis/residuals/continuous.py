@@ -10,7 +10,7 @@ import numpy as np
 from waxstudy.diagnosis.estimate.hypothesis import MOTIONS, Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
-from waxstudy.diagnosis.observations.record import AFTER_GAP_S, FLOW, SUPPLY, Record
+from waxstudy.diagnosis.observations.record import AFTER_GAP_S, FLOW, OUTPUT, SUPPLY, Record
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
@@ -18,14 +18,14 @@ CLIPPED = 0.5**0.5  # what is left of noise that is cut off on one side
 STANDS = 1e-4  # of full flow, below which a meter stands still
 JUMP = 0.4  # of an opening within a sample: nobody knows when, nor what flowed meanwhile
 RESTS, LONE = 0.05, 0.1  # of full scale: a drive that does not move, a sample that stands alone
-MOVED = ("control_output", FLOW)  # which noise of the drive moves
-SMOOTHED = ("sensor_temperature_C", "control_output")  # as the segment's drive: what is linear misses nothing by it
+MOVED = (OUTPUT, FLOW)  # which noise of the drive moves
+SMOOTHED = ("sensor_temperature_C", OUTPUT)  # as the segment's drive: what is linear misses nothing by it
 RIDGE = 0.05  # share of full scale by which a moving valve may be missed, beside the noise
 STEEP = 0.18  # share of a step between samples, likewise: nobody knows how it went on between them
 MOVES_SD = 3.0  # standard deviations of noise within which a sample rests where the last one was
 MOVES_S = 60.0  # within which it does: a stroke takes minutes
 MOST_LOST = 0.1  # chosen: share of a span between pulses in which its drive may be lost
-UNITS = {FLOW: "L/h", "displacement": "1", "control_output": "1", "heating_signal": "1"}
+UNITS = {FLOW: "L/h", "displacement": "1", OUTPUT: "1", "heating_signal": "1"}
 
 
 class Continuous:

@@ -15,11 +15,10 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.observations.partition import ALL
+from waxstudy.diagnosis.observations.record import OUTPUT
 from waxstudy.diagnosis.residuals.room_means import RoomMeans
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.residuals.switching import Switching
-
-OUTPUT = "control_output"
 
 
 def is_moved_by_noise(problem: SegmentProblem) -> bool:
@@ -54,7 +53,7 @@ def best_timed(
 
 
 def _likelihood(problem: SegmentProblem, fitted: Hypothesis, noisy: Sequence[Predicted]) -> float:
-    """Return the logarithm of how likely switches and output are under a hypothesis, by its own noise."""
+    """Return the logarithm of how likely switches and output are under a hypothesis, weighed as `timed_by` has it."""
     judge = problem.timed_by([fitted], noisy).judge
     moved = (way for way in judge.ways.values() if not isinstance(way, RoomMeans))
     ways = [way for way in moved if isinstance(way, Switching) or way.channel == OUTPUT]
