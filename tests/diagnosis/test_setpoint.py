@@ -13,8 +13,8 @@ SETBACK = effects(setpoint_offset={"offset_K": -2.0, "from_h": 22.0, "to_h": 6.0
 CASES = ["LATE", pytest.param("PWM", marks=pytest.mark.slow)]  # an on-off controller and a PI controller
 
 
-def told(case: str, put_in: Effects, without: str = "") -> Diagnosis:
-    data = rows(case, 7, put_in)[AROUND_CONTROLLER].drop(columns=without or [])
+def told(case: str, put_in: Effects, without: str = "", days: int = 7) -> Diagnosis:
+    data = rows(case, days, put_in)[AROUND_CONTROLLER].drop(columns=without or [])
     return diagnose(dataset(data, case), quick=True)
 
 
@@ -36,6 +36,20 @@ def test_a_quick_look_finds_the_hours_of_warmer_nights_and_how_much_warmer_they_
     (effect,) = told("LATE", effects(setpoint_offset={"offset_K": 1.4, "from_h": 22.06, "to_h": 7.28})).effects
     assert effect.parameters["offset_K"].value == pytest.approx(1.4, abs=0.05)
     assert effect.parameters["from_h"].value == pytest.approx(22.06, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("offset_K", "from_h", "to_h"),
+    [pytest.param(-1.3, 19.3, 6.43, id="colder"), pytest.param(0.57, 21.14, 4.0, id="warmer")],
+)
+def test_the_few_switches_of_four_days_tell_how_far_off_nights_are(offset_K: float, from_h: float, to_h: float) -> None:
+    """No way leads downhill to them: nights at wrong hours suit another offset best."""
+    (effect,) = told(
+        "LATE", effects(setpoint_offset={"offset_K": offset_K, "from_h": from_h, "to_h": to_h}), days=4
+    ).effects
+    assert effect.group == ["setpoint-offset"]
+    assert effect.parameters["offset_K"].value == pytest.approx(offset_K, abs=0.05)
+    assert effect.parameters["from_h"].value == pytest.approx(from_h, abs=0.1)
 
 
 @pytest.mark.parametrize("case", CASES)

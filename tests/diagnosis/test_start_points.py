@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import itemgetter
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +11,8 @@ import pytest
 
 from tests.diagnosis.realities import EFFECTS, study
 from waxstudy.diagnosis.estimate.hypothesis import Residual
-from waxstudy.diagnosis.estimate.start_points import IMPOSSIBLE, StartPoints
+from waxstudy.diagnosis.estimate.parameter_space import Space, Values
+from waxstudy.diagnosis.estimate.start_points import StartPoints
 from waxstudy.diagnosis.model.conventions import BEFORE, PLAIN, Convention
 from waxstudy.plugin import Belief
 from waxstudy_effects.controller import lasting_h
@@ -29,32 +31,37 @@ def score(made: Any) -> float:
     return off + (0.0 if is_slight else 1.0) + (100.0 if is_slight and made.offset_K > 0.0 else 0.0)
 
 
-def looking(at: Any, scored: Any) -> Any:
+MISSED, NOTHING = (
+    Residual("control_output", "1", off, off, np.full(240, True), off, off, np.arange(240))
+    for off in (np.full(240, 2.0), np.zeros(240))
+)
+
+
+def looking(at: Any, scored: Any, missed: Residual = MISSED, near: Values | None = None) -> Any:
     problem: Any = SimpleNamespace(edited=lambda effects, departures: None, at=at, clock_h=np.arange(240) / 10.0)
-    given: Any = SimpleNamespace(effects=(), departures=())
-    return StartPoints(problem, scored, SHIFT, given, (0,), None, 1.0)
+    given: Any = SimpleNamespace(effects=(), departures=(), residuals=[missed])
+    return StartPoints(problem, scored, SHIFT, given, (0,), None, 1.0, near=near)
 
 
-def test_little_of_an_effect_is_looked_for_at_every_hour_as_well() -> None:
+def as_aimed(effects: Any, departures: Any, convention: Convention) -> Any:
+    return SimpleNamespace(residuals=(), **effects[-1][1])
+
+
+def test_little_of_an_effect_is_found_at_its_hours_beside_much_at_others() -> None:
     """No way leads from much of it at wrong hours to little at the right ones."""
+    worth, values, _ = min(looking(as_aimed, lambda made, parts: score(made)).evolved(PLAIN), key=itemgetter(0))
+    assert worth < 0.5
+    assert -0.2 < values["offset_K"] < 0.0
+    assert (values["from_h"], values["to_h"]) == pytest.approx((21.0, 6.0), abs=0.5)
 
-    def at(effects: Any, departures: Any, convention: Convention) -> Any:
-        return SimpleNamespace(residuals=(), **(effects[-1][1] if effects else {}))
 
-    deep = {"offset_K": -1.9, "from_h": 4.0, "to_h": 13.0}
-    look = looking(at, lambda made, parts: score(made))
-    first = score(at([(SHIFT, deep)], (), PLAIN))
-    assert [each[1] for each in look.scanned(first, deep, PLAIN)] == [
-        {**deep, "from_h": 5.0, "to_h": 14.0},
-        {"offset_K": -0.05, "from_h": 21.0, "to_h": 6.0},
-    ]
-    # where little of it cannot be simulated only the first is a start
-    look.score = lambda made, parts: score(made) if abs(made.offset_K) > 0.2 else IMPOSSIBLE
-    assert len(list(look.scanned(first, deep, PLAIN))) == 1
+def test_a_search_is_spared_where_nothing_is_missed_or_a_look_before_began_near() -> None:
+    for about in ({"missed": NOTHING}, {"near": {"offset_K": -0.1, "from_h": 20.0, "to_h": 5.0}}):
+        assert not list(looking(as_aimed, lambda made, parts: score(made), **about).evolved(PLAIN))
 
 
 @pytest.mark.parametrize("hours", [(6, 8), (13, 14), (2, 12)])
-def test_hours_are_looked_at_first_between_which_an_effect_that_acts_always_would_gain(hours: tuple[int, int]) -> None:
+def test_hours_are_found_between_which_an_effect_explains_all(hours: tuple[int, int]) -> None:
     """From all day to an hour or two no single end leads: up to the evening, or from midnight on, too much is wrong."""
     clock_h = np.arange(240) / 10.0
     is_hour = (clock_h - hours[0]) % 24.0 < (hours[1] - hours[0]) % 24.0
@@ -62,19 +69,16 @@ def test_hours_are_looked_at_first_between_which_an_effect_that_acts_always_woul
 
     def at(effects: Any, departures: Any, convention: Convention) -> Any:
         """It explains all within the hours, and is as wrong beside them."""
-        shifted = effects and (clock_h - effects[0][1]["from_h"]) % 24.0 < lasting_h(
-            effects[0][1]["from_h"], effects[0][1]["to_h"]
-        )
-        missed = 1.0 * is_hour - shifted if effects else 1.0 * is_hour
+        from_h, to_h = (effects[0][1][name] for name in ("from_h", "to_h"))
+        missed = 1.0 * is_hour - ((clock_h - from_h) % 24.0 < lasting_h(from_h, to_h))
         return SimpleNamespace(
             residuals=[Residual("control_output", "1", missed, missed, none == 0.0, none, none, np.arange(240))]
         )
 
     look = looking(at, lambda made, parts: sum(each.loss() for each in made.residuals))
-    always = {"offset_K": 0.3, "from_h": 0.0, "to_h": 24.0}
-    worth, values, _ = next(iter(look.scanned(1e9, always, PLAIN)))
-    assert worth == 0.0
-    assert (values["from_h"], values["to_h"]) == hours
+    worth, values, _ = min(look.evolved(PLAIN), key=itemgetter(0))
+    assert worth <= 2.0  # samples of six minutes
+    assert (values["from_h"], values["to_h"]) == pytest.approx(hours, abs=0.2)
 
 
 def test_hours_that_were_found_in_one_way_to_read_a_record_are_a_start_in_another() -> None:
@@ -89,6 +93,19 @@ def test_hours_that_were_found_in_one_way_to_read_a_record_are_a_start_in_anothe
 def test_an_effect_without_hours_begins_where_it_looked_best() -> None:
     believed = Belief(study().cases["REAL"].blocks, study().room)
     problem: Any = SimpleNamespace(edited=lambda effects, departures: believed)
-    given: Any = SimpleNamespace(effects=(), departures=())
+    given: Any = SimpleNamespace(effects=(), departures=(), residuals=[MISSED])
     look = StartPoints(problem, lambda made, parts: 0.0, EFFECTS["slow-actuator"], given, (), None, 1.0)
-    assert list(look.scanned(3.0, {"factor": 1.6}, PLAIN)) == [(3.0, {"factor": 1.6}, PLAIN)]
+    assert not list(look.evolved(PLAIN))
+
+
+def test_places_away_from_neutral_are_either_side_of_it_and_as_many_for_little_as_for_much() -> None:
+    space = Space(SHIFT)
+    offsets_K = [space.away({"offset_K": 0.0}, np.array([x, 0.5, 0.25]))["offset_K"] for x in (0.0, 0.25, 0.75, 1.0)]
+    assert offsets_K == pytest.approx([-5.0, -0.354, 0.354, 5.0], abs=1e-3)  # in the middle between 0.025 and 5 K
+    assert space.away({"offset_K": 0.0}, np.array([0.5, 0.5, 0.25])) == pytest.approx(
+        {"offset_K": 0.025, "from_h": 12.0, "to_h": 6.0}
+    )
+    half = space.away({"offset_K": 0.0}, np.array([1.0, 0.5, 0.25]), most=0.5)
+    assert half["offset_K"] == pytest.approx(0.354, abs=1e-3)
+    factors = [Space(EFFECTS["slow-actuator"]).away({"factor": 1.0}, np.array([x]))["factor"] for x in (0.4, 0.6)]
+    assert factors[0] < 1.0 < factors[1]

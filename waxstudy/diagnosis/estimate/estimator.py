@@ -202,9 +202,9 @@ class Estimator(Generic[P]):
         found += [look.again(found[0][1], convention) for convention in self.conventions if convention not in spread]
         possible = [each for each in sorted(found, key=itemgetter(0)) if each[0] < IMPOSSIBLE]
         if possible and not self.has_nuisances and not look.cannot_show:
-            scanned = list(look.scanned(*possible[0]))
-            likeliest = min(scanned, key=itemgetter(0))[1]
-            possible = [*scanned, *(look.better(each, likeliest) for each in possible[1:])]
+            places = [possible[0], *look.evolved(possible[0][2])]
+            likeliest = min(places, key=itemgetter(0))[1]
+            possible = [*places, *(look.better(each, likeliest) for each in possible[1:])]
         if look.promised and look.is_hopeless:
             _, values, convention = look.promised
             return self.problem.at((*given.effects, (effect, values)), given.departures, convention)

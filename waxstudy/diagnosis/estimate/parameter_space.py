@@ -12,6 +12,7 @@ from waxstudy.plugin import HOURS, Effect, FloatArray, Prior
 SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
 SCAN_MORE = 64
 TIE = 1e-9  # of losses that are alike
+LITTLE_STEPS = 0.5  # noticeable ones: less of an effect is not looked for at first
 NARROW, QUICK_NARROW = 1e-5, 1e-3  # share of a range that is not looked into
 
 Values = Mapping[str, float]
@@ -49,6 +50,21 @@ class Space:
         at, still = self.inside(values), self.inside({**values, **neutral})
         return self.values(np.clip(still + strength * (at - still), 0.0, 1.0))
 
+    def away(self, neutral: Values, x: FloatArray, most: float = 1.0) -> Values:
+        """Return values either way of neutral ones, from `LITTLE_STEPS` in the middle to the ends of what is tried.
+
+        In between they are spread by the logarithm of their noticeable steps, of which they go so far as `most` says.
+        Others lie where a place in the cube is.
+        """
+        return {**self.values(x), **{name: self._away(name, neutral[name], x, most) for name in neutral}}
+
+    def _away(self, name: str, still: float, x: FloatArray, most: float) -> float:
+        prior, way = self.effect.priors[name], 2.0 * float(x[self.names.index(name)]) - 1.0
+        farthest = max(abs(steps(prior, end, still)) for end in (prior.low, prior.high))
+        return stepped(
+            prior, still, float(np.copysign(LITTLE_STEPS * (farthest / LITTLE_STEPS) ** (most * abs(way)), way))
+        )
+
     def points(self, thorough: float) -> list[Values]:
         """Return points spread over the cube: evenly for one parameter, else a Sobol sequence."""
         count = len(self.names)
@@ -75,6 +91,13 @@ def stepped(prior: Prior, still: float, steps: float) -> float:
     """Return a value so many noticeable steps from a neutral one, within the range that is looked at."""
     value = still * prior.noticeable**steps if prior.is_log else still + steps * prior.noticeable
     return float(min(prior.high, max(prior.low, value)))
+
+
+def steps(prior: Prior, value: float, still: float) -> float:
+    """Return the distance of a value from a neutral one in noticeable steps."""
+    if prior.is_log:
+        return float(abs(np.log(value / still)) / np.log(prior.noticeable))
+    return abs(value - still) / prior.noticeable
 
 
 def _value(prior: Prior, at: float) -> float:

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from operator import itemgetter
 
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values, stepped
-from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
+from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
+from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.model.conventions import Convention
-from waxstudy.plugin import HOURS, FloatArray
+from waxstudy.plugin import FloatArray
 
 IMPOSSIBLE = 1e12  # score of a belief that cannot be
 STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
 MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere
-SCANNED = 24  # hours of a day, in a quick look too: fewer lie too far apart to lead to the right ones
-STARTS, STEPS, FAR = 8, 5, 0.1  # such points, steps from each, and the share of a range that their slopes look over
+MEMBERS, GENERATIONS = 32, 30  # of a search all over the parameters, in a quick look too
+LITTLE = 0.5  # how far a search for little of an effect goes, as a share of the logarithm of noticeable steps
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ class StartPoints:
         before = still.missed(self.parts) if still and is_scaled else None
         scored, scaled = list[tuple[float, Values]](), list[tuple[float, Values]]()
         spread = *self.space.points(self.thorough), *self.effect.starts(self.problem.belief)
-        found_before = self.near if self.near and not given.effects else (*spread, *self.near)
+        found_before = self.near if self._is_near else (*spread, *self.near)
         points = *found_before, *self.space.near(neutral)
         for values in points:
             look = self._with(values, convention)  # one at a time: each is several times as long as the record
@@ -88,12 +87,7 @@ class StartPoints:
             scored.append((self.score(look, self.parts), values))
         more = [values for _, values in sorted(scaled, key=itemgetter(0))[:SCALED]]
         scored += [(self.score(self._with(values, convention), self.parts), values) for values in more]
-        found = sorted(scored, key=itemgetter(0))
-        if self.straight or len(self.space.names) < MANY or self.is_hopeless:
-            return found[0]
-        starts = round(STARTS * min(1.0, self.thorough))
-        walked = [self._walked(values, convention) for _, values in found[:starts]]
-        return min((found[0], *walked), key=itemgetter(0))
+        return min(scored, key=itemgetter(0))
 
     @property
     def is_hopeless(self) -> bool:
@@ -120,36 +114,55 @@ class StartPoints:
             there = self.space.scaled(values, neutral, strength) if neutral else values
             self.promised = gain, there, convention
 
-    def _walked(self, values: Values, convention: Convention) -> tuple[float, Values]:
-        """Return score and values a few steps downhill, by slopes that look far: a point may lie in a hollow.
+    def evolved(self, convention: Convention) -> Iterator[tuple[float, Values, Convention]]:
+        """Yield the best places that searches all over the parameters find, of an effect of a chain that needs them.
 
-        A stroke that is shorter than a sample has no slope of its own that leads to a longer one.
+        No way leads downhill to hours that are far off, nor from much of an effect at wrong hours to little at right
+        ones: a few switches tell little. Of many parameters a first look is too coarse, if it promises anything.
+        Nothing is looked for where nothing is missed, and where a look before began near.
         """
-        problem = LeastSquares(self.problem, (*self.given.effects, (self.effect, values)), convention, self.parts, FAR)
-        walked = problem.solved(problem.vector(self.given.departures), STEPS, None)
-        found = dict(walked.effects)[self.effect] if walked else values
-        return self.score(self._with(found, convention), self.parts), found
-
-    def scanned(
-        self, score: float, values: Values, convention: Convention
-    ) -> Iterator[tuple[float, Values, Convention]]:
-        """Yield a place with the hours of an effect of a chain looked at all over the day, and such of little of it.
-
-        A few switches tell little of hours that are far off: no way leads downhill to the right ones, nor from much of
-        an effect at wrong hours to little at the right ones.
-        """
-        neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures))
-        hours = [name for name in self.space.names if neutral is not None and name not in neutral]
-        if neutral is None or not hours:
-            yield score, values, convention
+        neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures)) or {}
+        has_hours = bool(neutral) and not neutral.keys() >= set(self.space.names)
+        is_many = len(self.space.names) >= MANY and not self.is_hopeless
+        if self._is_near or not self._misses_something or not (has_hours or is_many):
             return
-        yield *self._scanned(score, values, hours, convention), convention
-        steps = [(name, stepped(self.effect.priors[name], neutral[name], way)) for name in neutral for way in (-1, 1)]
-        little = [{**values, **neutral, name: value} for name, value in steps if value != neutral[name]]
-        found = [self._scanned(IMPOSSIBLE, each, hours, convention) for each in little]
-        best = min(found, key=itemgetter(0), default=(IMPOSSIBLE, values))
-        if best[0] < IMPOSSIBLE:
-            yield *best, convention
+        still = self._still(convention)  # once: a long record is not remembered
+        for most in (LITTLE, 1.0) if has_hours else (1.0,):
+            values = self._searched(neutral, most, convention, still)
+            yield *self._looked(values, convention, still), convention
+
+    def _searched(self, neutral: Values, most: float, convention: Convention, still: Hypothesis | None) -> Values:
+        """Return the best values of a search by differential evolution, so far from neutral ones as `most` says.
+
+        Storn and Price (1997, doi:10.1023/A:1008202821328).
+        """
+        from scipy.optimize import Bounds, differential_evolution
+
+        def loss(x: FloatArray) -> float:
+            return self._looked(self.space.away(neutral, x, most), convention, still)[0]
+
+        count = len(self.space.names)
+        found = differential_evolution(
+            loss,
+            Bounds(np.zeros(count), np.ones(count)),
+            popsize=MEMBERS // count,
+            maxiter=GENERATIONS,
+            tol=0.0,
+            rng=np.random.default_rng(3),
+            polish=False,
+            init="sobol",  # takes the next power of 2 of members
+        )
+        return self.space.away(neutral, found.x, most)
+
+    @property
+    def _is_near(self) -> bool:
+        """Whether an effect by itself was looked for before."""
+        return bool(self.near) and not self.given.effects
+
+    @property
+    def _misses_something(self) -> bool:
+        """Whether the given hypothesis misses any channel by more than what it is weighed by."""
+        return any(each.loss() > each.judged.sum() for each in self.given.residuals)
 
     def again(self, values: Values, convention: Convention) -> tuple[float, Values, Convention]:
         """Return the score of values with another way to read the record, with them and it."""
@@ -164,19 +177,6 @@ class StartPoints:
         other = *self._looked(values, convention, self._still(convention)), convention
         return min(place, other, key=itemgetter(0))
 
-    def _scanned(
-        self, score: float, values: Values, hours: Sequence[str], convention: Convention
-    ) -> tuple[float, Values]:
-        """Return the best of a place, of the hours that promise most, and of each hour in turn, twice."""
-        still = self._still(convention)  # once: a long record is not remembered
-        most = self._looked(self._between(values, hours, convention), convention, still)
-        best = min((score, values), most, key=itemgetter(0))
-        for name in (*hours, *hours):
-            prior = self.effect.priors[name]
-            for at in np.linspace(prior.low, prior.high, SCANNED, endpoint=False):
-                best = min(best, self._looked({**best[1], name: float(at)}, convention, still), key=itemgetter(0))
-        return best
-
     def _still(self, convention: Convention) -> Hypothesis | None:
         """Return what looks are screened against: the given hypothesis; nothing without a screen."""
         return self._at(self.given.effects, convention) if self.screen else None
@@ -187,27 +187,6 @@ class StartPoints:
         look = self._with(values, convention)
         self._screened(values, look, still, neutral, convention)
         return self.score(look, self.parts), values
-
-    def _between(self, values: Values, hours: Sequence[str], convention: Convention) -> Values:
-        """Return values with the hours between which an effect that acts always would gain most.
-
-        As if what happens at each hour hung on nothing before it: one hour after the other may lead nowhere.
-        """
-        if set(hours) != set(HOURS):  # else something that is no matter where the effect does nothing
-            return values
-        first, last = HOURS
-        always = {**values, first: self.effect.priors[first].low, last: self.effect.priors[last].high}
-        still, look = self._at(self.given.effects, convention), self._with(always, convention)
-        if still is None or look is None:
-            return values
-        gain = np.zeros(SCANNED)
-        for old, new in zip(still.residuals, look.residuals, strict=True):
-            fitted, hour = np.isin(new.part, self.parts), self.problem.clock_h[new.sample].astype(int)
-            gain += np.bincount(hour[fitted], (old.whitened**2 - new.whitened**2)[fitted], SCANNED)
-        until = np.concatenate(([0.0], np.cumsum((*gain, *gain))))
-        spans = product(range(SCANNED), range(1, SCANNED))
-        start, lasts = max(spans, key=lambda span: until[sum(span)] - until[span[0]])
-        return {**values, first: float(start), last: float((start + lasts) % SCANNED)}
 
     def _scaled(
         self, values: Values, look: Hypothesis | None, before: FloatArray, neutral: Values

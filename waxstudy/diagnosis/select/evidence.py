@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.estimate.parameter_space import EffectType, steps
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval, in_floors
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import Belief, Prior
+from waxstudy.plugin import Belief
 
 
 @dataclass(frozen=True)
@@ -161,13 +161,6 @@ def distinct(effect: EffectType, intervals: Mapping[str, Interval], believed: Be
     neutral = effect.neutral(believed) or {}
     without = [name for name, each in intervals.items() if not each.low <= neutral.get(name, np.nan) <= each.high]
     return departure(effect, {name: intervals[name].value for name in without}, believed)
-
-
-def steps(prior: Prior, value: float, still: float) -> float:
-    """Return the distance of a value from a neutral one in noticeable steps."""
-    if prior.is_log:
-        return float(abs(np.log(value / still)) / np.log(prior.noticeable))
-    return abs(value - still) / prior.noticeable
 
 
 def strongest(current: Hypothesis, fitted: Hypothesis, floor: NoiseFloor) -> tuple[str, float, float]:
