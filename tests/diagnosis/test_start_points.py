@@ -31,9 +31,10 @@ def score(made: Any) -> float:
     return off + (0.0 if is_slight else 1.0) + (100.0 if is_slight and made.offset_K > 0.0 else 0.0)
 
 
-MISSED, NOTHING = (
+# in standard deviations; what 240 samples miss by a little more than one is not worth three parameters
+MISSED, LITTLE = (
     Residual("control_output", "1", off, off, np.full(240, True), off, off, np.arange(240))
-    for off in (np.full(240, 2.0), np.zeros(240))
+    for off in (np.full(240, 2.0), np.full(240, 1.02))
 )
 
 
@@ -55,8 +56,8 @@ def test_little_of_an_effect_is_found_at_its_hours_beside_much_at_others() -> No
     assert (values["from_h"], values["to_h"]) == pytest.approx((21.0, 6.0), abs=0.5)
 
 
-def test_a_search_is_spared_where_nothing_is_missed_or_a_look_before_began_near() -> None:
-    for about in ({"missed": NOTHING}, {"near": {"offset_K": -0.1, "from_h": 20.0, "to_h": 5.0}}):
+def test_a_search_is_spared_where_little_is_missed_or_a_look_before_began_near() -> None:
+    for about in ({"missed": LITTLE}, {"near": {"offset_K": -0.1, "from_h": 20.0, "to_h": 5.0}}):
         assert not list(looking(as_aimed, lambda made, parts: score(made), **about).evolved(PLAIN))
 
 

@@ -12,6 +12,7 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
 from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
 from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 IMPOSSIBLE = 1e12  # score of a belief that cannot be
@@ -19,7 +20,8 @@ STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
 MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere
-MEMBERS, GENERATIONS = 32, 30  # of a search all over the parameters, in a quick look too
+MEMBERS, GENERATIONS = 32, 30  # of a search all over hours, in a quick look too
+FEW = 10  # generations of a search for many parameters: slopes lead on from there
 LITTLE = 0.5  # how far a search for little of an effect goes, as a share of the logarithm of noticeable steps
 
 
@@ -119,40 +121,43 @@ class StartPoints:
 
         No way leads downhill to hours that are far off, nor from much of an effect at wrong hours to little at right
         ones: a few switches tell little. Of many parameters a first look is too coarse, if it promises anything.
-        Nothing is looked for where nothing is missed, and where a look before began near.
+        Nothing is looked for where too little is missed, and where a look before began near.
         """
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures)) or {}
         has_hours = bool(neutral) and not neutral.keys() >= set(self.space.names)
         is_many = len(self.space.names) >= MANY and not self.is_hopeless
-        if self._is_near or not self._misses_something or not (has_hours or is_many):
+        if self._is_near or not self._is_worth_it or not (has_hours or is_many):
             return
         still = self._still(convention)  # once: a long record is not remembered
         for most in (LITTLE, 1.0) if has_hours else (1.0,):
-            values = self._searched(neutral, most, convention, still)
-            yield *self._looked(values, convention, still), convention
 
-    def _searched(self, neutral: Values, most: float, convention: Convention, still: Hypothesis | None) -> Values:
-        """Return the best values of a search by differential evolution, so far from neutral ones as `most` says.
+            def made(x: FloatArray, most: float = most) -> tuple[float, Values]:
+                return self._looked(self.space.away(neutral, x, most), convention, still)
+
+            yield *self._searched(made, GENERATIONS if has_hours else FEW), convention
+
+    def _searched(self, made: Callable[[FloatArray], tuple[float, Values]], generations: int) -> tuple[float, Values]:
+        """Return the least score that places in a cube have, and its values, as differential evolution finds them.
 
         Storn and Price (1997, doi:10.1023/A:1008202821328).
         """
         from scipy.optimize import Bounds, differential_evolution
 
-        def loss(x: FloatArray) -> float:
-            return self._looked(self.space.away(neutral, x, most), convention, still)[0]
+        def score(x: FloatArray) -> float:
+            return made(x)[0]
 
         count = len(self.space.names)
         found = differential_evolution(
-            loss,
+            score,
             Bounds(np.zeros(count), np.ones(count)),
             popsize=MEMBERS // count,
-            maxiter=GENERATIONS,
+            maxiter=generations,
             tol=0.0,
             rng=np.random.default_rng(3),
             polish=False,
             init="sobol",  # takes the next power of 2 of members
         )
-        return self.space.away(neutral, found.x, most)
+        return made(found.x)
 
     @property
     def _is_near(self) -> bool:
@@ -160,9 +165,10 @@ class StartPoints:
         return bool(self.near) and not self.given.effects
 
     @property
-    def _misses_something(self) -> bool:
-        """Whether the given hypothesis misses any channel by more than what it is weighed by."""
-        return any(each.loss() > each.judged.sum() for each in self.given.residuals)
+    def _is_worth_it(self) -> bool:
+        """Whether the given hypothesis misses more, beyond what it is weighed by, than the effect's parameters cost."""
+        beyond = sum(max(0.0, each.loss() - float(each.judged.sum())) for each in self.given.residuals)
+        return 0.5 * beyond > WEIGHTS.price * len(self.space.names)
 
     def again(self, values: Values, convention: Convention) -> tuple[float, Values, Convention]:
         """Return the score of values with another way to read the record, with them and it."""
