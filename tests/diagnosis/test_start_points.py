@@ -41,7 +41,9 @@ MISSED, LITTLE = (
 def looking(at: Any, scored: Any, missed: Residual = MISSED, near: Values | None = None) -> Any:
     problem: Any = SimpleNamespace(edited=lambda effects, departures: None, at=at, clock_h=np.arange(240) / 10.0)
     given: Any = SimpleNamespace(effects=(), departures=(), residuals=[missed])
-    return StartPoints(problem, scored, SHIFT, given, (0,), None, 1.0, near=near)
+    look = StartPoints(problem, scored, SHIFT, given, (0,), None, 1.0, near=near)
+    look.changed = {"control_output"}  # by a first look
+    return look
 
 
 def as_aimed(effects: Any, departures: Any, convention: Convention) -> Any:
@@ -59,6 +61,9 @@ def test_little_of_an_effect_is_found_at_its_hours_beside_much_at_others() -> No
 def test_a_search_is_spared_where_little_is_missed_or_a_look_before_began_near() -> None:
     for about in ({"missed": LITTLE}, {"near": {"offset_K": -0.1, "from_h": 20.0, "to_h": 5.0}}):
         assert not list(looking(as_aimed, lambda made, parts: score(made), **about).evolved(PLAIN))
+    look = looking(as_aimed, lambda made, parts: score(made))
+    look.changed = {"sensor_temperature_C"}  # no more than another channel misses much
+    assert not list(look.evolved(PLAIN))
 
 
 @pytest.mark.parametrize("hours", [(6, 8), (13, 14), (2, 12)])

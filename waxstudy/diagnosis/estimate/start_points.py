@@ -67,6 +67,7 @@ class StartPoints:
         self.screen = screen
         self.near = [] if near is None else [near]
         self.promised: tuple[float, Values, Convention] | None = None  # log likelihood, at most, and where
+        self.changed: set[str] = set()  # channels that the effect changes anywhere
         self.problem, self.score, self.effect, self.given, self.parts = problem, score, effect, given, parts
         self.straight, self.thorough, self.space = straight, thorough, Space(effect)
 
@@ -75,7 +76,7 @@ class StartPoints:
         given = self.given
         neutral = self.effect.neutral(self.problem.edited(given.effects, given.departures))
         is_scaled = bool(self.straight and neutral)
-        still = self._at(given.effects, convention) if self.screen or is_scaled else None
+        still = self._at(given.effects, convention)
         before = still.missed(self.parts) if still and is_scaled else None
         scored, scaled = list[tuple[float, Values]](), list[tuple[float, Values]]()
         spread = *self.space.points(self.thorough), *self.effect.starts(self.problem.belief)
@@ -83,6 +84,7 @@ class StartPoints:
         points = *found_before, *self.space.near(neutral)
         for values in points:
             look = self._with(values, convention)  # one at a time: each is several times as long as the record
+            self._note_changes(still, look)
             self._screened(values, look, still, neutral, convention)
             if before is not None and neutral is not None:
                 scaled.append(self._scaled(values, look, before, neutral))
@@ -166,9 +168,15 @@ class StartPoints:
 
     @property
     def _is_worth_it(self) -> bool:
-        """Whether the given hypothesis misses more, beyond what it is weighed by, than the effect's parameters cost."""
-        beyond = sum(max(0.0, each.loss() - float(each.judged.sum())) for each in self.given.residuals)
+        """Whether what an effect changes is missed by more, beyond what it is weighed by, than its parameters cost."""
+        missed = [each for each in self.given.residuals if each.channel in self.changed]
+        beyond = sum(max(0.0, each.loss() - float(each.judged.sum())) for each in missed)
         return 0.5 * beyond > WEIGHTS.price * len(self.space.names)
+
+    def _note_changes(self, still: Hypothesis | None, look: Hypothesis | None) -> None:
+        if still and look:
+            pairs = zip(still.residuals, look.residuals, strict=True)
+            self.changed |= {old.channel for old, new in pairs if not np.array_equal(old.whitened, new.whitened)}
 
     def again(self, values: Values, convention: Convention) -> tuple[float, Values, Convention]:
         """Return the score of values with another way to read the record, with them and it."""
