@@ -39,7 +39,7 @@ MISSED, LITTLE = (
 
 
 def looking(at: Any, scored: Any, missed: Residual = MISSED, near: Values | None = None) -> Any:
-    problem: Any = SimpleNamespace(edited=lambda effects, departures: None, at=at, clock_h=np.arange(240) / 10.0)
+    problem: Any = SimpleNamespace(edited=lambda effects, departures: None, at=at)
     given: Any = SimpleNamespace(effects=(), departures=(), residuals=[missed])
     look = StartPoints(problem, scored, SHIFT, given, (0,), None, 1.0, near=near)
     look.changed = {"control_output"}  # by a first look

@@ -129,7 +129,6 @@ class Problem(Protocol):
     sd: FloatArray  # (nuisances,) of the normal prior of each
     prior: FloatArray  # (nuisances, nuisances): turns departures over these into independent ones
     events: Sequence[int]  # nuisances that happened once and are fitted to all days
-    clock_h: FloatArray  # (n,) hour of the day of each sample of the record
     is_smooth: bool  # whether anything that is judged has slopes, as nothing has that only switches
     discounts_noise: bool  # whether ways to log it let more or less of the drive's noise through
 

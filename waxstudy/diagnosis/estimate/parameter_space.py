@@ -61,9 +61,8 @@ class Space:
     def _away(self, name: str, still: float, x: FloatArray, most: float) -> float:
         prior, way = self.effect.priors[name], 2.0 * float(x[self.names.index(name)]) - 1.0
         farthest = max(abs(steps(prior, end, still)) for end in (prior.low, prior.high))
-        return stepped(
-            prior, still, float(np.copysign(LITTLE_STEPS * (farthest / LITTLE_STEPS) ** (most * abs(way)), way))
-        )
+        size = LITTLE_STEPS * (farthest / LITTLE_STEPS) ** (most * abs(way))
+        return stepped(prior, still, float(np.copysign(size, way)))
 
     def points(self, thorough: float) -> list[Values]:
         """Return points spread over the cube: evenly for one parameter, else a Sobol sequence."""

@@ -126,17 +126,19 @@ class StartPoints:
         Nothing is looked for where too little is missed, and where a look before began near.
         """
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures)) or {}
-        has_hours = bool(neutral) and not neutral.keys() >= set(self.space.names)
+        has_free = bool(neutral) and not neutral.keys() >= set(
+            self.space.names
+        )  # as hours where an effect does nothing
         is_many = len(self.space.names) >= MANY and not self.is_hopeless
-        if self._is_near or not self._is_worth_it or not (has_hours or is_many):
+        if self._is_near or not self._is_worth_it or not (has_free or is_many):
             return
         still = self._still(convention)  # once: a long record is not remembered
-        for most in (LITTLE, 1.0) if has_hours else (1.0,):
+        for most in (LITTLE, 1.0) if has_free else (1.0,):
 
             def made(x: FloatArray, most: float = most) -> tuple[float, Values]:
                 return self._looked(self.space.away(neutral, x, most), convention, still)
 
-            yield *self._searched(made, GENERATIONS if has_hours else FEW), convention
+            yield *self._searched(made, GENERATIONS if has_free else FEW), convention
 
     def _searched(self, made: Callable[[FloatArray], tuple[float, Values]], generations: int) -> tuple[float, Values]:
         """Return the least score that places in a cube have, and its values, as differential evolution finds them.

@@ -71,7 +71,6 @@ class SegmentProblem:
             self._undeparted = belief
             self._after = [(Nuisance("chain", 0.0, lambda room, _: known_loop.with_chain(room)), 0.0)]
         self.events: Sequence[int] = [place for place, nuisance in enumerate(self.nuisances) if nuisance.is_event]
-        self.clock_h = record.clock_h
         self.is_smooth = not all(channel in record.binary for channel in segment.judged)
         self.discounts_noise = "control_output" in segment.judged and "control_output" not in record.binary
         self._seen = record.memory(arrays=4)
