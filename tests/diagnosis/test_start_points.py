@@ -83,8 +83,8 @@ def test_hours_are_found_between_which_an_effect_explains_all(hours: tuple[int, 
 
     look = looking(at, lambda made, parts: sum(each.loss() for each in made.residuals))
     worth, values, _ = min(look.evolved(PLAIN), key=itemgetter(0))
-    assert worth <= 2.0  # samples of six minutes
-    assert (values["from_h"], values["to_h"]) == pytest.approx(hours, abs=0.2)
+    assert worth == 0.0
+    assert (values["from_h"], values["to_h"]) == pytest.approx(hours, abs=0.1)  # samples of six minutes
 
 
 def test_hours_that_were_found_in_one_way_to_read_a_record_are_a_start_in_another() -> None:

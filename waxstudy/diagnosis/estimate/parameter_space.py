@@ -12,7 +12,7 @@ from waxstudy.plugin import HOURS, Effect, FloatArray, Prior
 SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
 SCAN_MORE = 64
 TIE = 1e-9  # of losses that are alike
-LITTLE_STEPS = 0.5  # noticeable ones: less of an effect is not looked for at first
+LEAST_STEPS = 0.5  # chosen: noticeable ones; a search begins with no less of an effect, and a fit may end there
 NARROW, QUICK_NARROW = 1e-5, 1e-3  # share of a range that is not looked into
 
 Values = Mapping[str, float]
@@ -51,7 +51,7 @@ class Space:
         return self.values(np.clip(still + strength * (at - still), 0.0, 1.0))
 
     def away(self, neutral: Values, x: FloatArray, most: float = 1.0) -> Values:
-        """Return values either way of neutral ones, from `LITTLE_STEPS` in the middle to the ends of what is tried.
+        """Return values either way of neutral ones, from `LEAST_STEPS` in the middle to the ends of what is tried.
 
         In between they are spread by the logarithm of their noticeable steps, of which they go so far as `most` says.
         Others lie where a place in the cube is.
@@ -61,7 +61,7 @@ class Space:
     def _away(self, name: str, still: float, x: FloatArray, most: float) -> float:
         prior, way = self.effect.priors[name], 2.0 * float(x[self.names.index(name)]) - 1.0
         farthest = max(abs(steps(prior, end, still)) for end in (prior.low, prior.high))
-        size = LITTLE_STEPS * (farthest / LITTLE_STEPS) ** (most * abs(way))
+        size = LEAST_STEPS * (farthest / LEAST_STEPS) ** (most * abs(way))
         return stepped(prior, still, float(np.copysign(size, way)))
 
     def points(self, thorough: float) -> list[Values]:

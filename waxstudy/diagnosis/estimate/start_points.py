@@ -20,9 +20,10 @@ STRONGEST = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
 MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere
-MEMBERS, GENERATIONS = 32, 30  # of a search all over hours, in a quick look too
-FEW = 10  # generations of a search for many parameters: slopes lead on from there
-LITTLE = 0.5  # how far a search for little of an effect goes, as a share of the logarithm of noticeable steps
+# chosen, effort of searches all over the parameters, in a quick look too: 27 searches of nine records ended as low as
+# longer ones; with 25 generations some did not. Where slopes lead on from there a few generations are enough
+MEMBERS, GENERATIONS, FEW = 32, 30, 10
+SHORT = 0.5  # chosen: how far a search for little of an effect goes, as a share of the logarithm of noticeable steps
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,8 @@ class StartPoints:
         points = *found_before, *self.space.near(neutral)
         for values in points:
             look = self._with(values, convention)  # one at a time: each is several times as long as the record
-            self._note_changes(still, look)
+            if not self.straight:  # a room is never searched all over
+                self._note_changes(still, look)
             self._screened(values, look, still, neutral, convention)
             if before is not None and neutral is not None:
                 scaled.append(self._scaled(values, look, before, neutral))
@@ -126,14 +128,13 @@ class StartPoints:
         Nothing is looked for where too little is missed, and where a look before began near.
         """
         neutral = self.effect.neutral(self.problem.edited(self.given.effects, self.given.departures)) or {}
-        has_free = bool(neutral) and not neutral.keys() >= set(
-            self.space.names
-        )  # as hours where an effect does nothing
+        # some parameters, as hours, do not matter where an effect does nothing
+        has_free = bool(neutral) and not neutral.keys() >= set(self.space.names)
         is_many = len(self.space.names) >= MANY and not self.is_hopeless
         if self._is_near or not self._is_worth_it or not (has_free or is_many):
             return
         still = self._still(convention)  # once: a long record is not remembered
-        for most in (LITTLE, 1.0) if has_free else (1.0,):
+        for most in (SHORT, 1.0) if has_free else (1.0,):
 
             def made(x: FloatArray, most: float = most) -> tuple[float, Values]:
                 return self._looked(self.space.away(neutral, x, most), convention, still)

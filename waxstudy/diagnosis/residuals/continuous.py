@@ -62,7 +62,7 @@ class Continuous:
         self.draws += 1
 
     def see_at_least(self, other: Continuous) -> None:
-        """Take noise of the drive to move it at least as far as another one: a fit to noise would have it move less."""
+        """Count noise of the drive at least as much as another does: a controller fitted to noise looks too weak."""
         if self.draws and other.draws:
             self._squares = np.maximum(self._squares, other._squares * self.draws / other.draws)
 

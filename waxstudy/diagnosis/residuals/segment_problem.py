@@ -20,7 +20,7 @@ from waxstudy.diagnosis.model.perturbation import Perturbation
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Prediction, Segment
 from waxstudy.diagnosis.observations.partition import BOTH
-from waxstudy.diagnosis.observations.record import CONTINUOUS, Record
+from waxstudy.diagnosis.observations.record import CONTINUOUS, OUTPUT, Record
 from waxstudy.diagnosis.residuals.continuous import Continuous
 from waxstudy.diagnosis.residuals.judge import Judge, perturbed_by_noise
 from waxstudy.plugin import Belief, FloatArray
@@ -72,7 +72,7 @@ class SegmentProblem:
             self._after = [(Nuisance("chain", 0.0, lambda room, _: known_loop.with_chain(room)), 0.0)]
         self.events: Sequence[int] = [place for place, nuisance in enumerate(self.nuisances) if nuisance.is_event]
         self.is_smooth = not all(channel in record.binary for channel in segment.judged)
-        self.discounts_noise = "control_output" in segment.judged and "control_output" not in record.binary
+        self.discounts_noise = OUTPUT in segment.judged and OUTPUT not in record.binary
         self._seen = record.memory(arrays=4)
         self._edits: list[tuple[float, Belief]] = []  # by nuisance: what was departed to last, and the belief so far
 
