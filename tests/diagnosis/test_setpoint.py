@@ -27,7 +27,7 @@ def test_a_setback_at_night_is_named_with_its_hours(case: str) -> None:
     assert values["to_h"] == pytest.approx(6.0, abs=0.5)
     # below what a night cools to nothing says how much lower it aims, but that it does
     offset_K = effect.parameters["offset_K"]
-    assert offset_K.low <= -2.0 <= offset_K.high < -0.5
+    assert offset_K.low <= -2.0 <= offset_K.high < -1.0
     assert effect.when.spans_h[1] == pytest.approx((22.0, 30.0), abs=0.5)
 
 

@@ -205,13 +205,20 @@ class _Local:
 
     def _still(self, effect: EffectType, place: int, way: int) -> float:
         """Return how far one way a parameter may go before anything recorded would change, as a share of its range."""
-        still, width, here = 0.0, LEAST_WIDTH, self.inside[effect][place]
-        while still < 1.0:
-            other = self._at(effect, place, here + way * width)
-            if other is None or not np.array_equal(other.whitened, self.now):
-                return width if still else 0.0
+        still, width = 0.0, LEAST_WIDTH
+        while still < 1.0 and self._is_as_now(effect, place, way * width):
             still, width = width, 2.0 * width
-        return still
+        if not 0.0 < still < 1.0:
+            return still
+        for _ in range(HALVINGS):
+            middle = 0.5 * (still + width)
+            still, width = (middle, width) if self._is_as_now(effect, place, way * middle) else (still, middle)
+        return width
+
+    def _is_as_now(self, effect: EffectType, place: int, step: float) -> bool:
+        """Whether nothing recorded would change if a parameter were a step away."""
+        other = self._at(effect, place, self.inside[effect][place] + step)
+        return other is not None and np.array_equal(other.whitened, self.now)
 
     def _timing(self, effect: EffectType, place: int) -> float:
         """Return what the sampling of a drive's switches leaves open of a parameter, as a share of its range.
