@@ -135,21 +135,18 @@ class StartPoints:
             return
         still = self._still(convention)  # once: a long record is not remembered
         for most in (SHORT, 1.0) if has_free else (1.0,):
+            values = self._searched(neutral, most, replace(convention, is_rough=True), GENERATIONS if has_free else FEW)
+            yield *self._looked(values, convention, still), convention
 
-            def made(x: FloatArray, most: float = most) -> tuple[float, Values]:
-                return self._looked(self.space.away(neutral, x, most), convention, still)
-
-            yield *self._searched(made, GENERATIONS if has_free else FEW), convention
-
-    def _searched(self, made: Callable[[FloatArray], tuple[float, Values]], generations: int) -> tuple[float, Values]:
-        """Return the least score that places in a cube have, and its values, as differential evolution finds them.
+    def _searched(self, neutral: Values, most: float, convention: Convention, generations: int) -> Values:
+        """Return the values of the least score within `most` of nothing, as differential evolution finds them.
 
         Storn and Price (1997, doi:10.1023/A:1008202821328).
         """
         from scipy.optimize import Bounds, differential_evolution
 
         def score(x: FloatArray) -> float:
-            return made(x)[0]
+            return self.score(self._with(self.space.away(neutral, x, most), convention), self.parts)
 
         count = len(self.space.names)
         found = differential_evolution(
@@ -162,7 +159,7 @@ class StartPoints:
             polish=False,
             init="sobol",  # takes the next power of 2 of members
         )
-        return made(found.x)
+        return self.space.away(neutral, found.x, most)
 
     @property
     def _is_near(self) -> bool:

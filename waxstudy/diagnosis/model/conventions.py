@@ -18,6 +18,7 @@ class Convention:
     is_late: bool = False  # the controller reads the temperature of a sample ago
     solar_factor: float = 1.0  # the sun's heat over what was recorded of it
     is_mean: bool = False  # temperatures were logged as means over the interval, not at its end
+    is_rough: bool = False  # a chain is replayed in long steps, for a search that ends with short ones
 
     def differs(self, other: Convention) -> int:
         """Return in how many of its choices it differs: the sensor's log, the sun's heat, the room's temperatures."""

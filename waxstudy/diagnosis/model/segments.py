@@ -40,7 +40,7 @@ SHOWN = {
     "actuator": "displacement",
     "valve": FLOW,
 }
-STEP_S = 5.0
+STEP_S, ROUGH_STEP_S = 5.0, 30.0
 # by kind: at the ends of the intervals (n,), their means (n,), and what depends on when a switch was thrown (shifts, n)
 Replayed = tuple[Mapping[str, FloatArray], Mapping[str, FloatArray], Mapping[str, FloatArray]]
 
@@ -125,15 +125,18 @@ class Segment:
         elif self.driven_by in record.binary:
             jump = perturbation.jump(record)
         start_s = record.start_s - late_s(record, blocks.get("modulator"))
+        step_s = ROUGH_STEP_S if convention.is_rough else STEP_S
+        has_cells = jump is not None and not perturbation.random
 
         def made() -> Replayed:
             if self.driven_by == "displacement":
-                return _along_its_path(blocks, signal, record)
+                return _along_its_path(blocks, signal, record, step_s)
             drive = blocks, first, signal, record.filled_or_zero("setpoint_C"), record.interval_s, start_s
             # a switch may have been thrown anywhere in its interval, else the signal runs from sample to sample
-            return _thrown(*drive) if jump is not None and not perturbation.random else (*replayed(*drive, jump), {})
+            return _thrown(*drive, step_s) if has_cells else (*replayed(*drive, jump, step_s=step_s), {})
 
-        slot, key = ("chain", first, self.driven_by), (convention.is_raw, convention.is_late, start_s, *blocks.items())
+        ways = convention.is_raw, convention.is_late, step_s
+        slot, key = ("chain", first, self.driven_by), (*ways, start_s, *blocks.items())
         # ends and means; a link may have no block, and passes on what it gets
         arrays = 2 * (max(2, cells(record.interval_s)) if jump is not None else max(1, len(blocks)))
         ends, averages, shifted = made() if perturbation.random else record.remembered(slot, key, made, arrays)
@@ -185,10 +188,10 @@ class Segment:
         return made() if perturbation.random else record.remembered("sensor", sensor, made)
 
 
-def _along_its_path(blocks: Mapping[str, Choice], opening: FloatArray, record: Record) -> Replayed:
+def _along_its_path(blocks: Mapping[str, Choice], opening: FloatArray, record: Record, step_s: float) -> Replayed:
     """Return what a valve makes of an opening that was sampled, at the ends of the intervals and their means."""
     fine, parts = path(opening, record.interval_s), cells(record.interval_s)
-    ends, mean = replayed(blocks, "valve", fine, fine, record.interval_s / parts, record.start_s)
+    ends, mean = replayed(blocks, "valve", fine, fine, record.interval_s / parts, record.start_s, step_s=step_s)
     return {"valve": ends["valve"][parts - 1 :: parts]}, {"valve": means(mean["valve"], parts)}, {}
 
 
@@ -199,12 +202,13 @@ def _thrown(
     setpoint_C: FloatArray,
     interval_s: float,
     start_s: float,
+    step_s: float,
 ) -> Replayed:
     """Return what a switch drives, thrown in the middle of its interval, and in each of its cells."""
     count, parts = len(signal), max(2, cells(interval_s))
     signal, setpoint_C = np.repeat(signal, parts), np.repeat(setpoint_C, parts)
     halfway = np.full(len(signal), 0.5)
-    ends, averages = replayed(blocks, first, signal, setpoint_C, interval_s / parts, start_s, halfway)
+    ends, averages = replayed(blocks, first, signal, setpoint_C, interval_s / parts, start_s, halfway, step_s=step_s)
 
     def by_shift(each: FloatArray) -> FloatArray:
         """Return what lies a number of cells before the end of each interval (shifts, n)."""
@@ -300,9 +304,10 @@ def replayed(
     start_s: float,
     jump: FloatArray | None = None,
     last: str = CHAIN[-1],
+    step_s: float = STEP_S,
 ) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
-    """Return what `replay` makes of blocks at a step that divides the interval, five seconds or somewhat less."""
-    chain = Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / STEP_S))))
+    """Return what `replay` makes of blocks at a step that divides the interval, `step_s` or somewhat less."""
+    chain = Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / step_s))))
     return replay(chain, first, signal, setpoint_C, interval_s=interval_s, start_s=start_s, jump=jump, last=last)
 
 
