@@ -19,9 +19,9 @@ from waxstudy.diagnosis.calibration.told import calibrated as told
 from waxstudy.diagnosis.calibration.told import doubts
 from waxstudy.diagnosis.consequence.closed_loop import recorded
 from waxstudy.diagnosis.criteria import limits
-from waxstudy.diagnosis.diagnose import calibrated, diagnose, record_of
+from waxstudy.diagnosis.diagnose import _cut, _work, calibrated, diagnose, record_of
 from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
-from waxstudy.diagnosis.model.conventions import PLAIN
+from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, PLAIN, RAW, left_by
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import Belief
@@ -92,6 +92,50 @@ def test_heat_is_not_known_while_water_flows_and_its_temperatures_are_lost() -> 
 
 
 # --- what a healthy record knows -----------------------------------------------------------------------
+
+
+def room_of(lacks: str, choice: int) -> tuple[SegmentProblem, AsBuilt]:
+    """A room of whose record something was not recorded, and what it tells if it is read in one of its ways."""
+    whole = record("REAL", 2)
+    seen = replace(whole, values={name: each for name, each in whole.values.items() if name != lacks})
+    believed = belief("REAL", seen)
+    (room,) = (each for each in segments(seen, believed) if each.with_room and not each.is_supply)
+    read = {room.name: room.conventions[choice]}
+    known = AsBuilt((), np.zeros(0), np.zeros((0, 0)), conventions=read, ways={room.name: room.conventions})
+    return SegmentProblem(room, seen, believed), known
+
+
+def ways_left(later: str, healthy: str, choice: int) -> tuple[list[float], list[float]]:
+    """The sun's factors in which a record may be read after a healthy one, and by itself; each lacks a channel."""
+    (room, _), (_, known) = room_of(later, 0), room_of(healthy, choice)
+    left = SegmentProblem(room.segment, room.record, room.belief, as_built=known).conventions
+    return [each.solar_factor for each in left], [each.solar_factor for each in room.conventions]
+
+
+@pytest.mark.parametrize("choice", [0, 1])
+def test_how_a_sun_is_meant_is_told_by_a_healthy_record_that_has_one_and_by_no_other(choice: int) -> None:
+    left, by_itself = ways_left("", "", choice)
+    assert left == [by_itself[choice]]
+    assert len(by_itself) == 2
+    assert ways_left("", "solar_gain_W", 0) == (by_itself, by_itself)
+    assert ways_left("solar_gain_W", "", choice) == ([1.0], [1.0])
+
+
+@pytest.mark.slow
+def test_a_room_as_built_is_read_in_the_ways_of_its_documents_panes() -> None:
+    days = rows("REAL", 7, interval_s=300.0)
+    (before, after) = (dataset(each, "REAL", nominal={}) for each in (days[:1008], days[1008:]))
+    work = _work(after, before, thorough=0.35)
+    (room,) = (each for each in _cut(work)[0] if each.with_room)
+    assert len({each.solar_factor for each in room.conventions}) == 2
+    (way,) = SegmentProblem(room, work.record, work.documented, as_built=work.as_built).conventions
+    assert work.as_built
+    assert way == work.as_built.conventions[room.name]
+
+
+def test_a_record_that_has_none_of_the_ways_that_are_left_may_be_read_in_all_of_its_own() -> None:
+    assert left_by([RAW], [AFTER, BEFORE, RAW], [AFTER, BEFORE]) == [AFTER, BEFORE]
+    assert left_by([BEFORE, AFTER], [AFTER, BEFORE, RAW], [AFTER, BEFORE, RAW, LATE]) == [BEFORE, AFTER]
 
 
 def test_what_one_link_left_of_a_channel_says_nothing_of_another_link() -> None:

@@ -215,7 +215,9 @@ def of_pi(is_tuned: bool) -> SegmentProblem:
     seen = record("PI", days=6, effects=effects(pi_tuning=TUNED) if is_tuned else (), seed=4)
     believed = belief("PI", seen)
     link = next(each for each in segments(seen, believed) if OUTPUT in each.judged)
-    was_healthy = AsBuilt((), np.zeros(0), np.zeros((0, 0)), conventions={link.name: link.conventions[0]})
+    ways = {link.name: link.conventions}
+    read = {link.name: link.conventions[0]}
+    was_healthy = AsBuilt((), np.zeros(0), np.zeros((0, 0)), conventions=read, ways=ways)
     return SegmentProblem(link, seen, believed, as_built=was_healthy, parts=np.full(len(seen), FIT))
 
 

@@ -84,7 +84,8 @@ def _of_chain(
     fitted = _fitted(problem)
     chain = tuple(zip(unknowns, fitted.departures.tolist(), strict=True))
     conventions = {**known.conventions, segment.name: fitted.convention}
-    there = replace(known, chain=(*known.chain, *chain), conventions=conventions)
+    ways = {**known.ways, segment.name: segment.conventions}
+    there = replace(known, chain=(*known.chain, *chain), conventions=conventions, ways=ways)
     problem, fitted, always = _with_always(segment, record, belief, effects, there, thorough)
     there = replace(there, as_good={**there.as_good, segment.name: tuple(_as_good(problem, fitted))})
     return weighed_by_left(replace(there, always=(*there.always, *always)), problem, fitted)
@@ -240,6 +241,7 @@ def _of_room(
         departures=fitted.departures[:count],
         covariance=_covariance(problem, fitted)[:count, :count] + np.diag([each.varies**2 for each in lasting]),
         conventions={**found.conventions, segment.name: fitted.convention},
+        ways={**found.ways, segment.name: segment.conventions},
     )
     return found, problem, fitted
 

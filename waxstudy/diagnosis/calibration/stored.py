@@ -138,6 +138,7 @@ def _recalled(kept: Kept, record: Record, belief: Belief, effects: Effects, room
             found,
             conventions={**found.conventions, segment.name: first},
             as_good={**found.as_good, segment.name: tuple(others)},
+            ways={**found.ways, segment.name: segment.conventions},
         )
         about = segment, record, belief, effects, found, kept
         found, problem, fitted = _of_room(*about, room_tolerance) if segment.with_room else _of_chain(*about)

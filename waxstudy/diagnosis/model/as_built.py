@@ -9,7 +9,7 @@ from math import copysign, exp, expm1, hypot, log1p, sqrt
 
 import numpy as np
 
-from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.conventions import Convention, left_by
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.nuisance import Nuisance, habits
 from waxstudy.diagnosis.observations.record import Record
@@ -37,12 +37,21 @@ class AsBuilt:
     always: Edits = ()  # effects of the chain that were there from the start
     conventions: Mapping[str, Convention] = field(default_factory=dict)  # by segment: how the log is read
     as_good: Mapping[str, Sequence[Convention]] = field(default_factory=dict)  # other ways, which nothing tells apart
+    ways: Mapping[str, Sequence[Convention]] = field(
+        default_factory=dict
+    )  # all that its log may be read in
     discrepancies: Mapping[str, Discrepancy] = field(default_factory=dict)  # of a room, by channel
     left: Mapping[str, Left] = field(default_factory=dict)  # of a chain, by channel
 
     def left_of(self, link: str) -> Mapping[str, Left]:
         """Return what is left of channels where a healthy record shows them by the same link, else nothing."""
         return self.left if link in self.conventions else {}
+
+    def ways_left(self, link: str, ways: Sequence[Convention]) -> Sequence[Convention]:
+        """Return the ways to read another record's link that the healthy record leaves, all where it has none."""
+        if link not in self.conventions:
+            return ways
+        return left_by([self.conventions[link], *self.as_good.get(link, ())], self.ways[link], ways)
 
     def seen_in(self, record: Record) -> AsBuilt:
         """Return the same for another record, which has habits of its own days, or recorded what they stand in for.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,11 @@ class Convention:
     def differs(self, other: Convention) -> int:
         """Return in how many of its choices it differs: the sensor's log, the sun's heat, the room's temperatures."""
         return sum(one != another for one, another in zip(self._choices, other._choices, strict=True))
+
+    def is_as(self, other: Convention, open_: Sequence[bool]) -> bool:
+        """Whether it differs from another in none of the choices that are open (choices,)."""
+        choices = zip(self._choices, other._choices, open_, strict=True)
+        return all(one == another or not is_open for one, another, is_open in choices)
 
     def has_log_of(self, other: Convention) -> bool:
         """Whether the sensor's log is read in the same way."""
@@ -55,3 +61,21 @@ LATE = Convention("The controller decides once a sample, on the temperature of t
 PLAIN = Convention()
 MEAN = "The room's temperatures were logged as means over the interval."
 LONG_S = 300.0  # interval from which on that matters
+
+
+def left_by(
+    found: Sequence[Convention], of_healthy: Sequence[Convention], ways: Sequence[Convention]
+) -> list[Convention]:
+    """Return the ways to read a record that a healthy one leaves, the likeliest first.
+
+    It leaves `found` of its own ways, `of_healthy`; `ways` are those of the record. Of a choice that only one of the
+    two records has, as how a sun is meant that nobody recorded then, the healthy one tells nothing, nor where the
+    record has none of the ways that are left.
+    """
+    open_ = [one and other for one, other in zip(_open(ways), _open(of_healthy), strict=True)]
+    return list(dict.fromkeys(way for each in found for way in ways if way.is_as(each, open_))) or list(ways)
+
+
+def _open(ways: Sequence[Convention]) -> list[bool]:
+    """Return of each choice whether the ways differ in it."""
+    return [len(set(each)) > 1 for each in zip(*(way._choices for way in ways), strict=True)]

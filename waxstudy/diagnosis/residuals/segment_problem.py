@@ -54,8 +54,8 @@ class SegmentProblem:
         self.belief = known_loop.believed(belief) if known_loop else belief
         self.room_tolerance, self.holds_out, self.is_exact_room = room_tolerance, holds_out, is_exact_room
         known = as_built.conventions.get(segment.name) if as_built else None
-        others = known_loop.as_good.get(segment.name, ()) if known_loop else ()
-        self.conventions: Sequence[Convention] = [known, *others] if known else segment.conventions
+        ways = known_loop.ways_left(segment.name, segment.conventions) if known_loop else segment.conventions
+        self.conventions: Sequence[Convention] = [known] if known and self.is_calibrating else ways
         shared: Prediction | None = alike.predicted if alike else None
         self.predicted: Prediction = shared or Prediction(segment, record, self.belief, is_exact_room)
         self._parts = parts
