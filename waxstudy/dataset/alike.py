@@ -6,28 +6,29 @@ from dataclasses import replace
 
 import pandas as pd
 
+from waxstudy.dataset.dead import without_dead
 from waxstudy.dataset.interval import coarser, is_longer, told
 from waxstudy.dataset.levels import as_levels
 from waxstudy.dataset.limits import NEAR_END
-from waxstudy.dataset.noon import of_one_clock, without_dead_sun
+from waxstudy.dataset.noon import OF_SUN, of_one_clock
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.rounding import rounded_alike
 from waxstudy.study.problems import listed
 
-# between which the links of the chain lie
-OF_CHAIN = ("sensor_temperature_C", "control_output", "heating_signal", "displacement", "flow_L_h")
+# between which the links of the chain lie, and what they aim at
+OF_CHAIN = ("sensor_temperature_C", "setpoint_C", "control_output", "heating_signal", "displacement", "flow_L_h")
 LEVELS = ("displacement", "heating_signal", "control_output")  # the first that both have tells means from instants
 
 
 def alike(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
-    """Return a record and its baseline with the record's chain, the longer interval and the coarser rounding of both.
+    """Return a record and its baseline with the channels of both, the longer interval and the coarser rounding.
 
     What differs so would be taken for a change. The user is told, also where the two seem to have different clocks.
     """
-    dataset, baseline = without_dead_sun(dataset, baseline)
+    dataset, baseline = without_dead(dataset, baseline)
     dataset = of_one_clock(dataset, baseline)
-    return rounded_alike(*_of_one_interval(*_of_one_chain(dataset, baseline)))
+    return rounded_alike(*_of_one_interval(*_of_same_channels(dataset, baseline)))
 
 
 def _of_one_interval(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
@@ -50,14 +51,33 @@ def _of_one_interval(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Data
     return dataset, baseline
 
 
-def _of_one_chain(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
-    """Return a baseline without what a record lacks of its chain: both must be cut into the same links."""
-    more = [name for name in OF_CHAIN if name in baseline.values and name not in dataset.values]
-    if not more:
-        return dataset, baseline
-    said = f"The baseline is read without {listed(more)}, which the record lacks."
-    values = baseline.values.drop(columns=more)
-    return replace(dataset, assumptions=(*dataset.assumptions, said)), replace(baseline, values=values)
+def _of_same_channels(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
+    """Return a record without what its baseline lacks, and a baseline without what the record lacks of its chain.
+
+    Nobody can tell what changed where only the record shows it, and both must be cut into the same links. What else a
+    baseline has of the room, and of what drives it, tells more of the room that the record has.
+    """
+    seen, before = (_shown(each) for each in (dataset, baseline))
+    is_lit = any(name in before for name in OF_SUN)
+    more = [name for name in seen if name not in before and not (is_lit and name in OF_SUN)]
+    lost = [name for name in OF_CHAIN if name in before and name not in seen]
+    if more:
+        said = (
+            f"The record is read without {listed(more)}, which the baseline lacks: nobody can tell whether that "
+            "changed. Without a baseline it is compared with what is stated."
+        )
+        values = dataset.values.drop(columns=more)
+        dataset = replace(dataset, values=values, warnings=(said, *dataset.warnings))
+    if lost:
+        said = f"The baseline is read without {listed(lost)}, which the record lacks."
+        dataset = replace(dataset, assumptions=(*dataset.assumptions, said))
+        baseline = replace(baseline, values=baseline.values.drop(columns=lost))
+    return dataset, baseline
+
+
+def _shown(dataset: Dataset) -> list[str]:
+    """Return the channels that have any value."""
+    return [str(name) for name in dataset.values if dataset.values[name].notna().any()]
 
 
 def _sampled_as(coarse: Dataset, fine: Dataset) -> tuple[Dataset, str]:

@@ -1,4 +1,4 @@
-"""The sun of a record and of its baseline: one that is dark throughout, or highest at another hour."""
+"""The sun of a record and of its baseline: one that is highest at another hour."""
 
 from __future__ import annotations
 
@@ -13,29 +13,6 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.stand_ins import SUN
 
 OF_SUN = (SUN, *LIGHT)
-
-
-def without_dead_sun(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
-    """Return both without a sun that is 0 throughout where the other has one: it was lost, and is not known.
-
-    The record warns of it.
-    """
-    both = [name for name in OF_SUN if name in dataset.values and name in baseline.values]
-    dead = [name for name in both if not _is_up(dataset, name) and _is_up(baseline, name)]
-    dead_before = [name for name in both if not _is_up(baseline, name) and _is_up(dataset, name)]
-    said = "{}: 0 throughout{}, though the {} has sun; taken as not recorded".format
-    if dead:
-        warnings = (said(", ".join(dead), "", "baseline"), *dataset.warnings)
-        dataset = replace(dataset, values=dataset.values.drop(columns=dead), warnings=warnings)
-    if dead_before:
-        warnings = (said(", ".join(dead_before), " in the baseline", "record"), *dataset.warnings)
-        dataset = replace(dataset, warnings=warnings)
-        baseline = replace(baseline, values=baseline.values.drop(columns=dead_before))
-    return dataset, baseline
-
-
-def _is_up(dataset: Dataset, name: str) -> bool:
-    return bool((dataset.values[name] > 0.0).any())
 
 
 def of_one_clock(dataset: Dataset, baseline: Dataset) -> Dataset:

@@ -37,9 +37,7 @@ class AsBuilt:
     always: Edits = ()  # effects of the chain that were there from the start
     conventions: Mapping[str, Convention] = field(default_factory=dict)  # by segment: how the log is read
     as_good: Mapping[str, Sequence[Convention]] = field(default_factory=dict)  # other ways, which nothing tells apart
-    ways: Mapping[str, Sequence[Convention]] = field(
-        default_factory=dict
-    )  # all that its log may be read in
+    ways: Mapping[str, Sequence[Convention]] = field(default_factory=dict)  # all that its log may be read in
     discrepancies: Mapping[str, Discrepancy] = field(default_factory=dict)  # of a room, by channel
     left: Mapping[str, Left] = field(default_factory=dict)  # of a chain, by channel
 

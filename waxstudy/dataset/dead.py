@@ -1,0 +1,47 @@
+"""Channels that are dead in a record or in its baseline, as the other of the two tells."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.noon import OF_SUN
+from waxstudy.dataset.read import Dataset
+
+STEADY = ("setpoint_C", "ventilation_supply_temperature_C")  # what a controller may hold
+MOVING = tuple(name for name, each in CHANNELS.items() if name.endswith("temperature_C") and name not in STEADY)
+
+
+def without_dead(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
+    """Return both without a sun that is 0 throughout, or a temperature that never changes, where the other one's does.
+
+    It was lost, and is not known. The record warns of it. A chamber is as steady in both, and what is assumed is meant.
+    """
+    both = [name for name in (*OF_SUN, *MOVING) if name in dataset.values and name in baseline.values]
+    here = [name for name in both if _is_dead(dataset, name) and not _is_dead(baseline, name)]
+    there = [name for name in both if _is_dead(baseline, name) and not _is_dead(dataset, name)]
+    said = [*_said(dataset, here, "", "baseline"), *_said(baseline, there, " in the baseline", "record")]
+    warned = replace(dataset, warnings=(*said, *dataset.warnings)) if said else dataset
+    return _without(warned, here), _without(baseline, there)
+
+
+def _is_dead(dataset: Dataset, name: str) -> bool:
+    values = dataset.values[name]
+    if name in OF_SUN:
+        return not (values > 0.0).any()
+    return values.nunique() == 1 and name not in dataset.assumed
+
+
+def _said(of: Dataset, dead: list[str], where: str, other: str) -> list[str]:
+    sun, still = ([name for name in dead if (name in OF_SUN) == is_sun] for is_sun in (True, False))
+    of_sun = [f"{', '.join(sun)}: 0 throughout{where}, though the {other} has sun; taken as not recorded"]
+    values = {name: of.values[name].dropna().iloc[0] for name in still}
+    of_rest = [
+        f"{name}: {value:g} C throughout{where}, though it moves in the {other}; taken as not recorded"
+        for name, value in values.items()
+    ]
+    return [*(of_sun if sun else []), *of_rest]
+
+
+def _without(dataset: Dataset, names: list[str]) -> Dataset:
+    return replace(dataset, values=dataset.values.drop(columns=names)) if names else dataset
