@@ -357,6 +357,8 @@ def test_that_nothing_was_found_says_of_which_stages_where_others_could_not_be_j
     some = Stages(("sensor", "controller"), ("valve", "emitter", "room"))
     assert summary("none", [], [], [], "", some) == f"{said} could not be judged."
     assert summary("none", [], [], [], "", Stages(("room",))) == "The record shows no effect that the model lacks."
+    told = summary("none", [], [], [], "the baseline", heat_is_off=True)
+    assert told.startswith("No change shows since the baseline. Yet the room's heat is not as believed: ")
     since = summary("none", [], [], [], "the baseline", some)
     assert since.startswith("Of sensor and controller, no change shows since the baseline; valve, emitter and room")
 

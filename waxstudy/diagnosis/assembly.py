@@ -99,11 +99,11 @@ def assembled(
     verdict = _verdict(found, remains, selections, untestable)
     stages = {effect.name: effect.stage for effect in work.effects}
     since = "the baseline" if work.calibration else ""
-    judged = _judged(selections, untestable, stages)
+    judged, heat = _judged(selections, untestable, stages), _missing_heat(work, selections)
     return Diagnosis(
         dataset=work.dataset.name,
         verdict=verdict,
-        summary=summary(verdict, found, remains, untestable, since, judged),
+        summary=summary(verdict, found, remains, untestable, since, judged, heat.is_resolved),
         stages=[stage for link in linked for stage in _stages(work, *link, selections)],
         effects=found,
         unexplained=remains,
@@ -132,7 +132,7 @@ def assembled(
         compared_with=_days(work.baseline) if work.baseline else "",
         as_built=list(calibrated(work.calibration, work.documented)) if work.calibration else [],
         baseline=list(fits(work.calibration)) if work.calibration else [],
-        missing_heat=_missing_heat(work, selections),
+        missing_heat=heat,
         posterior=joint(beliefs),
         not_judged=judged.not_judged,
         traces=_traces(work, selections),

@@ -21,6 +21,7 @@ from waxstudy.plugin import LinearRoom, Role
 HELD = ("outdoor_temperature_C", "supply_temperature_C", SUN, GAINS)
 LONG_GAP_H = 1.0
 NOTHING = "the record shows no effect that the model lacks"
+HEAT_IS_OFF = " Yet the room's heat is not as believed: no cause of that is sure enough to be named."
 MOST_TOLD = 3  # sentences of a group; the others by name
 
 
@@ -31,15 +32,17 @@ def summary(
     untestable: Sequence[Untestable],
     since: str = "",
     stages: Stages | None = None,
+    heat_is_off: bool = False,
 ) -> str:
-    """Return a diagnosis in one sentence; `since`: what the record was compared with, if it was."""
+    """Return a diagnosis in a sentence or two; `since`: what the record was compared with, if it was."""
     if verdict in ("effect", "group"):
         return " ".join(group_sentence(effect) for effect in found)
     if verdict == "unknown":
         return " ".join(_unnamed(remains))
     if verdict == "untestable":
         return f"This record cannot be judged: {_main_reason(untestable)}."
-    return _nothing(f"no change shows since {since}" if since else NOTHING, stages or Stages())
+    nothing = _nothing(f"no change shows since {since}" if since else NOTHING, stages or Stages())
+    return f"{nothing}{HEAT_IS_OFF if heat_is_off else ''}"
 
 
 def _unnamed(remains: Sequence[Unexplained]) -> Iterator[str]:
