@@ -208,6 +208,27 @@ def test_many_rows_of_one_stamp_are_told(entry: Entry, frame: pd.DataFrame) -> N
     assert "house.csv: 75% of the rows have the stamp of another one: the last counts." in done.stdout
 
 
+@pytest.mark.parametrize(("more_K", "told"), [(2.0, True), (0.0, False)])
+def test_a_few_rows_that_contradict_others_of_their_stamp_are_told(
+    entry: Entry, frame: pd.DataFrame, more_K: float, told: bool
+) -> None:
+    again = frame.iloc[40:60] + more_K
+    done = imported(entry, pd.concat([frame, again]).rename_axis("time").reset_index(), *AIR)
+    assert done.code == 0
+    assert ("house.csv: 20 rows have the stamp of another one and tell otherwise" in done.stdout) == told
+
+
+def test_an_hour_that_the_end_of_summer_time_repeats_contradicts_nothing(entry: Entry) -> None:
+    utc = house("2026-10-24", days=2.0, minutes=15.0)
+    local = utc.set_axis(utc.index.tz_localize("UTC").tz_convert("Europe/Tallinn").tz_localize(None)).rename_axis(
+        "time"
+    )
+    assert local.index.duplicated().any()
+    done = imported(entry, local.reset_index(), *AIR, "--timezone", "Europe/Tallinn")
+    assert done.code == 0
+    assert "tell otherwise" not in done.stdout
+
+
 def test_a_clock_that_is_put_forward_is_refused_without_its_zone(entry: Entry) -> None:
     utc = house("2026-03-28", days=2.0, minutes=15.0)
     wall = utc.index.tz_localize("UTC").tz_convert("Europe/Tallinn").tz_localize(None)  # type: ignore[attr-defined]

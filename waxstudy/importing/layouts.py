@@ -126,18 +126,34 @@ def _told_apart(frame: pd.DataFrame, time: str, entity: str) -> pd.DataFrame:
 
 
 def _read_again(table: Table, time: str, times: pd.DatetimeIndex, is_again: np.ndarray) -> tuple[str, ...]:
-    """Return what is said of rows (n,) that have the stamp of another one, of which the last counts; nothing of few.
+    """Return what is said of rows (n,) that have the stamp of another one, of which the last counts.
 
-    Raises `StudyError` where stamps are days, as the time of day must stand elsewhere then.
+    Nothing of few that tell the same, nor of an hour that the end of summer time repeats. Raises `StudyError` where
+    stamps are days, as the time of day must stand elsewhere then.
     """
     share = float(is_again.mean())
+    file = Path(table.where).name
     if share <= AGAIN:
-        return ()
+        others = int(
+            np.count_nonzero(is_again & ~table.frame.duplicated().to_numpy() & ~_repeats_hours(times, is_again))
+        )
+        return (f"{file}: {others} rows have the stamp of another one and tell otherwise: the last counts.",) * (
+            others > 0
+        )
     days = times[is_again].tz_localize(None)
     if (days == days.normalize()).all():
         wrong = f"many rows have the stamp {table.frame[time].iloc[int(is_again.argmax())]}, which tells no time of day"
         raise refusal(table.where, wrong, "name its column 'hour' or 'time', or write it behind the day")
-    return (f"{Path(table.where).name}: {share:.0%} of the rows have the stamp of another one: the last counts.",)
+    return (f"{file}: {share:.0%} of the rows have the stamp of another one: the last counts.",)
+
+
+def _repeats_hours(times: pd.DatetimeIndex, is_again: np.ndarray) -> np.ndarray:
+    """Return which rows (n,) lie in the one hour of a day half of whose rows were there before: it came twice."""
+    hour = times.tz_localize(None).floor("h")
+    share = pd.Series(is_again, hour).groupby(level=0).mean()
+    twice = pd.DatetimeIndex(share[share >= 0.5].index)
+    lone = twice[~twice.normalize().duplicated(keep=False)]
+    return np.asarray(hour.isin(lone))
 
 
 def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
