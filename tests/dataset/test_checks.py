@@ -72,6 +72,7 @@ FAULTS: dict[str, dict[str, Change]] = {
         "warns": lambda values: swapped("supply_temperature_C", "return_temperature_C")(values).drop(columns=ROOM),
     },
     "output-and-signal": {"refuses": lambda values: values.assign(heating_signal=np.linspace(0.0, 1.0, len(values)))},
+    "output-without-signal": {"warns": lambda values: values.drop(columns="heating_signal")},
     "signal-and-opening": {"refuses": swapped("heating_signal", "displacement")},
     "sensor-and-air": {"warns": changed(AIR, lambda x: x + 4.0)},
     "air-and-another": {"refuses": swapped(AIR, "ventilation_supply_temperature_C")},
@@ -99,7 +100,7 @@ def good(tmp_path_factory: pytest.TempPathFactory, study: Study, simulated: Simu
 def done(check: Check, values: pd.DataFrame) -> set[str]:
     """What a check does about a record."""
     notes = Notes("data.csv")
-    has_modulator = check.name == "output-and-signal"
+    has_modulator = check.name in ("output-and-signal", "output-without-signal")
     run([check], Record(values.copy(), INTERVAL_S, has_modulator, full_flow_L_h=None), notes)
     warned = {"discards" if sentence.endswith("set to missing") else "warns" for sentence in notes.warnings}
     return warned | ({"refuses"} if notes.problems else set())

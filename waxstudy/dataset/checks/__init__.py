@@ -24,6 +24,7 @@ ON_GRID = (
     swapped.ventilation_and_outdoors,
     swapped.supply_and_return,
     swapped.output_and_signal,
+    swapped.output_without_signal,
     swapped.signal_and_opening,
     swapped.sensor_and_air,
     swapped.air_and_another,

@@ -111,6 +111,16 @@ def output_and_signal(record: Record, output: pd.Series, signal: pd.Series) -> F
         yield _swapped(OUTPUT, SIGNAL, why)
 
 
+@check("signals", "warns", (OUTPUT,), mend="name it heating_signal in `[columns]`, if that is what the motor gets")
+def output_without_signal(record: Record, output: pd.Series) -> Findings:
+    """An output before a modulator with {TWO} values, and no signal behind it: a call for heat is one."""
+    if record.has_modulator and SIGNAL not in record.values and output.nunique() == TWO:
+        yield Warn(
+            f"{OUTPUT} has {TWO} values, though a modulator is believed behind it: is it what the motor gets? "
+            f"Then it is {SIGNAL}"
+        )
+
+
 @swapped("signals", "refuses", (OUTPUT, SIGNAL, OPENING))
 def signal_and_opening(record: Record, output: pd.Series, signal: pd.Series, opening: pd.Series) -> Findings:
     """An opening that is the output to the digit, and a signal that is not, with no modulator between."""
