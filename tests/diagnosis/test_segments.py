@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from waxstudy.diagnosis.model.perturbation import Perturbation
 from waxstudy.diagnosis.model.room_response import OF_ROOM
 from waxstudy.diagnosis.model.segments import SHOWN, Segment, segments
 from waxstudy.diagnosis.observations.record import Record
-from waxstudy.plugin import CHAIN, STAGES, Belief
+from waxstudy.plugin import CHAIN, STAGES, Belief, Choice
 
 OUTPUTS = [SHOWN[kind] for kind in CHAIN[1:]]
 INPUTS = ("outdoor_temperature_C", "supply_temperature_C")
@@ -125,6 +126,19 @@ def test_a_recorded_supply_is_put_beside_the_believed_heating_curve() -> None:
 def test_a_supply_that_is_assumed_is_not_judged() -> None:
     seen = replace(whole(), assumed=("supply_temperature_C",))
     assert not any(segment.is_supply for segment in segments(seen, belief("REAL", seen)))
+
+
+@pytest.mark.parametrize(
+    ("told", "is_judged"),
+    [({}, True), ({"circuit": {"heating_curve_C": [[-20.0, 40.0], [20.0, 25.0]]}}, True), ({"circuit": {}}, False)],
+    ids=["the room of Table 3", "a curve of its own", "another room without one"],
+)
+def test_a_supply_is_held_against_no_heating_curve_of_another_room(told: dict[str, Any], is_judged: bool) -> None:
+    seen = whole()
+    room = belief("REAL", seen).room
+    assert room
+    believed = replace(belief("REAL", seen), room=Choice.of(room.component, told))
+    assert any(segment.is_supply for segment in segments(seen, believed)) == is_judged
 
 
 def test_without_a_room_there_are_links_of_the_chain_alone() -> None:

@@ -319,6 +319,11 @@ class Room(Component):
         return {}
 
     @classmethod
+    def states_curve(cls, p: Any) -> bool:
+        """Whether its heating curve is believed of this room: a recorded supply is held against no other room's."""
+        return True
+
+    @classmethod
     def solar_readings(cls, p: Any) -> Mapping[str, float]:
         """Return how a recorded solar gain can be meant: a sentence -> the sun's heat over the recorded one."""
         return {}

@@ -42,6 +42,11 @@ class NzebRoom(Room):
         return Choice(SurfacesRoom, description)
 
     @classmethod
+    def states_curve(cls, p: NzebParameters) -> bool:
+        """Whether it is wholly the room of Table 3, or has a heating curve of its own."""
+        return "circuit" not in p.model_fields_set or "heating_curve_C" in p.circuit.model_fields_set
+
+    @classmethod
     def solar_readings(cls, p: NzebParameters) -> Mapping[str, float]:
         """Return the ways to mean a recorded solar gain, by the panes of this room."""
         return solar_readings(p.window_g, p.window_U_W_m2K)

@@ -243,9 +243,14 @@ def segments(record: Record, belief: Belief) -> list[Segment]:
         rest = CHAIN[CHAIN.index(since) :] if since is not None else ()
         segment = _segment(record, (*rest, *ROOM_STAGES), driven_by, *room)
         found.append(replace(segment, conventions=tuple(_of_room(segment.conventions, belief.room, record))))
-        if SUPPLY not in record.assumed:
+        if SUPPLY not in record.assumed and _states_curve(belief.room):
             found.append(Segment(("emitter",), "outdoor_temperature_C", (SUPPLY,)))
     return found
+
+
+def _states_curve(room: Choice) -> bool:
+    assert issubclass(room.component, Room)
+    return room.component.states_curve(room.parameters)
 
 
 def _curve_C(record: Record, belief: Belief) -> FloatArray:
