@@ -115,6 +115,9 @@ def test_a_house_without_a_room_thermometer_is_told_what_judges_a_room(entry: En
         "no thermometer of the room was found, as air_temperature_C: if one is there, say --map air_temperature_C=NAME"
     )
     assert said in " ".join(done.stderr.split())
+    odd = house().rename(columns={"room_temperature": "t110"})
+    done = imported(entry, odd.assign(t170=odd["t110"] + 0.3), "--replace", "--yes")
+    assert "as air_temperature_C: may it be t110, t170? then say --map" in " ".join(done.stderr.split())
     none = imported(entry, house().drop(columns=["room_temperature"]), "--map", "air_temperature_C=", "--replace")
     assert "no thermometer of the room" not in none.stderr
     assert "no thermometer of the room" not in imported(entry, house(), "--replace").stderr
@@ -152,7 +155,7 @@ def test_blanks_around_a_name_of_a_long_table_make_no_other_name(entry: Entry) -
 def test_of_several_rooms_none_is_taken(entry: Entry) -> None:
     frame = house().rename(columns={"room_temperature": "kitchen_temperature"})
     done = imported(entry, frame.assign(bedroom_temperature=19.0 + frame["heating_valve"]), "--yes")
-    refused(done, "Readings of several rooms", "--room ...")
+    refused(done, "Readings of several rooms", "--room ... (bedroom, kitchen), or answer")
     done = entry("import", "house.csv", "--room", "kitchn", "--out", "living")
     refused(done, "did you mean 'kitchen'", "rooms: bedroom, kitchen")
 

@@ -100,9 +100,12 @@ def _option(question: Question, answer: str) -> str:
 
 
 def _next(question: Question) -> str:
+    from waxstudy.study.problems import listed
+
     given = _option(question, question.proposal or "...")
     also = ", or --yes" if question.proposal else ""
-    return f"say {given}{also}, or answer on a terminal"
+    of = f" ({listed(question.choices)})" if question.otherwise is None and question.proposal is None else ""
+    return f"say {given}{of}{also}, or answer on a terminal"
 
 
 def doubts(out: Path) -> list[str]:

@@ -60,7 +60,7 @@ def bring(request: Request, ask: Ask) -> Imported:
     request, matches = _decided(request, entities, ask, notes)
     if OUTDOORS not in matches and OUTDOORS not in request.entities:
         raise _no_outdoors(request, entities, matches)
-    _tell_unseen_room(request, matches, notes)
+    _tell_unseen_room(request, entities, matches, notes)
     imported = channels_of(request, matches, entities, notes, ask)
     taken = [places[match.seen.entity] for match in matches.values() if match.seen.entity in places]
     return replace(imported, place=taken[0]) if taken else imported
@@ -245,15 +245,17 @@ def _answered(match: Match, entities: Sequence[Seen], ask: Ask, notes: Notes) ->
     return "" if answer == NONE else answer
 
 
-def _tell_unseen_room(request: Request, matches: Mapping[str, Match], notes: Notes) -> None:
+def _tell_unseen_room(request: Request, entities: Sequence[Seen], matches: Mapping[str, Match], notes: Notes) -> None:
     """Say that nothing shows the room, or what a controller reads alone, which does not; unless that was stated."""
     of_flow = {"flow_L_h", "return_temperature_C"}
     if set(SHOW_ROOM) & set(matches) or of_flow <= set(matches) or SHOW_ROOM[0] in request.entities:
         return
     lone = matches.get("sensor_temperature_C")
     if lone is None:
-        option = f"--map {SHOW_ROOM[0]}=NAME"
-        notes.warn(f"no thermometer of the room was found, as {SHOW_ROOM[0]}: if one is there, say {option}")
+        own = [each for each in entities if request.room and is_of_room(each.entity, request.room)]
+        option, others = f"--map {SHOW_ROOM[0]}=NAME", _that_may_be(SHOW_ROOM[0], own or entities, matches)
+        may_be = f"may it be {others}? then" if others else "if one is there,"
+        notes.warn(f"no thermometer of the room was found, as {SHOW_ROOM[0]}: {may_be} say {option}")
     else:
         option = shlex.join(["--map", f"{SHOW_ROOM[0]}={lone.seen.entity}"])
         also = f"{lone.seen.entity} became sensor_temperature_C, what the controller reads"
@@ -268,15 +270,21 @@ def _or_output(match: Match) -> str:
 
 
 def _no_outdoors(request: Request, entities: Sequence[Seen], matches: Mapping[str, Match]) -> StudyError:
-    used = {match.seen.entity for match in matches.values()}
-    temperatures = [each.entity for each in entities if each.entity not in used and _may_be_outdoors(each)]
-    others = f"may it be {listed(temperatures, NAMED)}? then say --map {OUTDOORS}=NAME; " if temperatures else ""
-    mend = f"{others}--map {OUTDOORS}= says that there is none"
+    others = _that_may_be(OUTDOORS, entities, matches)
+    may_be = f"may it be {others}? then say --map {OUTDOORS}=NAME; " if others else ""
+    mend = f"{may_be}--map {OUTDOORS}= says that there is none"
     return refusal(str(request.sources[0]), NO_OUTDOORS, mend)
 
 
-def _may_be_outdoors(each: Seen) -> bool:
-    is_like = is_plausible(each, CHANNELS[OUTDOORS].quantity) and each.distinct > 2
+def _that_may_be(channel: str, entities: Sequence[Seen], matches: Mapping[str, Match]) -> str:
+    """Return what is not used and may be a temperature by its values, in words; "" for nothing."""
+    used = {match.seen.entity for match in matches.values()}
+    found = [each.entity for each in entities if each.entity not in used and _may_be(channel, each)]
+    return listed(found, NAMED) if found else ""
+
+
+def _may_be(channel: str, each: Seen) -> bool:
+    is_like = is_plausible(each, CHANNELS[channel].quantity) and each.distinct > 2
     is_share = each.low >= 0.0 and each.high <= FRACTION
     return bool(is_like) and (each.is_unit_written or not (is_share or _names_no_temperature(plain(each.entity))))
 
