@@ -336,8 +336,11 @@ def test_a_room_that_cannot_be_judged_is_told_with_the_channel_that_it_lacks(
 def test_where_no_room_is_believed_that_is_what_is_missing() -> None:
     seen, believed, _ = ready()
     roomless = Belief(believed.blocks, None, seen.inputs)
-    told = {each.name: each.reason for each in uncovered(list(EFFECTS.values()), [], seen, roomless)}
+    unseen = list(uncovered(list(EFFECTS.values()), [], seen, roomless))
+    told = {each.name: each.reason for each in unseen}
     assert told["supply-offset"] == "no room is believed: tell it in [building] or [room]"
+    stages = {name: effect.stage for name, effect in EFFECTS.items()}
+    assert not list(next_measurements([], [], unseen, stages, seen))  # all is recorded
 
 
 def test_what_a_room_lacks_is_measured_first_and_settles_emitter_and_room() -> None:

@@ -240,8 +240,10 @@ def next_measurements(
     `stages` are those of the effects by name.
     """
     unseen = {stages.get(each.name) for each in untestable if each.lack is Lack.NOT_RECORDED}
-    if hidden := [stage for stage in ROOM_STAGES if stage in unseen]:
-        yield Measurement(f"record {in_words(lacking_of_room(record))}", hidden)
+    hidden = [stage for stage in ROOM_STAGES if stage in unseen]
+    lacking = [channel for channel in lacking_of_room(record) if not record.has(channel)]
+    if hidden and lacking:  # a room that nobody told of lacks nothing that could be recorded
+        yield Measurement(f"record {in_words(lacking)}", hidden)
     of_room = [segment.name for segment in segments if segment.with_room]
     for channel in record.stand_ins if of_room else ():
         yield Measurement(f"record {channel}", of_room)
