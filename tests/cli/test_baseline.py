@@ -83,8 +83,13 @@ def replaced(folder: Path, old: str, new: str) -> None:
             "controller dead_band_K is 0.8 in the baseline and 0.5 in the record",
         ),
         ("window_g = 0.3", "window_g = 0.2", "room window_g is 0.2 in the baseline and 0.3 in the record"),
+        (
+            "[room.facade_m]\nsouth = 4.0",
+            "[room.facade_m]\nsouth = 4.5",
+            "room facade_m south is 4.5 in the baseline and 4.0 in the record",
+        ),
     ],
-    ids=["chain", "room"],
+    ids=["chain", "room", "a table of the room"],
 )
 def test_a_baseline_of_another_loop_says_what_differs(
     loop: Path, entry: Entry, tmp_path: Path, old: str, new: str, said: str

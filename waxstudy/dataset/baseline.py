@@ -103,11 +103,14 @@ def _differences(dataset: Dataset, baseline: Dataset) -> Iterator[str]:
 
 
 def _told(one: dict[str, object], other: dict[str, object]) -> Iterator[str]:
-    """Yield the first key in which two descriptions differ."""
+    """Yield the first key in which two descriptions differ, with that of the table in it that does."""
     for key in (*one, *(key for key in other if key not in one)):
-        if one.get(key) != other.get(key):
-            values = (_short(each.get(key)) for each in (other, one))
-            yield f"{key} is {next(values)} in the baseline and {next(values)} in the record"
+        here, there = one.get(key), other.get(key)
+        if here != there:
+            if isinstance(here, dict) and isinstance(there, dict):
+                yield from (f"{key} {told}" for told in _told(here, there))
+            else:
+                yield f"{key} is {_short(there)} in the baseline and {_short(here)} in the record"
             return
 
 
