@@ -213,39 +213,94 @@ def test_a_sun_that_was_lost_is_not_known_and_one_that_never_was_stays_dark() ->
     assert said in record.warnings
 
 
+COURSE = np.sin(np.arange(5 * 288) / 50.0)
+
+
+def two(**of_record: object) -> tuple[Dataset, Dataset]:
+    """A record with some channels, and a baseline without them."""
+    record, before = pulsed(4, 300.0, "2024-02-01"), pulsed(5, 300.0, "2024-01-01")
+    return replace(record, values=record.values.assign(**of_record)), before
+
+
+def having(dataset: Dataset, **more: object) -> Dataset:
+    return replace(dataset, values=dataset.values.assign(**more))
+
+
 @pytest.mark.parametrize("name", ["outdoor_temperature_C", "supply_temperature_C", "air_temperature_C"])
 def test_a_thermometer_that_never_moves_where_it_did_in_the_other_record_is_dead(name: str) -> None:
-    record, before = pulsed(4, 300.0, "2024-02-01"), pulsed(5, 300.0, "2024-01-01")
-    course = {name: np.sin(np.arange(len(before.time)) / 50.0)}
-    moves = replace(before, values=before.values.assign(**course))
-    found, same = alike(with_more(record, **{name: 5.0}), moves)
+    record, before = two(**{name: 5.0})
+    found, _ = alike(record, having(before, **{name: COURSE}))
     assert name not in found.values
-    assert f"{name}: 5 C throughout, though it moves in the baseline; taken as not recorded" in found.warnings
-    found, same = alike(
-        replace(record, values=record.values.assign(**{name: course[name][: len(record.time)]})),
-        with_more(before, **{name: 5.0}),
-    )
+    said = f"{name}: 5 C throughout, though it moves in the baseline; taken as not recorded ("
+    assert any(each.startswith(said) for each in found.warnings)
+    record, before = two(**{name: COURSE[: 4 * 288]})
+    found, same = alike(record, having(before, **{name: 5.0}))
     assert name not in same.values
     assert name not in found.values
-    assert (
-        f"{name}: 5 C throughout in the baseline, though it moves in the record; taken as not recorded"
-        in found.warnings
-    )
-    steady = alike(with_more(record, **{name: 5.0}), with_more(before, **{name: 5.0}))
-    assert all(name in each.values for each in steady)  # a chamber
-    assumed = replace(with_more(record, **{name: 5.0}), assumed=(name,))
-    assert name in alike(assumed, moves)[0].values
+    said = f"{name}: 5 C throughout in the baseline, though it moves in the record; taken as not recorded ("
+    assert any(each.startswith(said) for each in found.warnings)
+
+
+@pytest.mark.parametrize("name", ["outdoor_temperature_C", "supply_temperature_C"])
+def test_a_thermometer_that_stands_still_in_both_or_is_assumed_is_no_dead_one(name: str) -> None:
+    record, before = two(**{name: 5.0})
+    moves, steady = having(before, **{name: COURSE}), having(before, **{name: 5.0})
+    for one, other in (
+        (record, steady),
+        (replace(record, assumed=(name,)), moves),
+        (record, replace(moves, assumed=(name,))),
+    ):
+        found, same = alike(one, other)
+        assert name in found.values
+        assert name in same.values
+        assert found.warnings == ()
+
+
+def test_a_channel_that_is_empty_in_one_of_the_two_is_not_called_dead() -> None:
+    empty = {"solar_gain_W": float("nan"), "outdoor_temperature_C": float("nan")}
+    record, before = two(solar_gain_W=90.0 + COURSE[: 4 * 288], outdoor_temperature_C=5.0)
+    found, _ = alike(record, having(before, **empty))
+    assert not [each for each in found.warnings if "throughout" in each]
+    record, before = two(**empty)
+    found, _ = alike(record, having(before, solar_gain_W=90.0, outdoor_temperature_C=COURSE))
+    assert not [each for each in found.warnings if "throughout" in each]
+
+
+# --- setpoints ---------------------------------------------------------------------------------------
+
+NIGHT_C = np.where(np.arange(5 * 288) % 288 < 72, 18.0, 21.0)
 
 
 def test_a_setpoint_may_stand_still_in_one_of_the_two_records() -> None:
-    record, before = pulsed(4, 300.0, "2024-02-01"), pulsed(5, 300.0, "2024-01-01")
-    night = np.where(before.time.hour < 6, 18.0, 21.0)
-    found, same = alike(
-        with_more(record, setpoint_C=21.0), replace(before, values=before.values.assign(setpoint_C=night))
-    )
+    record, before = two(setpoint_C=21.0)
+    found, same = alike(record, having(before, setpoint_C=NIGHT_C))
     assert "setpoint_C" in found.values
     assert "setpoint_C" in same.values
     assert found.warnings == ()
+
+
+def test_hours_of_another_setpoint_that_one_of_the_two_recorded_are_of_both() -> None:
+    """Read in one of them alone they would be a change."""
+    record, before = two(setpoint_C=NIGHT_C[: 4 * 288])
+    found, same = alike(replace(record, setpoint_C=None), replace(before, setpoint_C=21.0))
+    assert "setpoint_C" not in found.values
+    assert found.setpoint_C == 21.0
+    record, before = two()
+    found, same = alike(replace(record, setpoint_C=21.0), replace(having(before, setpoint_C=NIGHT_C), setpoint_C=None))
+    assert "setpoint_C" not in same.values
+    assert same.setpoint_C == 21.0
+
+
+def test_a_recorded_setpoint_that_never_changes_is_known_as_well_as_one_that_is_stated() -> None:
+    record, before = two(setpoint_C=19.0)
+    assert "setpoint_C" in alike(record, replace(before, setpoint_C=21.0))[0].values
+    assert "setpoint_C" not in alike(record, replace(before, setpoint_C=None))[0].values
+
+
+def test_a_channel_of_a_few_samples_counts_as_not_recorded() -> None:
+    record, before = two(displacement=0.5)
+    few = having(before, displacement=[0.5] * 5 + [float("nan")] * (5 * 288 - 5))
+    assert "displacement" not in alike(record, few)[0].values
 
 
 def test_light_that_never_goes_out_tells_no_clock() -> None:

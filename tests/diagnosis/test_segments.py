@@ -20,6 +20,7 @@ from waxstudy.diagnosis.model.room_response import OF_ROOM
 from waxstudy.diagnosis.model.segments import SHOWN, Segment, segments
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import CHAIN, STAGES, Belief, Choice
+from waxstudy_paper.room.surfaces import SurfacesRoom
 
 OUTPUTS = [SHOWN[kind] for kind in CHAIN[1:]]
 INPUTS = ("outdoor_temperature_C", "supply_temperature_C")
@@ -128,10 +129,13 @@ def test_a_supply_that_is_assumed_is_not_judged() -> None:
     assert not any(segment.is_supply for segment in segments(seen, belief("REAL", seen)))
 
 
+CURVE = {"heating_curve_C": [[-20.0, 40.0], [20.0, 25.0]]}
+
+
 @pytest.mark.parametrize(
     ("told", "is_judged"),
-    [({}, True), ({"circuit": {"heating_curve_C": [[-20.0, 40.0], [20.0, 25.0]]}}, True), ({"circuit": {}}, False)],
-    ids=["the room of Table 3", "a curve of its own", "another room without one"],
+    [({}, True), ({"circuit": CURVE}, True), ({"circuit": {}}, False)],
+    ids=["the circuit of Table 3", "a curve of its own", "another circuit without one"],
 )
 def test_a_supply_is_held_against_no_heating_curve_of_another_room(told: dict[str, Any], is_judged: bool) -> None:
     seen = whole()
@@ -139,6 +143,9 @@ def test_a_supply_is_held_against_no_heating_curve_of_another_room(told: dict[st
     assert room
     believed = replace(belief("REAL", seen), room=Choice.of(room.component, told))
     assert any(segment.is_supply for segment in segments(seen, believed)) == is_judged
+    surfaces = SurfacesRoom.examples["the room of Table 3"] | {"circuit": told.get("circuit", {})}
+    described = replace(believed, room=Choice.of(SurfacesRoom, surfaces if told else {**surfaces, "circuit": CURVE}))
+    assert any(segment.is_supply for segment in segments(seen, described)) == is_judged
 
 
 def test_without_a_room_there_are_links_of_the_chain_alone() -> None:

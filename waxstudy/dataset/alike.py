@@ -9,7 +9,7 @@ import pandas as pd
 from waxstudy.dataset.dead import without_dead
 from waxstudy.dataset.interval import coarser, is_longer, told
 from waxstudy.dataset.levels import as_levels
-from waxstudy.dataset.limits import NEAR_END
+from waxstudy.dataset.limits import FEW, NEAR_END
 from waxstudy.dataset.noon import OF_SUN, of_one_clock
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
@@ -17,7 +17,8 @@ from waxstudy.dataset.rounding import rounded_alike
 from waxstudy.study.problems import listed
 
 # between which the links of the chain lie, and what they aim at
-OF_CHAIN = ("sensor_temperature_C", "setpoint_C", "control_output", "heating_signal", "displacement", "flow_L_h")
+SETPOINT = "setpoint_C"
+OF_CHAIN = ("sensor_temperature_C", SETPOINT, "control_output", "heating_signal", "displacement", "flow_L_h")
 LEVELS = ("displacement", "heating_signal", "control_output")  # the first that both have tells means from instants
 
 
@@ -55,29 +56,39 @@ def _of_same_channels(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dat
     """Return a record without what its baseline lacks, and a baseline without what the record lacks of its chain.
 
     Nobody can tell what changed where only the record shows it, and both must be cut into the same links. What else a
-    baseline has of the room, and of what drives it, tells more of the room that the record has.
+    baseline has of the room, and of what drives it, tells more of the room that the record has. A setpoint that one of
+    them recorded and the other states is only known of one: hours at which it is lower are of both.
     """
     seen, before = (_shown(each) for each in (dataset, baseline))
     is_lit = any(name in before for name in OF_SUN)
-    more = [name for name in seen if name not in before and not (is_lit and name in OF_SUN)]
+    is_stated = baseline.setpoint_C is not None and dataset.values.get(SETPOINT, pd.Series()).nunique() == 1
+    known = (*before, *(OF_SUN if is_lit else ()), *((SETPOINT,) if is_stated else ()))
+    more = [name for name in seen if name not in known]
     lost = [name for name in OF_CHAIN if name in before and name not in seen]
+    stated_C = next((each.setpoint_C for each in (dataset, baseline) if each.setpoint_C is not None), None)
     if more:
         said = (
             f"The record is read without {listed(more)}, which the baseline lacks: nobody can tell whether that "
-            "changed. Without a baseline it is compared with what is stated."
+            "changed. To judge it as well, diagnose the record without a baseline."
         )
-        values = dataset.values.drop(columns=more)
-        dataset = replace(dataset, values=values, warnings=(said, *dataset.warnings))
+        dataset = replace(_without(dataset, more, stated_C), warnings=(said, *dataset.warnings))
     if lost:
         said = f"The baseline is read without {listed(lost)}, which the record lacks."
         dataset = replace(dataset, assumptions=(*dataset.assumptions, said))
-        baseline = replace(baseline, values=baseline.values.drop(columns=lost))
+        baseline = _without(baseline, lost, stated_C)
     return dataset, baseline
 
 
+def _without(dataset: Dataset, names: list[str], stated_C: float | None) -> Dataset:
+    """Return a dataset without channels; one that loses its setpoint has that which is stated of the loop."""
+    values = dataset.values.drop(columns=names)
+    setpoint_C = stated_C if SETPOINT in names and dataset.setpoint_C is None else dataset.setpoint_C
+    return replace(dataset, values=values, setpoint_C=setpoint_C)
+
+
 def _shown(dataset: Dataset) -> list[str]:
-    """Return the channels that have any value."""
-    return [str(name) for name in dataset.values if dataset.values[name].notna().any()]
+    """Return the channels that count as recorded."""
+    return [str(name) for name in dataset.values if dataset.values[name].count() > FEW]
 
 
 def _sampled_as(coarse: Dataset, fine: Dataset) -> tuple[Dataset, str]:

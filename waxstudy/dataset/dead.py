@@ -15,21 +15,27 @@ MOVING = tuple(name for name, each in CHANNELS.items() if name.endswith("tempera
 def without_dead(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:
     """Return both without a sun that is 0 throughout, or a temperature that never changes, where the other one's does.
 
-    It was lost, and is not known. The record warns of it. A chamber is as steady in both, and what is assumed is meant.
+    What is dropped counts as not recorded, and the record warns of it. What is steady in both, as in a chamber, or is
+    assumed, stays.
     """
     both = [name for name in (*OF_SUN, *MOVING) if name in dataset.values and name in baseline.values]
-    here = [name for name in both if _is_dead(dataset, name) and not _is_dead(baseline, name)]
-    there = [name for name in both if _is_dead(baseline, name) and not _is_dead(dataset, name)]
+    here = [name for name in both if _is_dead(dataset, name) and _lives(baseline, name)]
+    there = [name for name in both if _is_dead(baseline, name) and _lives(dataset, name)]
     said = [*_said(dataset, here, "", "baseline"), *_said(baseline, there, " in the baseline", "record")]
     warned = replace(dataset, warnings=(*said, *dataset.warnings)) if said else dataset
     return _without(warned, here), _without(baseline, there)
 
 
 def _is_dead(dataset: Dataset, name: str) -> bool:
-    values = dataset.values[name]
+    values = dataset.values[name].dropna()
     if name in OF_SUN:
-        return not (values > 0.0).any()
+        return len(values) > 0 and not (values > 0.0).any()
     return values.nunique() == 1 and name not in dataset.assumed
+
+
+def _lives(dataset: Dataset, name: str) -> bool:
+    values = dataset.values[name]
+    return bool((values > 0.0).any()) if name in OF_SUN else values.nunique() > 1 and name not in dataset.assumed
 
 
 def _said(of: Dataset, dead: list[str], where: str, other: str) -> list[str]:
@@ -37,7 +43,8 @@ def _said(of: Dataset, dead: list[str], where: str, other: str) -> list[str]:
     of_sun = [f"{', '.join(sun)}: 0 throughout{where}, though the {other} has sun; taken as not recorded"]
     values = {name: of.values[name].dropna().iloc[0] for name in still}
     of_rest = [
-        f"{name}: {value:g} C throughout{where}, though it moves in the {other}; taken as not recorded"
+        f"{name}: {value:g} C throughout{where}, though it moves in the {other}; taken as not recorded (if it is "
+        "meant, name it in `inputs` of [dataset])"
         for name, value in values.items()
     ]
     return [*(of_sun if sun else []), *of_rest]

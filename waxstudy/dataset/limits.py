@@ -21,6 +21,7 @@ YEARS = (1900, 2200)  # of stamps
 LATE_S = 600.0  # by which a logger may be late when clocks change
 FINER = 0.67  # of the interval: stamps nearer to each other are several to an interval
 COARSER = 1.5  # of the interval: without any stamps nearer than that, the interval is not the file's
+FEW = 10  # samples, up to which a channel is as good as not recorded
 UNEVEN = 0.01  # of the rows in an interval: fewer or more by less are stamps that are not exact
 TOGETHER = 0.9  # length of the mean of stamps as directions within an interval, from which they jitter around one
 # of distances between stamps, those that repeat the one before within a tenth: rows come regularly, not on change

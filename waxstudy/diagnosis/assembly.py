@@ -168,7 +168,7 @@ def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
     yield from doubts(work.calibration, work.documented)
     for segment in (each for each in cut if not each.is_supply):
         if (healthy := work.calibration.healthy.get(segment.name)) is None:
-            yield f"the baseline has no link {segment.name}: there what is believed is compared, not what was healthy"
+            yield f"too little happened at {segment.name} in the baseline: there what is stated is compared"
             continue
         judged = {each.channel for each in healthy.fitted.residuals}
         for channel in (each for each in segment.judged if each not in judged):

@@ -99,7 +99,7 @@ def _work(
 
 def _cut(work: Work) -> tuple[list[Segment], dict[Segment, str]]:
     """Return the segments of a record, and why some of them cannot be judged."""
-    # a room as built has no ways to mean a sun any more, the documents' has; how far a curve was off is no change
+    # By the documents' room, as only that says how a sun may be meant. How far a curve was off is no change.
     cut = [each for each in segments(work.record, work.documented) if not (work.calibration and each.is_supply)]
     return cut, {each: reason for each in cut if (reason := too_short(each, work.record, work.belief))}
 

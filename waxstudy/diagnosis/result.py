@@ -327,7 +327,7 @@ class Diagnosis:
 
     dataset: str
     verdict: Verdict
-    summary: str  # one sentence
+    summary: str  # a sentence or two
     stages: Sequence[StageGap]
     effects: Sequence[FoundEffect]
     unexplained: Sequence[Unexplained]

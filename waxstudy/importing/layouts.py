@@ -15,7 +15,7 @@ import pandas as pd
 from waxstudy.dataset.columns import named
 from waxstudy.importing.begin import UNITS as UNITS_OF_TIME
 from waxstudy.importing.headers import is_value, parted, units_row
-from waxstudy.importing.limits import AGAIN, LOOKED_AT, MIXED, MOST_ENTITIES, REPEATED, TWICE
+from waxstudy.importing.limits import AGAIN, AUTUMN, LOOKED_AT, MIXED, MOST_ENTITIES, REPEATED, TWICE
 from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.status import without_bad, without_status
@@ -126,34 +126,39 @@ def _told_apart(frame: pd.DataFrame, time: str, entity: str) -> pd.DataFrame:
 
 
 def _read_again(table: Table, time: str, times: pd.DatetimeIndex, is_again: np.ndarray) -> tuple[str, ...]:
-    """Return what is said of rows (n,) that have the stamp of another one, of which the last counts.
+    """Return what is said of rows (n,) that have the stamp of another one, of which the last counts; nothing of few.
 
-    Nothing of few that tell the same, nor of an hour that the end of summer time repeats. Raises `StudyError` where
-    stamps are days, as the time of day must stand elsewhere then.
+    Raises `StudyError` where stamps are days, as the time of day must stand elsewhere then.
     """
     share = float(is_again.mean())
-    file = Path(table.where).name
     if share <= AGAIN:
-        others = int(
-            np.count_nonzero(is_again & ~table.frame.duplicated().to_numpy() & ~_repeats_hours(times, is_again))
-        )
-        return (f"{file}: {others} rows have the stamp of another one and tell otherwise: the last counts.",) * (
-            others > 0
-        )
+        return ()
     days = times[is_again].tz_localize(None)
     if (days == days.normalize()).all():
         wrong = f"many rows have the stamp {table.frame[time].iloc[int(is_again.argmax())]}, which tells no time of day"
         raise refusal(table.where, wrong, "name its column 'hour' or 'time', or write it behind the day")
-    return (f"{file}: {share:.0%} of the rows have the stamp of another one: the last counts.",)
+    return (f"{Path(table.where).name}: {share:.0%} of the rows have the stamp of another one: the last counts.",)
 
 
-def _repeats_hours(times: pd.DatetimeIndex, is_again: np.ndarray) -> np.ndarray:
-    """Return which rows (n,) lie in the one hour of a day half of whose rows were there before: it came twice."""
-    hour = times.tz_localize(None).floor("h")
-    share = pd.Series(is_again, hour).groupby(level=0).mean()
-    twice = pd.DatetimeIndex(share[share >= 0.5].index)
-    lone = twice[~twice.normalize().duplicated(keep=False)]
-    return np.asarray(hour.isin(lone))
+def _contradicting(table: Table, time: str, times: pd.DatetimeIndex) -> tuple[str, ...]:
+    """Return what is said of a few rows whose stamp another one has with other readings.
+
+    Nothing of hours that the end of summer time may repeat: one for each autumn.
+    """
+    again = times.duplicated(keep=False)
+    hours = times[again].tz_localize(None).floor("h").unique()
+    if len(hours) <= 1 + (times.max() - times.min()) / AUTUMN or times.duplicated().mean() > AGAIN:
+        return ()
+    rows = table.frame.drop(columns=time)[again].apply(_as_numbers)
+    count = int((rows.groupby(times[again]).nunique() > 1).any(axis=1).sum())
+    stamps = f"{count} stamps have" if count > 1 else "1 stamp has"
+    return (f"{Path(table.where).name}: {stamps} rows that contradict each other: the last counts.",) if count else ()
+
+
+def _as_numbers(column: pd.Series) -> pd.Series:
+    """Return numbers, where a column's words are some: 20.10 and 20,1 are the same."""
+    numbers = pd.to_numeric(column.astype(str).str.strip().str.replace(",", "."), errors="coerce")
+    return numbers.astype(object).where(numbers.notna(), column)
 
 
 def _entity_column(frame: pd.DataFrame, time: str) -> str | None:
@@ -294,7 +299,7 @@ def _wide(
     if not rest:
         raise refusal(table.where, "has stamps and no readings", EXPECTED)
     times = _at_ends(stamps_of(frame[time], time_format, table.where), frame, time)
-    notes = _read_again(table, time, times, times.duplicated())
+    notes = (*_read_again(table, time, times, times.duplicated()), *_contradicting(table, time, times))
     of_units = _units(frame)
     unit_of_all = _unit_told(table, next(iter(of_units), None), " ".join(each for each in rest if each not in of_units))
     parts = {column: parted(column) for column in rest if column not in of_units}

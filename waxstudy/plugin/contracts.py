@@ -320,7 +320,7 @@ class Room(Component):
 
     @classmethod
     def states_curve(cls, p: Any) -> bool:
-        """Whether its heating curve is believed of this room: a recorded supply is held against no other room's."""
+        """Whether the room has a heating curve of its own; without one a recorded supply is not held against any."""
         return True
 
     @classmethod

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -167,3 +167,8 @@ def _design_problems(room: RoomDescription) -> Iterator[str]:
         exchange_W_m2K(room.circuit, room.cover_m2K_W, room.screed_W_mK, np.ones(1))
     except ValueError as error:
         yield str(error)
+
+
+def states_curve(p: Any) -> bool:
+    """Return whether a room's circuit is that of Table 3, or states a heating curve."""
+    return "circuit" not in p.model_fields_set or "heating_curve_C" in p.circuit.model_fields_set

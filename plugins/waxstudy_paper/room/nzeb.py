@@ -9,7 +9,7 @@ from waxstudy.plugin import Choice, LinearRoom, ModelError, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.building import NzebBuilding, parameters_of
 from waxstudy_paper.room.corner import NzebParameters, describe, described
-from waxstudy_paper.room.description import RoomDescription
+from waxstudy_paper.room.description import RoomDescription, states_curve
 from waxstudy_paper.room.model_error import MODEL_ERRORS
 from waxstudy_paper.room.panes import solar_readings
 from waxstudy_paper.room.surfaces import SurfacesRoom
@@ -43,8 +43,8 @@ class NzebRoom(Room):
 
     @classmethod
     def states_curve(cls, p: NzebParameters) -> bool:
-        """Whether it is wholly the room of Table 3, or has a heating curve of its own."""
-        return "circuit" not in p.model_fields_set or "heating_curve_C" in p.circuit.model_fields_set
+        """Whether its circuit is that of Table 3, or states a heating curve."""
+        return states_curve(p)
 
     @classmethod
     def solar_readings(cls, p: NzebParameters) -> Mapping[str, float]:

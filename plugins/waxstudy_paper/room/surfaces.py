@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from waxstudy.plugin import Choice, LinearRoom, ModelError, Room, Uncertainty
 from waxstudy_paper.room.assembly import linear_room
 from waxstudy_paper.room.corner import NzebParameters, describe, described
-from waxstudy_paper.room.description import RoomDescription
+from waxstudy_paper.room.description import RoomDescription, states_curve
 from waxstudy_paper.room.model_error import MODEL_ERRORS
 from waxstudy_paper.room.uncertain import uncertainties
 
@@ -29,6 +29,11 @@ class SurfacesRoom(Room):
     def of_description(cls, p: RoomDescription, description: RoomDescription) -> Choice:
         """Return the room of another description."""
         return Choice(cls, description)
+
+    @classmethod
+    def states_curve(cls, p: RoomDescription) -> bool:
+        """Whether its circuit is that of Table 3, or states a heating curve."""
+        return states_curve(p)
 
     @classmethod
     def build(cls, p: RoomDescription) -> LinearRoom:

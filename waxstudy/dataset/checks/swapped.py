@@ -113,7 +113,8 @@ def output_and_signal(record: Record, output: pd.Series, signal: pd.Series) -> F
 
 @check("signals", "warns", (OUTPUT,), mend="name it heating_signal in `[columns]`, if that is what the motor gets")
 def output_without_signal(record: Record, output: pd.Series) -> Findings:
-    """An output before a modulator with {TWO} values, and no signal behind it: a call for heat is one."""
+    """An output before a modulator with {TWO} values, and no signal recorded: it may be a call for heat, which is the
+    signal."""
     if record.has_modulator and SIGNAL not in record.values and output.nunique() == TWO:
         yield Warn(
             f"{OUTPUT} has {TWO} values, though a modulator is believed behind it: is it what the motor gets? "

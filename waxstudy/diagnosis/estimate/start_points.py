@@ -139,7 +139,7 @@ class StartPoints:
             yield *self._looked(values, convention, still), convention
 
     def _searched(self, neutral: Values, most: float, convention: Convention, generations: int) -> Values:
-        """Return the values of the least score within `most` of nothing, as differential evolution finds them.
+        """Return the values of the least score up to a share `most` of the way, as differential evolution finds them.
 
         Storn and Price (1997, doi:10.1023/A:1008202821328).
         """

@@ -68,9 +68,9 @@ def left_by(
 ) -> list[Convention]:
     """Return the ways to read a record that a healthy one leaves, the likeliest first.
 
-    It leaves `found` of its own ways, `of_healthy`; `ways` are those of the record. Of a choice that only one of the
-    two records has, as how a sun is meant that nobody recorded then, the healthy one tells nothing, nor where the
-    record has none of the ways that are left.
+    It leaves `found` of its own ways, `of_healthy`; `ways` are those of the record. A choice that only one of the two
+    records has stays open, as how a sun is meant that only the later one has. If none of the record's ways fits, all
+    stay.
     """
     open_ = [one and other for one, other in zip(_open(ways), _open(of_healthy), strict=True)]
     return list(dict.fromkeys(way for each in found for way in ways if way.is_as(each, open_))) or list(ways)

@@ -9,13 +9,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from waxstudy.dataset.limits import FEW
 from waxstudy.dataset.pulses import Pulses
 from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN, StandIn
 from waxstudy.diagnosis.observations.noise import ON, estimated, left_out, measured, snapped
 from waxstudy.plugin import FloatArray, Inputs
 
 T = TypeVar("T")
-FEW = 10  # samples, up to which a channel is as good as not recorded
 SMOOTH_S = 1500.0  # window of the local parabola through a noisy temperature
 SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blocks
 AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
