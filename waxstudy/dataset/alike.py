@@ -56,8 +56,8 @@ def _of_same_channels(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dat
     """Return a record without what its baseline lacks, and a baseline without what the record lacks of its chain.
 
     Nobody can tell what changed where only the record shows it, and both must be cut into the same links. What else a
-    baseline has of the room, and of what drives it, tells more of the room that the record has. A setpoint that one of
-    them recorded and the other states is only known of one: hours at which it is lower are of both.
+    baseline has of the room, and of what drives it, tells more of the room that the record has. A setpoint that changes
+    and that only one of them recorded is read in neither: the other may have changed as well.
     """
     seen, before = (_shown(each) for each in (dataset, baseline))
     is_lit = any(name in before for name in OF_SUN)

@@ -52,7 +52,10 @@ VERDICTS = {
     "none": "no effect found",
     "room": "a room departs from its neighbours",
 }
-QUICK = "not all alternatives were compared: another effect may explain as much; the full run takes longer and tells"
+QUICK = (
+    "not all alternatives were compared: another effect, or none, may explain as much; the full run takes longer and "
+    "tells"
+)
 Line = tuple[str, str]  # label, text
 MOST_NAMES = 3
 MOST_LINES = 3  # of one label
