@@ -111,6 +111,13 @@ def test_a_weather_file_that_is_cut_off_is_refused(entry: Entry) -> None:
     refused(with_weather(entry, "tallinn.epw"), "tallinn.epw", "no whole weather file")
 
 
+def test_a_thermometer_that_never_had_a_value_is_told(entry: Entry) -> None:
+    lost = house().assign(outdoor_temperature="unavailable")
+    refused(imported(entry, lost), "no outdoor temperature", "no reading of outdoor_temperature is a value")
+    done = imported(entry, lost, "--map", "outdoor_temperature_C=")
+    assert "not used, because no reading is a value: outdoor_temperature" in done.stderr
+
+
 def test_a_record_without_outdoor_temperature_is_told_of_weather_files(entry: Entry) -> None:
     refused(
         imported(entry, house().drop(columns="outdoor_temperature")), "no outdoor temperature", "weather file (EPW)"

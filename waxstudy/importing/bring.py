@@ -49,17 +49,19 @@ def bring(request: Request, ask: Ask) -> Imported:
     # a column of stamps says the same of all that stands beside it
     notes.assumptions += said + list(dict.fromkeys(sentence for each in readings for sentence in each.notes))
     request = replace(request, timezone=zone)
-    worded: list[str] = []
-    logged = [found for each in readings if (found := _logged(each, notes, worded)) is not None]
+    worded, blank = list[str](), list[str]()
+    logged = [found for each in readings if (found := _logged(each, notes, worded, blank)) is not None]
     del readings
     if worded:
         notes.warn(f"not used, because the readings are unknown words: {listed(worded, NAMED)}")
+    if blank:
+        notes.warn(f"not used, because no reading is a value: {listed(blank, NAMED)}")
     request, logged = _of_room(request, logged, ask)
     entities = seen(logged, dict(request.units))
     _refuse_unknown(request, entities)
     request, matches = _decided(request, entities, ask, notes)
     if OUTDOORS not in matches and OUTDOORS not in request.entities:
-        raise _no_outdoors(request, entities, matches)
+        raise _no_outdoors(request, entities, matches, blank)
     _tell_unseen_room(request, entities, matches, notes)
     imported = channels_of(request, matches, entities, notes, ask)
     taken = [places[match.seen.entity] for match in matches.values() if match.seen.entity in places]
@@ -109,11 +111,14 @@ def _zone(request: Request, readings: Sequence[Readings], ask: Ask) -> str:
     return ask(Question(text, (), None, "--timezone ", readings[0].where, "UTC", allowed))
 
 
-def _logged(readings: Readings, notes: Notes, worded: list[str]) -> Logged | None:
-    """Return readings as numbers; note what is none, and add the name of what has words, with the first."""
+def _logged(readings: Readings, notes: Notes, worded: list[str], blank: list[str]) -> Logged | None:
+    """Return readings as numbers; note what is none, and add the name of what has words, with the first, or nothing."""
     numbers = numbers_of(readings.written)
     if not numbers.is_readable:
-        worded += [f"{readings.entity} ('{numbers.bad[1][:LONGEST_WORD]}')"] if numbers.bad else []
+        if numbers.bad:
+            worded.append(f"{readings.entity} ('{numbers.bad[1][:LONGEST_WORD]}')")
+        else:
+            blank.append(readings.entity)
         return None
     if numbers.bad:
         row, text = numbers.bad
@@ -269,10 +274,13 @@ def _or_output(match: Match) -> str:
     return f" (if a controller asks for it, say {shlex.join(['--map', f'control_output={match.seen.entity}'])})"
 
 
-def _no_outdoors(request: Request, entities: Sequence[Seen], matches: Mapping[str, Match]) -> StudyError:
+def _no_outdoors(
+    request: Request, entities: Sequence[Seen], matches: Mapping[str, Match], blank: Sequence[str]
+) -> StudyError:
     others = _that_may_be(OUTDOORS, entities, matches)
     may_be = f"may it be {others}? then say --map {OUTDOORS}=NAME; " if others else ""
-    mend = f"{may_be}--map {OUTDOORS}= says that there is none"
+    lost = f"no reading of {listed(blank, NAMED)} is a value; " if blank else ""
+    mend = f"{lost}{may_be}--map {OUTDOORS}= says that there is none"
     return refusal(str(request.sources[0]), NO_OUTDOORS, mend)
 
 
