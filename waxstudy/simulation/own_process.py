@@ -56,7 +56,8 @@ def _exchange(process: subprocess.Popen[bytes], question: bytes, stop: Callable[
     parts: list[bytes] = []
 
     def put() -> None:
-        with contextlib.suppress(BrokenPipeError):  # it has ended already, and what it printed says why
+        # it has ended already, and what it printed says why; or nobody waits any more, and the pipe is closed
+        with contextlib.suppress(BrokenPipeError, ValueError):
             asked.write(question)
             asked.flush()
 
