@@ -9,15 +9,15 @@ import pandas as pd
 from waxstudy.dataset.dead import without_dead
 from waxstudy.dataset.interval import coarser, is_longer, told
 from waxstudy.dataset.levels import as_levels
-from waxstudy.dataset.limits import FEW, NEAR_END
+from waxstudy.dataset.limits import FEW_SAMPLES, NEAR_END
 from waxstudy.dataset.noon import OF_SUN, of_one_clock
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import Dataset
 from waxstudy.dataset.rounding import rounded_alike
 from waxstudy.study.problems import listed
 
-# between which the links of the chain lie, and what they aim at
 SETPOINT = "setpoint_C"
+# between which the links of the chain lie, and what they aim at
 OF_CHAIN = ("sensor_temperature_C", SETPOINT, "control_output", "heating_signal", "displacement", "flow_L_h")
 LEVELS = ("displacement", "heating_signal", "control_output")  # the first that both have tells means from instants
 
@@ -61,7 +61,7 @@ def _of_same_channels(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dat
     """
     seen, before = (_shown(each) for each in (dataset, baseline))
     is_lit = any(name in before for name in OF_SUN)
-    is_stated = baseline.setpoint_C is not None and dataset.values.get(SETPOINT, pd.Series()).nunique() == 1
+    is_stated = SETPOINT in seen and dataset.values[SETPOINT].nunique() == 1 and baseline.setpoint_C is not None
     known = (*before, *(OF_SUN if is_lit else ()), *((SETPOINT,) if is_stated else ()))
     more = [name for name in seen if name not in known]
     lost = [name for name in OF_CHAIN if name in before and name not in seen]
@@ -88,7 +88,7 @@ def _without(dataset: Dataset, names: list[str], stated_C: float | None) -> Data
 
 def _shown(dataset: Dataset) -> list[str]:
     """Return the channels that count as recorded."""
-    return [str(name) for name in dataset.values if dataset.values[name].count() > FEW]
+    return [str(name) for name in dataset.values if dataset.values[name].count() > FEW_SAMPLES]
 
 
 def _sampled_as(coarse: Dataset, fine: Dataset) -> tuple[Dataset, str]:

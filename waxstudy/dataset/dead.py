@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from waxstudy.dataset.channels import CHANNELS
+from waxstudy.dataset.checks.samples import MOVING_ONES
 from waxstudy.dataset.noon import OF_SUN
 from waxstudy.dataset.read import Dataset
 
-STEADY = ("setpoint_C", "ventilation_supply_temperature_C")  # what a controller may hold
-MOVING = tuple(name for name, each in CHANNELS.items() if name.endswith("temperature_C") and name not in STEADY)
+MOVING = tuple(name for (name,) in MOVING_ONES)
 
 
 def without_dead(dataset: Dataset, baseline: Dataset) -> tuple[Dataset, Dataset]:

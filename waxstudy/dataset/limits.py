@@ -21,7 +21,6 @@ YEARS = (1900, 2200)  # of stamps
 LATE_S = 600.0  # by which a logger may be late when clocks change
 FINER = 0.67  # of the interval: stamps nearer to each other are several to an interval
 COARSER = 1.5  # of the interval: without any stamps nearer than that, the interval is not the file's
-FEW = 10  # samples, up to which a channel is as good as not recorded
 UNEVEN = 0.01  # of the rows in an interval: fewer or more by less are stamps that are not exact
 TOGETHER = 0.9  # length of the mean of stamps as directions within an interval, from which they jitter around one
 # of distances between stamps, those that repeat the one before within a tenth: rows come regularly, not on change
@@ -30,7 +29,8 @@ AROUND = 5  # intervals on either side whose rows tell how many are usual: a log
 FEWEST_ROWS = 10  # from which the distance of stamps tells something
 MOST_INTERVALS = 20_000_000
 
-# --- what is stated of a record
+# --- what is recorded, and stated
+FEW_SAMPLES = 10  # of a channel, up to which it is as good as not recorded
 MOST_UNCERTAIN = 3.0  # logarithm of a factor of 20: nothing is known of an input that is less certain
 
 # --- levels from 0 to 1, and signals that are on or off

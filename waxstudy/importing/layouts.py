@@ -15,7 +15,7 @@ import pandas as pd
 from waxstudy.dataset.columns import named
 from waxstudy.importing.begin import UNITS as UNITS_OF_TIME
 from waxstudy.importing.headers import is_value, parted, units_row
-from waxstudy.importing.limits import AGAIN, AUTUMN, LOOKED_AT, MIXED, MOST_ENTITIES, REPEATED, TWICE
+from waxstudy.importing.limits import AGAIN, AUTUMNS_D, LOOKED_AT, MIXED, MOST_ENTITIES, REPEATED, TWICE
 from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.status import without_bad, without_status
@@ -147,7 +147,10 @@ def _contradicting(table: Table, time: str, times: pd.DatetimeIndex) -> tuple[st
     """
     again = times.duplicated(keep=False)
     hours = times[again].tz_localize(None).floor("h").unique()
-    if len(hours) <= 1 + (times.max() - times.min()) / AUTUMN or times.duplicated().mean() > AGAIN:
+    if (
+        len(hours) <= 1 + (times.max() - times.min()) / pd.Timedelta(AUTUMNS_D, "D")
+        or times.duplicated().mean() > AGAIN
+    ):
         return ()
     rows = table.frame.drop(columns=time)[again].apply(_as_numbers)
     count = int((rows.groupby(times[again]).nunique() > 1).any(axis=1).sum())

@@ -4,8 +4,6 @@ All are chosen: from what loggers and houses do, and tried on exports that were 
 derived from records of others.
 """
 
-import pandas as pd
-
 # --- what follows the valve
 LATER_NS = 900_000_000_000  # after a valve's signal changes, its motor has moved and the water has come
 FOLLOWING = 0.5  # correlation with the valve from which a temperature is that of its water
@@ -45,7 +43,7 @@ MOST_ENTITIES = 2000  # a table with more is none of readings: each of them woul
 REPEATED = 2.0  # rows to an entity, at least
 AGAIN = 0.3  # share of rows whose stamp came before, above which a row is one reading: two sensors at once have 0.5
 TWICE = 0.05  # share of rows in which a sensor may have a second reading at one stamp
-AUTUMN = pd.Timedelta(350, "D")  # between two ends of summer time, at least
+AUTUMNS_D = 350.0  # days between two ends of summer time, at least
 TOLD_TWICE = 0.9  # share of stamps that both files have where one was exported again
 MIXED = 0.3  # steps of each sensor by itself, over those from row to row, below which rows of several take turns
 

@@ -40,7 +40,8 @@ SHOWN = {
     "actuator": "displacement",
     "valve": FLOW,
 }
-STEP_S, ROUGH_STEP_S = 5.0, 30.0  # chosen: of looks; of searches, which changes no name of 99 records
+STEP_S = 5.0
+ROUGH_STEP_S = 30.0  # chosen: of searches, which end with a look in short steps; it changes no name of 99 records
 # by kind: at the ends of the intervals (n,), their means (n,), and what depends on when a switch was thrown (shifts, n)
 Replayed = tuple[Mapping[str, FloatArray], Mapping[str, FloatArray], Mapping[str, FloatArray]]
 

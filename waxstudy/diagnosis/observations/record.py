@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from waxstudy.dataset.limits import FEW
+from waxstudy.dataset.limits import FEW_SAMPLES
 from waxstudy.dataset.pulses import Pulses
 from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN, StandIn
 from waxstudy.diagnosis.observations.noise import ON, estimated, left_out, measured, snapped
@@ -67,7 +67,7 @@ class Record:
 
     def has(self, channel: str) -> bool:
         """Whether a channel is there and holds at least a few samples."""
-        return channel in self.values and bool(np.isfinite(self.values[channel]).sum() > FEW)
+        return channel in self.values and bool(np.isfinite(self.values[channel]).sum() > FEW_SAMPLES)
 
     def is_still(self, channel: str) -> bool:
         """Whether a channel never changes."""
@@ -262,7 +262,7 @@ class Record:
         """Whether a return temperature is there and of flowing water in at least a few samples."""
         both = self.has("return_temperature_C") and self.has(FLOW)
         return both and bool(
-            (self.flowing & np.isfinite(self.values["return_temperature_C"]) & self.settled).sum() > FEW
+            (self.flowing & np.isfinite(self.values["return_temperature_C"]) & self.settled).sum() > FEW_SAMPLES
         )
 
     @cached_property
