@@ -16,8 +16,10 @@ from tests.diagnosis.houses import Event, made, toml
 from waxstudy.dataset.limits import MOST_DAYS
 from waxstudy.dataset.read import read_dataset
 from waxstudy.diagnosis.neighbours.control import controlled
+from waxstudy.diagnosis.neighbours.events import Happening, happenings
 from waxstudy.diagnosis.neighbours.judge import house_of, judged
-from waxstudy.diagnosis.neighbours.reading import when
+from waxstudy.diagnosis.neighbours.reading import runs_own_heat, when
+from waxstudy.diagnosis.neighbours.search import searched
 from waxstudy.diagnosis.neighbours.series import House, RoomSeries
 from waxstudy.diagnosis.neighbours.spans import Steady
 from waxstudy.diagnosis.result import Interval, NeighbourEvent, RoomsBeside
@@ -190,6 +192,41 @@ def test_a_room_of_its_own_is_held_against_those_named(tmp_path: Path) -> None:
     neighbours = read_dataset(folder).neighbours
     assert neighbours
     assert [each.name for each in neighbours.rooms] == ["made", "room0", "room1"]
+
+
+def test_a_room_without_days_in_common_with_what_it_is_held_against_is_refused(tmp_path: Path) -> None:
+    record = made(0, days=8, rooms=3)
+    early = np.arange(len(record)) < len(record) // 2
+    record["room2"], record["gain1"] = record["room2"].where(~early), record["gain1"].where(~early)
+    record.loc[~early, ["room0", "room1"]] = np.nan
+    folder = written(tmp_path, record, 3)
+    text = toml(2) + '[columns]\nair_temperature_C = "room2"\noutdoor_temperature_C = "outdoor_temperature_C"\n'
+    (folder / "dataset.toml").write_text(text)
+    with pytest.raises(StudyError) as refused:
+        read_dataset(folder)
+    told = [each.wrong for each in refused.value.problems]
+    assert [each.split(" days")[0] for each in told] == ["made has 0.0", "room1 has 0.0"]
+    assert "its own heat" in told[1]
+
+
+def test_own_heat_tells_by_the_hours_in_which_it_is_known(tmp_path: Path) -> None:
+    record = made(2, days=7, rooms=3, events=[Event(1, [(105.0, 109.0)], heat_W=400.0)])
+    dataset = read_dataset(written(tmp_path, record, 3))
+    assert dataset.neighbours
+    house = house_of(dataset.neighbours)
+    (found,) = happenings(searched(house)["room1"])
+    begin, end = found.spans[0]
+
+    def with_heat(known: int) -> Happening:
+        gain_W = np.zeros(len(house))
+        gain_W[begin:end] = 50.0
+        gain_W[begin + known : end] = np.nan
+        control = replace(found.control, room=replace(found.control.room, gain_W=gain_W))
+        return Happening(control, found.parts)
+
+    assert runs_own_heat(with_heat(end - begin))
+    assert runs_own_heat(with_heat(1))
+    assert not runs_own_heat(with_heat(0))
 
 
 @pytest.mark.slow

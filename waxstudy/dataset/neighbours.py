@@ -142,8 +142,6 @@ def measured(
         found.append(MeasuredRoom(each.name, values[AIR].to_numpy(dtype=float), gain, each.capacity_Wh_K))
         index, interval_s = pd.DatetimeIndex(values.index), gridded[1]
     light = {str(name): _gridded(sun[name], times, about, notes) for name in sun}
-    for wrong in _too_little(found, interval_s):
-        notes.refuse("[neighbours]", wrong)
     return None if notes.problems else Neighbours(index, interval_s, found, light)
 
 
@@ -195,17 +193,6 @@ def _sun(table: pd.DataFrame, names: Sequence[str], usual_s: float, notes: Notes
     return pd.DataFrame(found, index=table.index)
 
 
-def _too_little(rooms: Sequence[MeasuredRoom], interval_s: float) -> Iterator[str]:
-    """Yield why rooms cannot be each other's control."""
-    known = np.array([np.isfinite(each.air_C) for each in rooms])
-    for place, each in enumerate(rooms):
-        others = np.delete(known, place, axis=0).any(axis=0) if len(rooms) > 1 else known[0]
-        days = float((known[place] & others).sum()) * interval_s / 86_400.0
-        if days < LEAST_SHARED_DAYS:
-            least = f"at least {LEAST_SHARED_DAYS:g} are needed"
-            yield f"{each.name} has {days:.1f} days in common with another room: {least}"
-
-
 def beside_record(
     neighbours: Neighbours, described: NeighbourTable, columns: Mapping[str, Column], values: pd.DataFrame, name: str
 ) -> Neighbours:
@@ -223,3 +210,17 @@ def beside_record(
     gain = values[GAIN].to_numpy(dtype=float) if GAIN in values else None
     room = MeasuredRoom(name, values[AIR].to_numpy(dtype=float), gain, None)
     return replace(neighbours, rooms=[room, *neighbours.rooms])
+
+
+def too_little(house: Neighbours) -> Iterator[str]:
+    """Yield why rooms cannot be each other's control: each needs days on which all that it is held against is known."""
+    for room in house.rooms:
+        others = [np.isfinite(each.air_C) for each in house.rooms if each is not room]
+        drives = {"outdoors": house.outdoor_C, "its own heat": room.gain_W, **house.sun}
+        recorded = {name: values for name, values in drives.items() if values is not None}
+        known = np.any(others, axis=0) & np.isfinite([room.air_C, *recorded.values()]).all(axis=0)
+        days = float(known.sum()) * house.interval_s / 86_400.0
+        if days < LEAST_SHARED_DAYS:
+            against = ", ".join(("another room", *recorded))
+            least = f"at least {LEAST_SHARED_DAYS:g} are needed"
+            yield f"{room.name} has {days:.1f} days in common with what it is held against ({against}): {least}"

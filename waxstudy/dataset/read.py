@@ -14,7 +14,7 @@ from waxstudy.dataset.columns import channels_of, without_empty
 from waxstudy.dataset.description import FILES, Description, read_description
 from waxstudy.dataset.grid import on_grid
 from waxstudy.dataset.levels import as_levels
-from waxstudy.dataset.neighbours import Neighbours, beside_record, measured
+from waxstudy.dataset.neighbours import Neighbours, beside_record, measured, too_little
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.room import built, look_at_model_errors, look_at_roles
 from waxstudy.dataset.stamps import stamps_of
@@ -203,4 +203,7 @@ def _neighbours(
     rooms = beside_record(found, described.neighbours, described.columns, values, name)
     if len(rooms.rooms) < 2:
         notes.refuse("[neighbours]", "one room alone has no control: name another, or the room's own air in [columns]")
+        return rooms
+    for wrong in too_little(rooms):
+        notes.refuse("[neighbours]", wrong)
     return rooms

@@ -48,11 +48,12 @@ def reading(happening: Happening) -> str:
 
 
 def runs_own_heat(happening: Happening) -> bool:
-    """Whether the room's recorded heat is above its usual in most of the hours."""
+    """Whether the room's recorded heat is above its usual in most of the hours in which it is known."""
     gain_W = happening.control.room.gain_W
-    if gain_W is None or not np.isfinite(gain_W).any():
+    if gain_W is None:
         return False
-    return bool(np.nanmean(gain_W[happening.inside] > np.nanmean(gain_W)) > MOST_HOURS)
+    inside = gain_W[happening.inside & np.isfinite(gain_W)]
+    return len(inside) > 0 and bool(np.mean(inside > np.nanmean(gain_W)) > MOST_HOURS)
 
 
 def is_quick(happening: Happening, at_end: bool = False) -> bool:
