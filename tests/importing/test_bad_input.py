@@ -255,6 +255,18 @@ def test_hours_of_silence_are_told_and_not_filled(entry: Entry) -> None:
     assert read(Path("living"))["sensor_temperature_C"].notna().mean() > 0.99
 
 
+@pytest.mark.parametrize(("minutes", "is_told"), [(5.0, False), (60.0, True)])
+def test_how_stamps_of_long_intervals_are_taken_is_told(entry: Entry, minutes: float, is_told: bool) -> None:
+    done = imported(entry, house(minutes=minutes))
+    assert done.code == 0, done.stderr
+    assert ("A row every 60 min is taken as of its stamp" in done.stdout) == is_told
+    about = Path("living/dataset.toml")
+    text = about.read_text()
+    about.write_text(text.replace("[dataset]\n", '[dataset]\nstamps = "start"\n'))
+    entry("import", "house.csv", "--out", "living")
+    assert 'stamps = "start"' in about.read_text()
+
+
 def on_the_wall(utc: pd.DataFrame) -> pd.DataFrame:
     """The same with stamps of a clock in Tallinn that is put forward and back."""
     wall = utc.index.tz_localize("UTC").tz_convert("Europe/Tallinn").tz_localize(None)  # type: ignore[attr-defined]

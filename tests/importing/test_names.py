@@ -163,6 +163,16 @@ def test_a_switch_in_per_cent_is_the_output_where_its_name_says_controller(name:
     assert found[channel].is_sure is (channel == "control_output")
 
 
+def test_a_valve_that_rests_for_a_day_before_it_moves_is_seen_as_what_it_is() -> None:
+    count = 150_000
+    position = np.where(np.arange(count) < 110_000, 0.0, (np.arange(count) % 600) / 600.0)
+    rows = np.arange(count)
+    logged = Logged("valve position", "house.csv", rows * 1_000_000_000, position, rows, "", False, False)
+    (found,) = seen([logged], {})
+    assert not found.is_binary
+    assert found.distinct == 600
+
+
 @pytest.mark.parametrize(
     ("largest", "step", "channels"), [(255, 1.0, ["displacement"]), (251, 1.0, []), (255, 0.5, []), (400, 1.0, [])]
 )

@@ -233,7 +233,7 @@ def _answered(match: Match, entities: Sequence[Seen], ask: Ask, notes: Notes) ->
     """Return the entity of a channel that is in doubt, "" for none."""
     fitting = [match.seen.entity, *match.rivals]
     option = f"--map {match.channel}="
-    if match.rivals and match.why.startswith("values alone"):
+    if match.rivals and match.is_by_values:
         notes.warn(
             f"{match.channel} may be any of {listed(fitting, NAMED)}, by their values alone: none is taken; "
             f"say {option}NAME"
@@ -269,7 +269,7 @@ def _tell_unseen_room(request: Request, entities: Sequence[Seen], matches: Mappi
 
 def _or_output(match: Match) -> str:
     """Say what else a signal may be that nothing but its values tells."""
-    if match.channel != "heating_signal" or not match.why.startswith("values alone"):
+    if match.channel != "heating_signal" or not match.is_by_values:
         return ""
     return f" (if a controller asks for it, say {shlex.join(['--map', f'control_output={match.seen.entity}'])})"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from waxstudy.dataset.notes import Notes
 from waxstudy.importing import units
 from waxstudy.importing.asking import Ask, Question
 from waxstudy.importing.holding import NS, UNIFORM, Grid, Rhythm, on_grid, rhythm, silences, threshold
-from waxstudy.importing.limits import COARSER, DIGITS, FINEST_S, FOREVER_S, HELD, LOW_FLOW, USUAL_S
+from waxstudy.importing.limits import AVERAGED_S, COARSER, DIGITS, FINEST_S, FOREVER_S, HELD, LOW_FLOW, USUAL_S
 from waxstudy.importing.matching import Match
 from waxstudy.importing.rates import Rises, rates_on, rises
 from waxstudy.importing.reading import Logged, refusal
@@ -59,6 +59,7 @@ def channels_of(
     made = {channel: _made(match, stated, notes) for channel, match in matches.items()}
     made = {channel: _while_alive(each, entities) for channel, each in made.items()}
     grid = _grid(request, made)
+    _tell_stamps(made.values(), grid, notes)
     columns, noise = {}, {}
     for channel, each in made.items():
         columns[channel], sd = _on_grid(each, grid, request.hold_s, notes)
@@ -125,7 +126,7 @@ def _made(match: Match, stated: Mapping[str, str], notes: Notes) -> _Made:
     try:
         how = units.conversion("1" if each.logged.is_words else taken or "1", quantity)
     except ValueError as error:
-        more = f"say what one is: --unit '{each.entity}=10 L'" if "pulses" in str(error) else mend
+        more = f"say what one is: --unit '{each.entity}=10 L'" if isinstance(error, units.CountsPulses) else mend
         raise refusal(each.logged.where, f"{each.entity}: {error}", more) from error
     if how is None:
         wrong = f"{each.entity} is in '{taken}', which is no unit of {match.channel} [{UNITS[quantity]}]"
@@ -208,6 +209,16 @@ def _grid(request: Request, made: Mapping[str, _Made]) -> Grid:
         wrong = f"{span} there are {end - begin + 1} intervals of {interval_s:g} s"
         raise refusal(str(request.sources[0]), wrong, "say --interval '5 min'")
     return Grid((np.arange(begin, end + 1) * step + phase).astype(np.int64), step)
+
+
+def _tell_stamps(made: Iterable[_Made], grid: Grid, notes: Notes) -> None:
+    """Say how stamps of long intervals are taken, where no source says what they stamp."""
+    interval_s = grid.step_ns / NS
+    if interval_s >= AVERAGED_S and not any(each.logged.is_mean for each in made):
+        notes.assume(
+            f"A row every {interval_s / 60.0:g} min is taken as of its stamp, and flow and gains as means up to it. If "
+            'rows are stamped where their interval starts, add stamps = "start" to [dataset] of dataset.toml.'
+        )
 
 
 def _phase(regular: Sequence[_Made], step: int) -> int:

@@ -18,6 +18,7 @@ FINER, COARSER = 0.67, 1.5  # of the grid's interval: between them readings go t
 ON_GRID = 0.9  # share of readings that lie on the grid: they are of the intervals that end there
 THRESHOLD = 0.1  # quantile of the changes that are logged, which is near their threshold
 LEAST_KNOWN = 0.5  # of an interval, for its mean
+AVERAGED_S = 900.0  # between readings by the clock, from which on they may be means, stamped at either end
 
 # --- how long a value stands
 HOLD_S = 6 * 3600.0  # that a value is held which is logged when it changes: a house is logged that often as a rule

@@ -41,6 +41,8 @@ class Match:
     confidence: float  # 0 to 1
     why: str
     rivals: tuple[str, ...] = ()  # entities that fit equally well
+    is_by_values: bool = False  # no name tells it
+    is_stated: bool = False
 
     @property
     def is_sure(self) -> bool:
@@ -50,7 +52,11 @@ class Match:
 def matched(entities: Sequence[Seen], stated: Mapping[str, str], room: str) -> dict[str, Match]:
     """Return the proposal: an entity at most for each channel; what was stated goes first, an empty name is none."""
     by_name = {each.entity: each for each in entities}
-    found = {channel: Match(channel, by_name[entity], 1.0, "stated") for channel, entity in stated.items() if entity}
+    found = {
+        channel: Match(channel, by_name[entity], 1.0, "stated", is_stated=True)
+        for channel, entity in stated.items()
+        if entity
+    }
     free = [each for each in entities if each.entity not in stated.values()]
     open_channels = [channel for channel in CHANNELS if channel not in stated]
     scores = [match for each in free for channel in open_channels if (match := _match(each, channel, room))]
@@ -72,7 +78,7 @@ def matched(entities: Sequence[Seen], stated: Mapping[str, str], room: str) -> d
 def _flow_and_return(found: dict[str, Match]) -> dict[str, Match]:
     """Return a flow without a unit, beside a return, as the supply temperature that it may be: it is called so, too."""
     flow, back = found.get("flow_L_h"), found.get("return_temperature_C")
-    if flow is None or back is None or "supply_temperature_C" in found or flow.confidence == 1.0:
+    if flow is None or back is None or "supply_temperature_C" in found or flow.is_stated:
         return found
     seen, of_back = flow.seen, back.seen
     is_warmer = of_back.median <= seen.median < WARMEST_C and seen.low >= COLDEST_C
@@ -89,7 +95,8 @@ def _match(each: Seen, channel: str, room: str) -> Match | None:
     if is_like is None:
         return None
     score, why = _by_name(each, channel)
-    if score == 0.0 and by_values(each, channel, quantity) and not _names_another(each, channel):
+    is_by_values = score == 0.0 and by_values(each, channel, quantity) and not _names_another(each, channel)
+    if is_by_values:
         score, why = BY_VALUES, ["values alone"]
         if channel in TWICE and each.following > FOLLOWING:
             why.append(f"follows the valve (correlation {each.following:.2f})")
@@ -106,7 +113,9 @@ def _match(each: Seen, channel: str, room: str) -> Match | None:
         score += VALUES if is_like else -STRANGE
     why.append(each.range_words + ("" if is_like else ", strange for it"))
     score += _by_room(each, channel, room) if room else 0.0
-    return Match(channel, each, round(min(score, MOST_SURE), 2), "; ".join(why)) if score >= LEAST_SURE else None
+    if score < LEAST_SURE:
+        return None
+    return Match(channel, each, round(min(score, MOST_SURE), 2), "; ".join(why), is_by_values=is_by_values)
 
 
 def _by_room(each: Seen, channel: str, room: str) -> float:
@@ -135,7 +144,7 @@ def _names_another(each: Seen, channel: str) -> bool:
 
 def _water(found: dict[str, Match]) -> dict[str, Match]:
     """Return supply and return the right way round, where values alone told that both are water."""
-    if set(TWICE) <= set(found) and all(found[name].why.startswith("values alone") for name in TWICE):
+    if set(TWICE) <= set(found) and all(found[name].is_by_values for name in TWICE):
         supply, back = (found[name] for name in TWICE)
         if back.seen.high > supply.seen.high:  # heat is given off between them
             found |= {TWICE[0]: replace(back, channel=TWICE[0]), TWICE[1]: replace(supply, channel=TWICE[1])}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -59,9 +59,6 @@ class Logged(NamedTuple):
 
 class NoStamps(StudyError):
     """A table has no column of stamps: it is none of readings."""
-
-
-Layout = Literal["wide", "long"]
 
 
 def refusal(where: str, wrong: str, mend: str = "", *, row: Hashable = 0, key: str = "", value: str = "") -> StudyError:

@@ -83,11 +83,11 @@ def _looked_at(logged: Logged, stated: str) -> Seen:
     if _may_be_C(stated or logged.unit) and (measured := known[~power_on(known)]).size:
         known = measured
     low, median, high = (float(each) for each in np.quantile(known, (0.01, 0.5, 0.99)))
-    few = np.unique(known[:100_000])
+    different = np.unique(known)
     why = STATED if stated else IN_FILE if logged.unit else ""
-    is_binary = len(few) <= 2 and set(few) <= {0.0, 1.0, 100.0}
+    is_binary = len(different) <= 2 and set(different) <= {0.0, 1.0, 100.0}
     unit = stated or logged.unit
-    return Seen(logged, low, median, high, len(few), is_binary, is_counter(known), unit, why)
+    return Seen(logged, low, median, high, len(different), is_binary, is_counter(known), unit, why)
 
 
 def _may_be_C(unit: str) -> bool:

@@ -41,6 +41,10 @@ FULL_V = 10.0  # of a signal of 0 to 10 V
 FULL_BYTE = 255.0  # of a level in eight bits, as KNX counts per cent (data point type 5.001)
 
 
+class CountsPulses(ValueError):
+    """What is written are pulses, and nobody says what one of them is."""
+
+
 class Conversion(NamedTuple):
     """value in the channel's unit = scale times what is written, plus offset; of a counter: its increase."""
 
@@ -102,7 +106,7 @@ def _quantity(unit: str) -> Any:
 
     text = unit.strip()
     if text.lower() in PULSES:
-        raise ValueError(f"'{unit}' are pulses, and nobody knows what one of them is")
+        raise CountsPulses(f"'{unit}' are pulses, and nobody knows what one of them is")
     text = WRITTEN.get(text.lower(), text)
     if not PLAIN.fullmatch(text):
         raise ValueError(f"'{unit}' is no unit that is known")
