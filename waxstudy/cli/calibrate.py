@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from waxstudy.cli.bar import bar
-from waxstudy.cli.errors import INTERRUPTED, INVALID, PLUGIN, CommandError
+from waxstudy.cli.errors import INTERRUPTED, CommandError
 from waxstudy.cli.existing import Existing, Written
 from waxstudy.cli.fit.common import printed, refuse_targets, refuse_unwritable, write
 from waxstudy.cli.output import Command, print_out
@@ -18,7 +18,6 @@ from waxstudy.simulation.threads import use_one_thread
 if TYPE_CHECKING:
     from waxstudy.diagnosis.calibration.room import CalibratedRoom
 
-MARK = "SIMULATED: its record comes from a simulation, no house was measured."
 OUT = "TOML file that a study can take its room from."
 
 
@@ -50,19 +49,15 @@ def command(dataset: Path, out: Path, as_json: bool, quiet: bool) -> None:
 def _calibrated(dataset: Path) -> CalibratedRoom:
     from waxstudy.dataset.read import read_dataset
     from waxstudy.diagnosis.diagnose import calibrated_room
-    from waxstudy.study.problems import StudyError
 
-    try:
-        with failures(dataset / "dataset.toml", dataset):
-            return calibrated_room(read_dataset(dataset))
-    except StudyError as error:
-        raise CommandError(str(error), PLUGIN if error.is_plugin_fault else INVALID, label="") from error
+    with failures(dataset / "dataset.toml", dataset):
+        return calibrated_room(read_dataset(dataset))
 
 
 def _fragment(found: CalibratedRoom) -> str:
     from waxstudy.identification.fragment import text_of
 
-    return text_of("room", found.room.described(), found.about(), MARK)
+    return text_of("room", found.room.described(), found.about(), f"Its record: {found.origin}" if found.origin else "")
 
 
 def _json(found: CalibratedRoom) -> str:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import click
 
-from waxstudy.cli.errors import FAILED, USAGE, CommandError
+from waxstudy.cli.errors import USAGE, CommandError
 from waxstudy.cli.existing import Existing, Written
-from waxstudy.cli.output import Command, print_out, terminal
+from waxstudy.cli.output import Command, print_out, terminal, write_file
 from waxstudy.cli.simulating import failures, progress
 from waxstudy.cli.study import known, load_study
 
@@ -55,7 +55,7 @@ def command(
     from waxstudy.results.json_text import json_text
 
     if out is not None:
-        _write(out, as_html(found))
+        write_file(out, as_html(found))
     text = json_text(told_as_json(found)) if as_json else ""
     print_out(text or f"{summary(found)}\n{formats.terminal(tables(found), notes(found), *terminal())}")
 
@@ -64,13 +64,3 @@ def _refuse_unwritable(out: Path) -> None:
     """Say before the work, not after it, that the page could not be written."""
     if out.is_dir() or not out.absolute().parent.is_dir() or not os.access(out.absolute().parent, os.W_OK | os.X_OK):
         raise CommandError(f"{out}: no file can be written there", USAGE)
-
-
-def _write(out: Path, text: str) -> None:
-    from waxstudy.results.atomic import whole_file
-
-    try:
-        with whole_file(out) as path:
-            path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise CommandError(f"{out}: cannot be written: {os.strerror(error.errno or 0)}", FAILED) from error

@@ -46,14 +46,15 @@ def actuator_block(coefficients: Mapping[str, Value]) -> dict[str, Any]:
     return {"use": ACTUATOR, **allowed(coefficients)[0]}
 
 
-def text_of(kind: str, block: Mapping[str, Any], about: Mapping[str, Any], mark: str = MARK) -> str:
+def text_of(kind: str, block: Mapping[str, Any], about: Mapping[str, Any], origin: str = "") -> str:
     """Return a fragment: the block as a study names it, and `[fit]`, which a study does not read.
 
-    `mark` is what it says first where its records were simulated.
+    It says first where its records come from, if that is told or they were simulated by the virtual bench.
     """
     import tomli_w
 
-    marked = f"# {mark}\n" if about.get("simulated") else ""
+    says = MARK if about.get("simulated") else origin
+    marked = "".join(f"# {line}\n" for line in says.splitlines())
     use = f'# In a study: {kind} = {{ from = "THIS FILE" }}\n'
     fit = {"waxstudy": __version__, **about}
     return f"{marked}{use}{tomli_w.dumps({kind: dict(block), 'fit': fit})}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,7 +49,3 @@ def errors_of(record: Record, opening: FloatArray) -> Errors:
     """Return the errors where the record has no gap."""
     wrong = (opening - record.opening)[~record.missing]
     return Errors(float(np.mean(np.abs(wrong))), float(np.sqrt(np.mean(wrong**2))))
-
-
-def mean_of(errors: Sequence[Errors]) -> float:
-    return float(np.mean([each.mae for each in errors])) if errors else float("nan")

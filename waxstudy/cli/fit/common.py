@@ -65,7 +65,7 @@ def refuse_unwritable(out: Path) -> None:
         raise CommandError(f"{out}: the name of a file that ends in .toml is needed", USAGE)
     if not out.parent.is_dir() or not os.access(out.parent, os.W_OK | os.X_OK):
         raise CommandError(f"{out}: {out.parent} is no folder to write to", USAGE)
-    refuse_targets((out, *beside(out)), ())
+    refuse_targets((out,), ())
 
 
 def refuse_targets(targets: Iterable[Path], inputs: Iterable[Path]) -> None:

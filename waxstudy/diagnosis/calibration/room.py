@@ -34,10 +34,6 @@ class CalibratedRoom:
         told = list(calibrated(calibration, documented))
         return cls(dataset, origin, days, room, told, list(fits(calibration)), list(doubts(calibration, documented)))
 
-    @property
-    def is_simulated(self) -> bool:
-        return "simulat" in self.origin.lower()
-
     def about(self) -> dict[str, Any]:
         """Return what a fragment tells of its calibration, in TOML's words, which have no NaN for what is not known."""
         intervals = {
@@ -49,7 +45,6 @@ class CalibratedRoom:
             "dataset": self.dataset,
             "origin": self.origin,
             "days": list(self.days),
-            **({"simulated": True} if self.is_simulated else {}),
             # what drives the room, and the chain: no part of a room
             "beside": list(dict.fromkeys(e.sentence for e in self.as_built if e.part != "room" and e.is_clear)),
             "warnings": list(self.warnings),

@@ -23,7 +23,7 @@ def notes(found: CalibratedRoom) -> list[str]:
         f"{found.dataset}, {first} to {last}: 95 % intervals; values of the control chain have none.",
         *(f"no part of a room, and not in the file: {sentence}" for sentence in beside),
         *(f"warning: {warning}" for warning in found.warnings),
-        *(["The record was simulated, no house was measured."] if found.is_simulated else []),
+        *([f"Origin of the record: {found.origin}"] if found.origin else []),
     ]
 
 
