@@ -12,7 +12,6 @@ from waxstudy_paper.actuators import PRODUCTS, ConstantTimes, IdealActuator, Var
 
 STEADY = "chosen: Table 2, product B, in the steady 15-15 min profile"
 TABLE_2 = "Table 2, product B"
-COEFFICIENTS = tuple(PRODUCTS["B"])
 MOST_PAST = 1.2  # of product B's dependence on the past, with which a dead time may just vanish
 
 

@@ -14,8 +14,9 @@ from tests.diagnosis.realities import EFFECTS, dataset, effects, planted, rows
 from tests.diagnosis.test_calibration import DAYS, of_room
 from waxstudy.diagnosis.diagnose import QUICK, record_of
 from waxstudy.diagnosis.estimate.estimator import Estimator
-from waxstudy.diagnosis.estimate.parameter_space import Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import Space
 from waxstudy.diagnosis.estimate.solver import MOST_SD, LeastSquares
+from waxstudy.diagnosis.model.edits import Values
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem

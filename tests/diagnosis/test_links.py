@@ -52,7 +52,7 @@ def test_the_free_loop_takes_the_recorded_supply_as_it_is() -> None:
     selection: Any = SimpleNamespace(segment=curve, before=model, after=model)
     work: Any = SimpleNamespace(belief=believed)
     assert believed.inputs
-    there = _believed(work, [selection], with_effects=True).inputs
+    there = _believed(work, [selection], is_after=True).inputs
     assert there
     assert there.supply_C.tolist() == believed.inputs.supply_C.tolist()
 

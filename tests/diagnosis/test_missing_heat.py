@@ -157,7 +157,7 @@ def test_what_a_sentence_says_of_a_sign_is_told_in_words() -> None:
     less = "On average 45 W (40 to 50) of heat are missing in the room."
     assert sentence(heat, []) == less
     with_it = f"{less} With infiltration"
-    assert sentence(heat, ["infiltration"]) == f"{with_it} none stays as far as can be told (-6 to 2 W)."
+    assert sentence(heat, ["infiltration"]) == f"{with_it} none stays as far as can be told (-6.0 to 2.0 W)."
     for after, words in ((-20.0, "20 W (16 to 24) of it stay."), (20.0, "20 W (16 to 24) are too much.")):
         known = replace(heat, mean_after=Interval(after, after - 4.0, after + 4.0))
         assert sentence(known, ["infiltration"]) == f"{with_it} {words}"

@@ -446,7 +446,7 @@ def test_a_group_is_split_by_the_channel_between_its_stages_or_by_a_closer_look(
 
 def test_what_was_never_excited_asks_for_more_days() -> None:
     seen, _, cut = ready()
-    reason = "nothing in this record would look different with it, unless it were large"
+    reason = "this record would look the same with it, unless it were large"
     unseen = [Untestable("let-by", reason, Lack.NOT_EXCITED)]
     assert list(next_measurements(cut, [], unseen, {}, seen))[-1].splits == ["let-by"]
 

@@ -27,8 +27,8 @@ from waxstudy.dataset.tables import Site
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.diagnose import diagnose, record_of
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.model.as_built import AsBuilt, knobs
+from waxstudy.diagnosis.model.edits import Edits
 from waxstudy.diagnosis.model.nuisance import Nuisance, habits, nuisances, of_record
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import segments

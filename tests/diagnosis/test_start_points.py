@@ -11,9 +11,10 @@ import pytest
 
 from tests.diagnosis.realities import EFFECTS, study
 from waxstudy.diagnosis.estimate.hypothesis import Residual
-from waxstudy.diagnosis.estimate.parameter_space import Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import Space
 from waxstudy.diagnosis.estimate.start_points import StartPoints
 from waxstudy.diagnosis.model.conventions import BEFORE, PLAIN, Convention
+from waxstudy.diagnosis.model.edits import Values
 from waxstudy.plugin import Belief
 from waxstudy_effects.controller import lasting_h
 

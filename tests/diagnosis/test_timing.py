@@ -13,10 +13,10 @@ from tests.diagnosis.realities import EFFECTS, Effects, belief, effects, plain, 
 from waxstudy.diagnosis.calibration.healthy import AsBelieved
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import AFTER, RAW, Convention
+from waxstudy.diagnosis.model.edits import Edits
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT

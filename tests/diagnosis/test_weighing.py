@@ -28,7 +28,15 @@ from waxstudy.diagnosis.observations.partition import ALL, FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import _of_form, _price
-from waxstudy.diagnosis.select.changed import Choice, _may_be_blurred, _without, best_of, changed, in_place, likeliest
+from waxstudy.diagnosis.select.changed import (
+    Choice,
+    _may_be_blurred,
+    _without,
+    best_with,
+    changed,
+    in_place,
+    likeliest_with,
+)
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.gain_spread import gain_spread, strength
 from waxstudy.diagnosis.select.patterns import patterns
@@ -695,7 +703,7 @@ def told_of(
     weighing = SimpleNamespace(weighed=lambda: weighed, estimator=SimpleNamespace(followed=None, thorough=1.0))
     monkeypatch.setattr(place + "Weighing", lambda *given: weighing)
     monkeypatch.setattr(place + "posterior", lambda weighed: beliefs)
-    for way in ("best_of", "likeliest"):
+    for way in ("best_with", "likeliest_with"):
         monkeypatch.setattr(place + way, lambda all_, names: next(w for w in all_ if set(w.names) == set(names)))
     monkeypatch.setattr(place + "_tried", lambda *given: [])
     monkeypatch.setattr(place + "_of_all_days", lambda *given: (None, {}))
@@ -735,7 +743,7 @@ def test_of_hypotheses_with_the_same_names_that_with_fewer_effects_is_told() -> 
     for each in (alone, beside):
         each.always, each.misfit, each.price = 0.0, 0.0, 1.0
     given: Any = [beside, alone]
-    assert best_of(given, ["a"]) is alone
+    assert best_with(given, ["a"]) is alone
 
 
 def test_what_leaves_least_without_an_effect_may_have_others_too_small_for_a_name() -> None:
@@ -747,7 +755,7 @@ def test_what_leaves_least_without_an_effect_may_have_others_too_small_for_a_nam
     for each in (plain, with_small, other):
         each.always, each.misfit, each.price = 0.0, 0.0, 1.0
     given: Any = [plain, with_small, other]
-    assert likeliest(given, []) is with_small
+    assert likeliest_with(given, []) is with_small
 
 
 @pytest.mark.parametrize(

@@ -381,6 +381,6 @@ LACKING_HEAT = MissingHeat(
         ),
     ),
     per=(HeatPer("outdoor difference", "W/K", Interval(-3.1, -4.1, -2.1), Interval(0.1, -0.8, 1.0), 0.47),),
-    sentence=f"{LACK} kelvin. With let-by none stays as far as can be told (-4 to 8 W).",
+    sentence=f"{LACK} kelvin. With let-by none stays as far as can be told (-4.0 to 8.0 W).",
     is_resolved=True,
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain
 from math import nan
 
@@ -19,8 +20,9 @@ from waxstudy.diagnosis.consequence.impact import impact
 from waxstudy.diagnosis.consequence.missing_heat import missing_heat
 from waxstudy.diagnosis.consequence.regimes import regimes
 from waxstudy.diagnosis.consequence.times import when
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
-from waxstudy.diagnosis.model.as_built import AsBuilt, in_order
+from waxstudy.diagnosis.estimate.parameter_space import Space
+from waxstudy.diagnosis.model.as_built import AsBuilt
+from waxstudy.diagnosis.model.edits import EffectType, Values, with_effects
 from waxstudy.diagnosis.model.room_response import built
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK, parts_of
@@ -50,6 +52,7 @@ from waxstudy.diagnosis.select.stated import stated
 from waxstudy.diagnosis.select.testability import doubts_of_sampling, next_measurements, separating, uncovered, unshown
 from waxstudy.diagnosis.select.unexplained import slight, stage_of, unexplained
 from waxstudy.diagnosis.sentences import Stages, filled_in, logged, needless, summary, warned, why_not
+from waxstudy.diagnosis.traces import traces
 from waxstudy.plugin import STAGES, Belief
 
 
@@ -59,7 +62,7 @@ class Work:
 
     dataset: Dataset
     record: Record
-    belief: Belief
+    documented: Belief  # what the documents say
     effects: Sequence[EffectType]
     seed: int
     thorough: float
@@ -75,10 +78,10 @@ class Work:
         """The links of a healthy record, by name."""
         return self.calibration.healthy if self.calibration else {}
 
-    @property
-    def documented(self) -> Belief:
-        """What the documents say, where a healthy record says otherwise."""
-        return self.dataset.believed(self.record.inputs if self.record.has_inputs else None)
+    @cached_property
+    def belief(self) -> Belief:
+        """The loop as it was built, as far as a healthy record tells."""
+        return self.as_built.believed(self.documented) if self.as_built else self.documented
 
 
 def of_segment(segment: Segment, effects: Sequence[EffectType]) -> list[EffectType]:
@@ -135,7 +138,7 @@ def assembled(
         missing_heat=heat,
         posterior=joint(beliefs),
         not_judged=judged.not_judged,
-        traces=_traces(work, selections),
+        traces=traces(work.record, work.dataset.time, selections),
     )
 
 
@@ -168,7 +171,7 @@ def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
     yield from doubts(work.calibration, work.documented)
     for segment in (each for each in cut if not each.is_supply):
         if (healthy := work.calibration.healthy.get(segment.name)) is None:
-            yield f"too little happened at {segment.name} in the baseline: there what is stated is compared"
+            yield f"too little happened at {segment.name} in the baseline: it is compared with what is stated"
             continue
         judged = {each.channel for each in healthy.fitted.residuals}
         for channel in (each for each in segment.judged if each not in judged):
@@ -232,7 +235,7 @@ def _stages(
     work: Work, selection: Selection, beliefs: Mapping[str, float], selections: Sequence[Selection]
 ) -> Iterator[StageGap]:
     segment = selection.segment
-    believed = _believed(work, selections, with_effects=False)
+    believed = _believed(work, selections, is_after=False)
     for before, after in zip(selection.before.residuals, selection.after.residuals, strict=True):
         yield StageGap(
             stage=stage_of(selection, before.channel),
@@ -321,20 +324,19 @@ def _judged(selections: Sequence[Selection], untestable: Sequence[Untestable], s
     return Stages(*([stage for stage in STAGES if stage in some] for some in (judged, others)))
 
 
-def _believed(work: Work, selections: Sequence[Selection], with_effects: bool) -> Belief:
+def _believed(work: Work, selections: Sequence[Selection], is_after: bool) -> Belief:
     """Return what is believed, its room as fitted and its sun as read, with or without the effects found."""
     belief = work.belief
     # what lies between the heating curve and the recorded supply is in the record already
     of_loop = [each for each in selections if not each.segment.is_supply]
     for selection in sorted(of_loop, key=lambda s: not s.segment.with_room):
-        model = selection.after if with_effects else selection.before
+        model = selection.after if is_after else selection.before
         if selection.segment.with_room:
             belief = selection.problem.edited((), model.departures)
             assert belief.inputs
             factor = model.convention.solar_factor
             belief = replace(belief, inputs=replace(belief.inputs, solar_W=factor * belief.inputs.solar_W))
-        for effect, values in in_order(model.effects):
-            belief = effect.apply(belief, effect.Parameters(**values))
+        belief = with_effects(belief, model.effects)
     return belief
 
 
@@ -342,7 +344,7 @@ def _closed_loop(work: Work, selections: Sequence[Selection]) -> Mapping[str, Be
     has_room = any(selection.segment.with_room for selection in selections)
     if not has_room or "controller" not in work.belief.blocks or not work.record.has("setpoint_C"):
         return {}
-    before, after = (_believed(work, selections, with_effects) for with_effects in (False, True))
+    before, after = (_believed(work, selections, is_after) for is_after in (False, True))
     return closed_loop(work.record, before, after)
 
 
@@ -371,29 +373,3 @@ def _parts(work: Work, selections: Sequence[Selection]) -> Mapping[str, Sequence
         if len(chosen):
             found[name] = [str(days[chosen[0]]), str(days[chosen[-1]])]
     return found
-
-
-def _traces(work: Work, selections: Sequence[Selection]) -> pd.DataFrame:
-    """Return measured, before and after of each judged channel, on the record's samples."""
-    columns: dict[str, np.ndarray] = {}
-    count = len(work.record)
-    for selection in selections:
-        problem = selection.problem
-        for name, model in (("before", selection.before), ("after", selection.after)):
-            belief = problem.edited(model.effects, model.departures)
-            predicted = problem.predicted(belief, model.convention)
-            for channel, values in predicted.items():
-                columns[f"{channel}_measured"] = work.record.metered(channel, work.record.values[channel])
-                columns[f"{channel}_{name}"] = _spread(values, count)
-        for channel in predicted if selection.course is not None else ():
-            before, after = (columns[f"{channel}_{name}"] for name in ("before", "after"))
-            columns[f"{channel}_after"] = before + selection.course * (after - before)
-    return pd.DataFrame(columns, index=work.dataset.time)
-
-
-def _spread(values: np.ndarray, count: int) -> np.ndarray:
-    """Return a prediction on every sample: means over quarters of an hour are held."""
-    if len(values) == count:
-        return values
-    index = np.minimum(np.arange(count) * len(values) // count, len(values) - 1)
-    return np.asarray(values[index])

@@ -19,8 +19,8 @@ from waxstudy.diagnosis.calibration.room import CalibratedRoom
 from waxstudy.diagnosis.calibration.stored import calibrated as stored
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.ladder_effects import ladder_effects
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.model.room_response import OF_ROOM, built
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.neighbours.judge import judged
@@ -62,8 +62,8 @@ def diagnose(
     """
     work = _work(dataset, baseline, seed, QUICK if quick else 1.0, study)
     cut, short = _cut(work)
-    judged = [segment for segment in cut if segment not in short]
-    selections = list(_selections(work, judged, tick or (lambda what, share: None)))
+    long_enough = [segment for segment in cut if segment not in short]
+    selections = list(_selections(work, long_enough, tick or (lambda what, share: None)))
     return _with_neighbours(assembled(work, cut, short, selections, quick), dataset, tick or (lambda what, share: None))
 
 
@@ -92,9 +92,7 @@ def _work(
     # the steps of a study are made as it is read, and no cache can tell them
     calibration = calibrated(baseline, effects, thorough, is_kept=study is None) if baseline else None
     calibration = calibration.seen_in(record) if calibration else None
-    belief = _documented(dataset, record)
-    belief = calibration.as_built.believed(belief) if calibration else belief
-    return Work(dataset, record, belief, effects, seed, thorough, calibration, baseline)
+    return Work(dataset, record, _documented(dataset, record), effects, seed, thorough, calibration, baseline)
 
 
 def _cut(work: Work) -> tuple[list[Segment], dict[Segment, str]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Any
 
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.plugin import CHAIN, Belief, Choice, Effect, Parameters
 from waxstudy.study.model import Case, Study
 

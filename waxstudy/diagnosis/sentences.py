@@ -89,7 +89,9 @@ def why_not(selection: Selection, candidate: Candidate) -> str:
     for each in selection.withdrawn:
         if name in each.found.group:
             return each.criterion.name
-    return candidate.why_not or ("another explains more" if selection.found else "another was better, and withdrawn")
+    return candidate.why_not or (
+        "another explains more" if selection.found else "another effect fitted better, but could not be kept"
+    )
 
 
 def warned(selections: Sequence[Selection]) -> Iterator[str]:
@@ -98,7 +100,7 @@ def warned(selections: Sequence[Selection]) -> Iterator[str]:
         yield from map(_withdrawn, selection.withdrawn)
         for found in () if selection.problem.holds_out else selection.found:
             name = found.effect.name
-            yield f"{name} shows in the last days only: they took part in finding it, none are held out"
+            yield f"{name} shows in the last days only: these helped to find it, so no held-out days confirm it"
 
 
 def _withdrawn(each: Withdrawn) -> str:
@@ -149,7 +151,8 @@ def _clause(sentence: str) -> str:
 
 def filled_in(dataset: Dataset, record: Record, room: LinearRoom | None) -> Iterator[str]:
     """Yield a sentence for each input of the room that was not recorded, or not all the time, and what stands in."""
-    if "setpoint_C" in dataset.values and dataset.values["setpoint_C"].isna().iloc[0]:
+    setpoint_C = dataset.values.get("setpoint_C")
+    if setpoint_C is not None and setpoint_C.notna().any() and setpoint_C.isna().iloc[0]:
         yield "setpoint_C begins later than the record: its first value is taken for the time before."
     if room is None or not record.has_inputs:
         return

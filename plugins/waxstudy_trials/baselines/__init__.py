@@ -7,7 +7,7 @@ from typing import Any
 
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import record_of
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Belief
 

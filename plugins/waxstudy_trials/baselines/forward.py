@@ -11,7 +11,7 @@ from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import installed_effects
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem

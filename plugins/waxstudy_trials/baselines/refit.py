@@ -10,7 +10,8 @@ import numpy as np
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.consequence.closed_loop import STEP_S
 from waxstudy.diagnosis.diagnose import installed_effects
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space
+from waxstudy.diagnosis.estimate.parameter_space import Space
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.model.room_response import built, coarsened, merging
 from waxstudy.diagnosis.observations.record import DAY_S, Record
 from waxstudy.plugin import Belief, FloatArray, SimulationError

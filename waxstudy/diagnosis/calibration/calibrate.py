@@ -11,12 +11,12 @@ import numpy as np
 from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room, least_usual, scatter_of_weeks, together
 from waxstudy.diagnosis.estimate.estimator import Estimator, Followed
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.estimate.start_points import Screen
 from waxstudy.diagnosis.model.as_built import AsBuilt, Left, knobs
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
+from waxstudy.diagnosis.model.edits import Edits
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
 from waxstudy.diagnosis.model.room_response import OF_ROOM
 from waxstudy.diagnosis.model.segments import Segment, segments
@@ -207,7 +207,7 @@ def _left_of(fitted: Hypothesis) -> dict[str, Left]:
 
 
 def _left(residual: Residual) -> Left:
-    return Left(residual.gap(), float(np.sqrt(residual.loss() / max(1, int(residual.judged.sum())))))
+    return Left(residual.gap(), residual.whitened_rms)
 
 
 def _of_motion(motion: Residual) -> Left:
@@ -267,7 +267,7 @@ def _fitted(problem: SegmentProblem) -> Hypothesis:
     """Return the best fit of a chain to the whole record; noise of its drive counts against no way to read it."""
     estimator, start = Estimator(problem), np.zeros(len(problem.sd))
     tried = [estimator.nuisance_fit((), start, way, ALL) for way in problem.conventions]
-    best = _best(estimator, tried, is_fair=True)
+    best = estimator.best(tried, ALL)
     return _polished(estimator, best) if len(start) else best
 
 
@@ -324,16 +324,7 @@ def _polished(estimator: Estimator[SegmentProblem], fitted: Hypothesis) -> Hypot
         bounds=[(-MOST_SD, MOST_SD)] * len(sd),
         options={"initial_simplex": corners, "maxfev": POLISHED * len(sd), "xatol": CLOSE_SD, "fatol": CLOSE_LOSS},
     )
-    return _best(estimator, [fitted, at(found.x)])
-
-
-def _best(
-    estimator: Estimator[SegmentProblem], tried: Sequence[Hypothesis | None], is_fair: bool = False
-) -> Hypothesis:
-    done = [each for each in tried if each is not None]
-    if not done:
-        raise ValueError(f"what is believed of {estimator.problem.name} cannot be simulated")
-    return min(done, key=lambda each: (estimator.fair_score if is_fair else estimator.score)(each, ALL))
+    return estimator.best([fitted, at(found.x)], ALL, is_fair=False)
 
 
 def _settled(problem: SegmentProblem, fitted: Hypothesis) -> Hypothesis:
@@ -350,7 +341,7 @@ def _followed(problem: SegmentProblem, last: Followed | None) -> Followed:
     found = estimator.follow(np.zeros(len(problem.sd)), first, ALL)
     start, slopes = found.fitted.departures, found.slopes
     tried = [estimator.nuisance_fit((), start, way, ALL, slopes) for way in others]
-    return replace(found, fitted=_best(estimator, [found.fitted, *tried]))
+    return replace(found, fitted=estimator.best([found.fitted, *tried], ALL, is_fair=False))
 
 
 def _discrepancies(problem: SegmentProblem, fitted: Hypothesis, ahead: Hypothesis) -> dict[str, Discrepancy]:

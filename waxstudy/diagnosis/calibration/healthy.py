@@ -12,9 +12,9 @@ import numpy as np
 from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import Edits
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
+from waxstudy.diagnosis.model.edits import Edits
 from waxstudy.diagnosis.residuals.noise_floor import PERTURBATIONS, of_noise
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.weights import WEIGHTS
@@ -90,9 +90,8 @@ class Healthy:
         count = int(residual.judged.sum()) if residual else 0
         if residual is None or not count:
             return None
-        whitened = float(np.sqrt(residual.loss() / count))
         cycles = len(np.unique(residual.block[residual.judged]))
-        return HealthyLeft(whitened, count, cycles, residual.noise_square, residual.gap())
+        return HealthyLeft(residual.whitened_rms, count, cycles, residual.noise_square, residual.gap())
 
     def usual(self, residual: Residual) -> float:
         """Return what nothing amiss leaves of a sample of a channel, over what it is weighed by; less is luck."""

@@ -26,9 +26,10 @@ from waxstudy.diagnosis.calibration.calibrate import (
 )
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.model.as_built import AsBuilt, in_order, knobs
+from waxstudy.diagnosis.model.as_built import AsBuilt, knobs
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
+from waxstudy.diagnosis.model.edits import with_effects
 from waxstudy.diagnosis.model.nuisance import of_record
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import FIT
@@ -154,9 +155,7 @@ def _of_chain(
     there = replace(known, chain=(*known.chain, *chain))
     named = {effect.name: effect for effect in effects}
     always = [(named[name], values) for name, values in kept["always"] if named[name].stage in segment.stages]
-    believed = there.believed(belief)
-    for effect, values in in_order(always):
-        believed = effect.apply(believed, effect.Parameters(**values))
+    believed = with_effects(there.believed(belief), always)
     parts = np.full(len(record), FIT)
     problem = SegmentProblem(segment, record, believed, as_built=there, unknowns=(), parts=parts)
     fitted = _at(problem, kept)

@@ -9,8 +9,8 @@ import numpy as np
 
 from waxstudy.diagnosis.calibration.calibrate import Calibration
 from waxstudy.diagnosis.criteria import ROOM_STAGES, limits
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
+from waxstudy.diagnosis.model.edits import EffectType, Values
 from waxstudy.diagnosis.model.nuisance import Nuisance
 from waxstudy.diagnosis.result import NORMAL, BaselineFit, Calibrated, Interval, Part
 from waxstudy.diagnosis.weights import WEIGHTS
@@ -163,4 +163,4 @@ def doubts(calibration: Calibration, documented: Belief) -> Iterator[str]:
         if not any(_is_clear(effect, name, value, still.get(name, nan)) for name, value in values.items()):
             continue
         sentence = effect.sentence(effect.Parameters(**values))
-        yield f"the baseline shows {effect.name} as well: it counts as there from the start; is it healthy? {sentence}"
+        yield f"the baseline shows {effect.name} too, so it counts as there from the start; is it healthy? {sentence}"

@@ -43,7 +43,7 @@ def _after(mean: Interval, sign: float, names: Sequence[str]) -> str:
     if not names:
         return ""
     start = f" With {' and '.join(names)}"
-    if not is_off(mean):
+    if not _has_mean(mean):
         return f"{start} none stays as far as can be told ({_range(mean)})."
     way = "of it stay" if mean.value * sign > 0.0 else "are missing" if mean.value < 0.0 else "are too much"
     return f"{start} {_watts(mean, _sign(mean))} {way}."
@@ -93,10 +93,17 @@ def _sign(value: Interval) -> float:
 def _watts(value: Interval, sign: float) -> str:
     """Return watts with their interval, of heat that is missing (-1) or more than believed (1)."""
     ends = sorted((sign * value.low, sign * value.high))
-    places = 0 if max(abs(each) for each in ends) >= 10.0 else 1 if max(abs(each) for each in ends) >= 1.0 else 2
-    figure, low, high = (f"{each:z.{places}f}" for each in (sign * value.value, *ends))
+    figure, low, high = _rounded(sign * value.value, *ends)
     return f"{figure} W ({low} to {high})"
 
 
 def _range(value: Interval) -> str:
-    return f"{value.low:z.0f} to {value.high:z.0f} W"
+    _, low, high = _rounded(value.value, value.low, value.high)
+    return f"{low} to {high} W"
+
+
+def _rounded(value: float, low: float, high: float) -> list[str]:
+    """Return watts with as many decimals as the farther end of their interval deserves."""
+    most = max(abs(low), abs(high))
+    places = 0 if most >= 10.0 else 1 if most >= 1.0 else 2
+    return [f"{each:z.{places}f}" for each in (value, low, high)]

@@ -29,7 +29,7 @@ ASKED_W_M2 = 2.0  # of floor, chosen: what people differ by; pieces are as short
 BINS = 3
 DARK = 0.02  # of the strongest sun in a piece
 FLOWS = 0.1  # least spread of the share of the time in which water flows, to tell one from the other
-HOUR_H = 12.0  # the longest piece that tells hours of the day apart
+LONGEST_OF_DAY_H = 12.0  # the longest piece that tells hours of the day apart
 
 
 def missing_heat(selection: Selection, calibration: Calibration | None, time: pd.DatetimeIndex) -> MissingHeat:
@@ -207,7 +207,7 @@ class Drivers:
 
 
 def _hours(middle_h: float, length_h: float) -> str:
-    if length_h > HOUR_H:
+    if length_h > LONGEST_OF_DAY_H:
         return ""
     from_h = (middle_h - 0.5 * length_h) % 24.0
     return f"{from_h:02.0f} to {from_h + length_h:02.0f} h"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Values
+from waxstudy.diagnosis.model.edits import EffectType, Values
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import When
 from waxstudy.diagnosis.select.days import Days, days_of

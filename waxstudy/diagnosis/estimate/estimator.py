@@ -12,19 +12,11 @@ import numpy as np
 
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
-from waxstudy.diagnosis.estimate.parameter_space import (
-    NARROW,
-    QUICK_NARROW,
-    Edits,
-    EffectType,
-    Space,
-    Values,
-    descend,
-    valued,
-)
+from waxstudy.diagnosis.estimate.parameter_space import NARROW, QUICK_NARROW, Space, descend, valued
 from waxstudy.diagnosis.estimate.solver import CLOSE_BY, LITTLE, MOST_SD, LeastSquares
 from waxstudy.diagnosis.estimate.start_points import IMPOSSIBLE, Screen, StartPoints
 from waxstudy.diagnosis.model.conventions import PLAIN, Convention
+from waxstudy.diagnosis.model.edits import Edits, EffectType, Values
 from waxstudy.diagnosis.observations.partition import ALL, BOTH, FIT, SELECT, SHRINK
 from waxstudy.plugin import FloatArray
 
@@ -77,13 +69,13 @@ class Estimator(Generic[P]):
         if self.followed:
             return self.followed.fitted
         start = np.zeros(len(self.problem.sd))
-        first = self._best([self.nuisance_fit((), start, self.problem.conventions[0], (FIT,))])
+        first = self.best([self.nuisance_fit((), start, self.problem.conventions[0], (FIT,))])
         known = self.slopes_at(first) if len(self.problem.conventions) > 1 else None
         others = [
             self.nuisance_fit((), first.departures, convention, (FIT,), known)
             for convention in self.problem.conventions[1:]
         ]
-        return self.settled(self._best([first, *others]))
+        return self.settled(self.best([first, *others]))
 
     @cached_property
     def followed(self) -> Followed | None:
@@ -104,9 +96,9 @@ class Estimator(Generic[P]):
 
         The first are taken at the start, or at another place, which other problems may have simulated before.
         """
-        best = self._best([self.problem.at((), start, convention)])
+        best = self.best([self.problem.at((), start, convention)])
         place = start if place is None else place
-        slopes = self.slopes_at(self._best([self.problem.at((), place, convention)]))
+        slopes = self.slopes_at(self.best([self.problem.at((), place, convention)]))
         for turn in range(TURNS):
             found = self.nuisance_fit((), best.departures, convention, parts, slopes) or best
             gained = self.score(best, parts) - self.score(found, parts)
@@ -134,7 +126,7 @@ class Estimator(Generic[P]):
         """Return a fit read in the way that suits it best: what had to be undone before may be needless now."""
         others = [each for each in self.conventions if each != fitted.convention]
         again = [self.refined(fitted.effects, fitted.departures, convention) for convention in others]
-        best = self._best([fitted, *again])
+        best = self.best([fitted, *again])
         needed = self.other * self.form_share(fitted)
         return best if self.fair_score(best, BOTH) < self.fair_score(fitted, BOTH) - needed else fitted
 
@@ -143,11 +135,12 @@ class Estimator(Generic[P]):
         """Ways to read the record with an effect: the belief's, and those that differ from it in one choice."""
         return [each for each in self.problem.conventions if each.differs(self.base.convention) <= 1]
 
-    def _best(self, tried: Sequence[Hypothesis | None]) -> Hypothesis:
+    def best(self, tried: Sequence[Hypothesis | None], parts: Sequence[int] = BOTH, is_fair: bool = True) -> Hypothesis:
+        """Return the fit with the least score, or fair score; raise `ValueError` where none could be simulated."""
         done = [each for each in tried if each is not None]
         if not done:
             raise ValueError(f"what is believed of {self.problem.name} cannot be simulated")
-        return min(done, key=lambda each: self.fair_score(each, BOTH))
+        return min(done, key=lambda each: self.fair_score(each, parts) if is_fair else self.score(each, parts))
 
     def score(self, fitted: Hypothesis | None, parts: Sequence[int]) -> float:
         """Return what a fit misses on some parts, with how far its departures went; much where it cannot be."""

@@ -8,8 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
 from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.edits import Edits, EffectType, Values
 from waxstudy.plugin import Belief, FloatArray
 
 MOTIONS = ("resting", "moving")  # of a motor or valve
@@ -34,6 +34,11 @@ class Residual:
     def loss(self, part: int | None = None) -> float:
         chosen = self.whitened if part is None else self.whitened[self.part == part]
         return float(chosen @ chosen)
+
+    @property
+    def whitened_rms(self) -> float:
+        """Root mean square of what is judged, over its standard deviation."""
+        return float(np.sqrt(self.loss() / max(1, int(self.judged.sum()))))
 
     def gap(self, part: int | None = None) -> float:
         """Root mean square error in the channel's unit, over what is judged."""

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from waxstudy.diagnosis.model.as_built import Edits as Edits
-from waxstudy.plugin import HOURS, Effect, FloatArray, Prior
+from waxstudy.diagnosis.model.edits import Edits, EffectType, Values
+from waxstudy.plugin import HOURS, FloatArray, Prior
 
 SCAN = {1: 17, 2: 45}  # points of a first look, by the number of parameters
 SCAN_MORE = 64
 TIE = 1e-9  # of losses that are alike
 LEAST_STEPS = 0.5  # chosen: noticeable ones; a search begins with no less of an effect, and a fit may end there
 NARROW, QUICK_NARROW = 1e-5, 1e-3  # share of a range that is not looked into
-
-Values = Mapping[str, float]
-EffectType = type[Effect]
 
 
 class Space:

@@ -8,8 +8,9 @@ import numpy as np
 
 from waxstudy.diagnosis.criteria import Question, limit
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
-from waxstudy.diagnosis.estimate.parameter_space import Edits, Space, valued
+from waxstudy.diagnosis.estimate.parameter_space import Space, valued
 from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.edits import Edits
 from waxstudy.plugin import FloatArray
 
 LITTLE = 5e-4  # share of the loss that is not worth another step

@@ -9,14 +9,15 @@ from operator import itemgetter
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Problem
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import Space
 from waxstudy.diagnosis.estimate.solver import MOST_SD
 from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.edits import Edits, EffectType, Values
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 IMPOSSIBLE = 1e12  # score of a belief that cannot be
-STRONGEST = 4.0  # times a point of a first look
+MOST_SCALED = 4.0  # times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
 MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere
@@ -42,7 +43,7 @@ class Screen:
             change = each * (new.whitened - old.whitened)
             along -= float(change @ (each * old.whitened))
             power += float(change @ change)
-        strength = min(STRONGEST, max(0.0, along / power))
+        strength = min(MOST_SCALED, max(0.0, along / power))
         return strength * along - 0.5 * strength**2 * power, strength
 
 
@@ -211,7 +212,7 @@ class StartPoints:
         """
         change = look.missed(self.parts) - before if look else np.zeros(len(before))
         along = float(before @ change) / max(float(change @ change), TINY)
-        strength = min(STRONGEST, max(0.0, -along))
+        strength = min(MOST_SCALED, max(0.0, -along))
         left = before + strength * change
         return float(left @ left), self.space.scaled(values, neutral, strength)
 

@@ -11,19 +11,13 @@ import numpy as np
 
 from waxstudy.diagnosis.model.conventions import Convention, left_by
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
+from waxstudy.diagnosis.model.edits import Edits, EffectType, Values, with_effects
 from waxstudy.diagnosis.model.nuisance import Nuisance, habits
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.plugin import Belief, Effect, FloatArray
 
 ROUNDED = 1e-3  # by so much of a departure rounding may put its step beyond the ends that it lies between
 MOST_BY_RECORD = 0.99  # of a factor's variance: what no record told keeps it above 0
-
-Edits = Sequence[tuple[type[Effect], Mapping[str, float]]]
-
-
-def in_order(effects: Edits) -> Edits:
-    """Return effects in the order in which they are applied: those that replace a block before what acts on it."""
-    return sorted(effects, key=lambda each: not each[0].replaces)
 
 
 @dataclass(frozen=True)
@@ -87,9 +81,7 @@ class AsBuilt:
         """Return a belief with the control chain as it was built."""
         for knob, departure in self.chain:
             belief = knob.apply(belief, departure)
-        for effect, values in in_order(self.always):
-            belief = effect.apply(belief, effect.Parameters(**values))
-        return belief
+        return with_effects(belief, self.always)
 
 
 @dataclass(frozen=True)
@@ -104,9 +96,9 @@ class Left:
 class Knob(Nuisance):
     """A parameter of an effect by which a healthy loop may differ from its documents; the effect's others rest."""
 
-    effect: type[Effect] = Effect
+    effect: EffectType = Effect
     parameter: str = ""
-    neutral: Mapping[str, float] = field(default_factory=dict)
+    neutral: Values = field(default_factory=dict)
     by_record: float = 0.0  # share of a factor's variance that is a healthy record's, neither of belief nor `varies`
 
     @property
@@ -143,7 +135,7 @@ class Knob(Nuisance):
         return _values(self.effect, self.parameter, self.neutral, departure)
 
 
-def knobs(effects: Sequence[type[Effect]], stages: Sequence[str], belief: Belief) -> Iterator[Knob]:
+def knobs(effects: Sequence[EffectType], stages: Sequence[str], belief: Belief) -> Iterator[Knob]:
     """Yield what effects of these stages say that may differ from the documents in a healthy loop."""
     for effect in effects:
         if effect.stage in stages and not effect.hindrance(belief) and (neutral := effect.neutral(belief)):
@@ -155,12 +147,12 @@ def knobs(effects: Sequence[type[Effect]], stages: Sequence[str], belief: Belief
                     yield Knob(*about, varies=prior.varies, effect=effect, parameter=name, neutral=neutral)
 
 
-def _values(effect: type[Effect], name: str, neutral: Mapping[str, float], departure: float) -> dict[str, float]:
+def _values(effect: EffectType, name: str, neutral: Values, departure: float) -> dict[str, float]:
     prior, still = effect.priors[name], neutral[name]
     value = still * exp(departure) if prior.is_log else still + departure
     return {**neutral, name: float(np.clip(value, prior.low, prior.high))}
 
 
-def _applied(effect: type[Effect], name: str, neutral: Mapping[str, float], belief: Belief, departure: float) -> Belief:
+def _applied(effect: EffectType, name: str, neutral: Values, belief: Belief, departure: float) -> Belief:
     values = _values(effect, name, neutral, departure)
     return belief if values == dict(neutral) else effect.apply(belief, effect.Parameters(**values))

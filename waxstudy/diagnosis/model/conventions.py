@@ -59,7 +59,7 @@ BEFORE = Convention("The sensor temperature was logged before the sensor's delay
 RAW = Convention("The controller reads the sensor temperature with the noise that was logged.", is_raw=True)
 LATE = Convention("The controller decides once a sample, on the temperature of the last.", is_late=True)
 PLAIN = Convention()
-MEAN = "The room's temperatures were logged as means over the interval."
+MEAN_WORDS = "The room's temperatures were logged as means over the interval."
 LONG_S = 300.0  # interval from which on that matters
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from math import prod
 from types import MappingProxyType
 from typing import Any
 
@@ -136,6 +137,11 @@ def merging(interval_s: float) -> tuple[int, int]:
     """Return how many intervals make a step of a room, and how many steps a quarter of an hour."""
     parts = max(1, round(ROOM_STEP_S / interval_s))
     return parts, max(1, round(JUDGED_S / (parts * interval_s)))
+
+
+def samples_of_mean(interval_s: float) -> int:
+    """Return how many intervals make a mean that a room is judged on: about a quarter of an hour, or one."""
+    return prod(merging(interval_s))
 
 
 def coarsened(record: Record, belief: Belief, flow_L_h: FloatArray, parts: int) -> tuple[Inputs, FloatArray]:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from math import prod
 
 import numpy as np
 
 from waxstudy.diagnosis.criteria import ROOM_STAGES
-from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, LONG_S, MEAN, PLAIN, RAW, Convention
+from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, LONG_S, MEAN_WORDS, PLAIN, RAW, Convention
 from waxstudy.diagnosis.model.modulator_clock import late_s
 from waxstudy.diagnosis.model.opening_path import cells, path
 from waxstudy.diagnosis.model.perturbation import STILL, Perturbation
@@ -21,9 +20,9 @@ from waxstudy.diagnosis.model.room_response import (
     built,
     full_flow_L_h,
     means,
-    merging,
     response_to_heat,
     room_response,
+    samples_of_mean,
 )
 from waxstudy.diagnosis.observations.record import CONTINUOUS, FLOW, SUPPLY, Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, Room, SimulationError
@@ -297,7 +296,7 @@ def _of_room(conventions: Iterable[Convention], room: Choice, record: Record) ->
     factors = room.component.solar_readings(room.parameters) if record.has("solar_gain_W") else {}
     for convention, (words, factor) in product(conventions, (factors or {"": 1.0}).items()):
         for is_mean in (False, True) if record.interval_s >= LONG_S else (False,):
-            told = " ".join(filter(None, (convention.words, words, MEAN if is_mean else "")))
+            told = " ".join(filter(None, (convention.words, words, MEAN_WORDS if is_mean else "")))
             yield replace(convention, words=told, solar_factor=factor, is_mean=is_mean)
 
 
@@ -328,7 +327,7 @@ class Prediction:
         self.segment, self.record, self.belief, self.is_exact_room = segment, record, belief, is_exact_room
         self._refinements: dict[Convention, Mapping[str, FloatArray]] = {}
         # a room's are means, so that many can be kept
-        self._made = record.memory(arrays=4, every=prod(merging(record.interval_s)))
+        self._made = record.memory(arrays=4, every=samples_of_mean(record.interval_s))
 
     def remembered(self, key: Hashable, belief: Callable[[], Belief], convention: Convention) -> Predicted | None:
         """Return what a belief predicts of a room, by its key, or None where it cannot; problems share it."""

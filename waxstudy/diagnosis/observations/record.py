@@ -17,7 +17,7 @@ from waxstudy.plugin import FloatArray, Inputs
 
 T = TypeVar("T")
 SMOOTH_S = 1500.0  # window of the local parabola through a noisy temperature
-SETTLING_S = 6 * 3600.0  # at the start, where nobody knows the state of the blocks
+SETTLING_S, SETTLING_SHARE = 6 * 3600.0, 0.1  # at the start, where nobody knows the state of the blocks
 AFTER_GAP_S = 1800.0  # what was missed in a gap is not judged for so long
 LOST_S = 6 * 3600.0  # chosen: of a drive of the room, from which a straight line through a gap hides a day's course
 FLOW = "flow_L_h"
@@ -32,6 +32,11 @@ DAY_S = 86_400.0
 REMEMBERED = 2_000_000  # samples that a slot holds of what was made before
 CONTINUOUS = ("sensor_temperature_C", "air_temperature_C", "operative_temperature_C")
 AIR = ("air_temperature_C", "sensor_temperature_C", "operative_temperature_C")  # that best tells it, first
+
+
+def settling_s(lasts_s: float) -> float:
+    """Return how long a record that lasts so long is not judged at its start [s]."""
+    return min(SETTLING_S, SETTLING_SHARE * lasts_s)
 
 
 class Memory:
@@ -219,8 +224,7 @@ class Record:
     @cached_property
     def settled(self) -> np.ndarray:
         """Return which samples lie after the start, where nobody knows the blocks' state."""
-        skip = min(SETTLING_S, 0.1 * len(self) * self.interval_s)
-        return np.arange(len(self)) >= round(skip / self.interval_s)
+        return np.arange(len(self)) >= round(settling_s(len(self) * self.interval_s) / self.interval_s)
 
     @cached_property
     def driven(self) -> np.ndarray:

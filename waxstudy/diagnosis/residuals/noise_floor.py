@@ -32,7 +32,7 @@ class NoiseFloor:
         for residuals in of_noise(problem, fitted, PERTURBATIONS):
             for each in residuals:
                 plain[each.channel].append(each.gap())
-                white[each.channel].append(float(np.sqrt(each.loss() / max(1, int(each.judged.sum())))))
+                white[each.channel].append(each.whitened_rms)
         ways = problem.judge.ways.items()
         switched = {channel: way.typical_s for channel, way in ways if isinstance(way, Switching)}
         return _at_least(cls(_typical(plain) | switched, _typical(white) | dict.fromkeys(switched, 1.0)), problem)

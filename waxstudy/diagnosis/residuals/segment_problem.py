@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
-from waxstudy.diagnosis.model.as_built import AsBuilt, in_order
+from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.edits import Edits, EffectType, Values, differ_by_inputs_alone, with_effects
 from waxstudy.diagnosis.model.nuisance import Nuisance, departed_inputs, habits, heats, nuisances, of_record
 from waxstudy.diagnosis.model.perturbation import Perturbation
 from waxstudy.diagnosis.model.room_response import Predicted
@@ -29,7 +29,7 @@ HEAT_FIELDS = frozenset(("solar_W", "gains_W", "extra_W"))  # of `Inputs`: a roo
 
 
 class SegmentProblem:
-    """Implements `estimate.problem.Problem`. In an exact room nothing departs but for how it began.
+    """Implements `estimate.hypothesis.Problem`. In an exact room nothing departs but for how it began.
 
     With what a healthy record says (`as_built`), and no `unknowns` to calibrate, the loop given is the documents', and
     the one believed is as built.
@@ -128,7 +128,7 @@ class SegmentProblem:
         return other
 
     def edited(self, effects: Edits, departures: FloatArray) -> Belief:
-        return _with_effects(self._departed(departures, _absorbed(effects)), effects)
+        return with_effects(self._departed(departures, _absorbed(effects)), effects)
 
     def _departed(self, departures: FloatArray, absorbed: frozenset[str]) -> Belief:
         """Return the belief with departures of the room, but for those that an effect takes the place of.
@@ -182,6 +182,10 @@ class SegmentProblem:
         """Return the belief that a hypothesis has."""
         return self.edited(fitted.effects, fitted.departures)
 
+    def belief_without(self, fitted: Hypothesis, effect: EffectType) -> Belief:
+        """Return the belief that a hypothesis has, but for one of its effects."""
+        return self.edited([each for each in fitted.effects if each[0] is not effect], fitted.departures)
+
     def inexact(self, fitted: Hypothesis) -> FloatArray:
         """Return how far the whitened residuals (m,) move with what a prediction is not exact in.
 
@@ -224,13 +228,13 @@ class SegmentProblem:
             return {}
         absorbed = _absorbed(fitted.effects)
         before = self._departed(fitted.departures, absorbed)
-        still = _with_effects(before, fitted.effects)
+        still = with_effects(before, fitted.effects)
         found, heats_W = dict[int, FloatArray](), dict[int, Mapping[str, FloatArray]]()
         for place, nuisance in of_heat.items():
             if nuisance.name in absorbed:
                 found[place] = np.zeros(len(fitted.whitened))
                 continue
-            after = _with_effects(nuisance.apply(before, 0.1 * nuisance.sd), fitted.effects)
+            after = with_effects(nuisance.apply(before, 0.1 * nuisance.sd), fitted.effects)
             if heat_W := _heat_between(still, after):
                 heats_W[place] = heat_W
         moved = self.warmed(fitted, list(heats_W.values()), repeats_first_day=True)
@@ -252,12 +256,6 @@ def _absorbed(effects: Edits) -> frozenset[str]:
     return frozenset(name for effect, _ in effects for name in effect.absorbs)
 
 
-def _with_effects(belief: Belief, effects: Edits) -> Belief:
-    for effect, values in in_order(effects):
-        belief = effect.apply(belief, effect.Parameters(**values))
-    return belief
-
-
 def _heat_between(one: Belief, other: Belief) -> dict[str, FloatArray]:
     """Return the heat [W] by which the inputs of two beliefs differ, by field (n,); nothing where more than it does."""
     assert one.inputs
@@ -269,7 +267,7 @@ def _heat_between(one: Belief, other: Belief) -> dict[str, FloatArray]:
         if name not in HEAT_FIELDS or after[name] is None:
             return {}
         found[name] = after[name] - (0.0 if before[name] is None else before[name])
-    return found if (one.room, one.blocks) == (other.room, other.blocks) else {}
+    return found if differ_by_inputs_alone(one, other) else {}
 
 
 def _key(effects: Edits, departures: FloatArray) -> tuple[Hashable, ...]:

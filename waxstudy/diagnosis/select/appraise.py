@@ -11,9 +11,9 @@ from waxstudy.diagnosis.calibration.healthy import Healthy, blocks_of_room
 from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType, Values
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.edits import Edits, EffectType, Values
 from waxstudy.diagnosis.model.travel import travel
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
@@ -77,16 +77,16 @@ class Appraisal:
         if not pattern and set(fitted.names[-1:]) & set(names):
             stands = max(stands, self._along(fitted, given or nothing))
         return Weighed(
-            fitted,
-            names,
-            gain,
-            ease,
-            always / spread if always > 0.0 else always,
-            self.misfit(fitted),
-            price,
-            spread,
-            most,
-            self._by_cycle(fitted),
+            fitted=fitted,
+            names=names,
+            gain=gain,
+            ease=ease,
+            always=always / spread if always > 0.0 else always,
+            misfit=self.misfit(fitted),
+            price=price,
+            spread=spread,
+            most=most,
+            by_cycle=self._by_cycle(fitted),
             unlike=self._unlike(fitted, moved) if always > 0.0 else 0.0,
             left=self._left(fitted),
             is_of_room=self.problem.segment.with_room,

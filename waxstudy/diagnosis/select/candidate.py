@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 from waxstudy.diagnosis.criteria import Question, failed, meets
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.select.evidence import Evidence
 
 SAME = 1e-6  # share of a gain that is but rounding

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import Space
+from waxstudy.diagnosis.model.edits import EffectType, Values
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import Interval
@@ -32,9 +33,9 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         choice = Choice.of(beliefs)
         found = _found(search, weighed, choice, beliefs)
         names = [each.effect.name for each in found]
-        best = best_of(weighed, names)
+        best = best_with(weighed, names)
         last, intervals = _of_all_days(weighing, best) if found else (best.fitted, {})
-        rests = [likeliest(weighed, [other for other in names if other != name]) for name in names]
+        rests = [likeliest_with(weighed, [other for other in names if other != name]) for name in names]
         unsure = [each for each, rest in zip(found, rests, strict=True) if _may_be_blurred(best, rest, each)]
         blurred = [each for each in unsure if distinct_in(whole, last, each.effect, intervals) <= WEIGHTS.notable]
         if not blurred:
@@ -143,7 +144,7 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
     first = [group[0] for group in choice.groups]
     if not first:
         return []
-    best = best_of(weighed, first)
+    best = best_with(weighed, first)
     values = {effect.name: (effect, each) for effect, each in best.fitted.effects}
     # what fits best without an effect may read the record in another way than with it
     current, found = search.under_convention(search.estimator.base, best.fitted.convention), []
@@ -162,12 +163,12 @@ def _found(search: Search, weighed: Sequence[Weighed], choice: Choice, beliefs: 
     return found
 
 
-def best_of(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
+def best_with(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
     """Return the best hypothesis with at least these effects, and as few others as there are, small ones as well."""
     return max(_with(weighed, names), key=lambda each: (-len(each.names), -len(each.fitted.effects), score(each)))
 
 
-def likeliest(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
+def likeliest_with(weighed: Sequence[Weighed], names: Sequence[str]) -> Weighed:
     """Return the likeliest hypothesis with at least these effects and as few other names as there are.
 
     Effects too small for a name may stand beside them: they count as nothing.

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.select.patterns import day_of, of_days
 from waxstudy.diagnosis.select.timed import blended

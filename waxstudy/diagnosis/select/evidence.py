@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, steps
+from waxstudy.diagnosis.estimate.parameter_space import steps
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.model.travel import opening_difference_s, tolerated_s
 from waxstudy.diagnosis.observations.partition import FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor

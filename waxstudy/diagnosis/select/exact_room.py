@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from waxstudy.diagnosis.criteria import Question, meets
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR
 from waxstudy.diagnosis.residuals.noise_floor import NoiseFloor
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem

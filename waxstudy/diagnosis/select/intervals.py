@@ -9,7 +9,8 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import Space
+from waxstudy.diagnosis.model.edits import EffectType, Values
 from waxstudy.diagnosis.model.travel import opening, opening_difference_s
 from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT, SHRINK
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem

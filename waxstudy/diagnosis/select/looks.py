@@ -10,9 +10,10 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values
+from waxstudy.diagnosis.estimate.parameter_space import Space
 from waxstudy.diagnosis.estimate.solver import MOST_SD, within
-from waxstudy.diagnosis.estimate.start_points import STRONGEST, TINY
+from waxstudy.diagnosis.estimate.start_points import MOST_SCALED, TINY
+from waxstudy.diagnosis.model.edits import EffectType, Values
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import BINS, Span, apart, parts_of_day, promising
 from waxstudy.diagnosis.select.days import Days, on_days
@@ -134,7 +135,7 @@ class Looks:
         if not still:
             return 1.0, 1.0
         if not is_timed(effect):
-            return 0.0, STRONGEST
+            return 0.0, MOST_SCALED
         space = Space(effect)
         there, nothing = space.inside(values), space.inside({**values, **still})
         pairs = [(at, zero) for at, zero in zip(there.tolist(), nothing.tolist(), strict=True) if at != zero]

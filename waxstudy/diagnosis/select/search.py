@@ -11,8 +11,8 @@ import numpy as np
 from waxstudy.diagnosis.criteria import ROOM_STAGES, Criterion, Question, criteria, failed, meets, meets_one
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.model.travel import travel
 from waxstudy.diagnosis.observations.partition import BOTH, FIT, SELECT
@@ -368,8 +368,7 @@ class Search:
 
 def distinct_in(problem: SegmentProblem, fitted: Hypothesis, effect: EffectType, intervals: Intervals) -> float:
     """Return how far an effect is from what is believed, in noticeable steps of what its interval leaves out."""
-    rest = [(other, values) for other, values in fitted.effects if other is not effect]
-    return distinct(effect, intervals[effect], problem.edited(rest, fitted.departures))
+    return distinct(effect, intervals[effect], problem.belief_without(fitted, effect))
 
 
 def is_poor(segment: Segment, before: Hypothesis, after: Hypothesis) -> bool:

@@ -8,9 +8,9 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import Edits, EffectType
 from waxstudy.diagnosis.model.as_built import Knob
 from waxstudy.diagnosis.model.conventions import Convention
+from waxstudy.diagnosis.model.edits import Edits, EffectType, differ_by_inputs_alone
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import SPANS
@@ -65,8 +65,8 @@ class Superposed:
         ((effect, values),) = fitted.effects
         belief = self.problem.belief
         other = effect.apply(belief, effect.Parameters(**values))
-        is_of_inputs = other.room == belief.room and other.blocks == belief.blocks  # a room itself has no days
-        if not is_of_inputs or not (found := self.looks.on_days(effect, values, among)):
+        # a room itself has no days
+        if not differ_by_inputs_alone(other, belief) or not (found := self.looks.on_days(effect, values, among)):
             return None
         chosen, look = found
         edits, departures = [(chosen, self.looks.values(chosen, look))], self.looks.departures(self.looks.none, look)

@@ -8,7 +8,8 @@ import numpy as np
 
 from waxstudy.dataset.channels import CHANNELS, SHOW_ROOM
 from waxstudy.diagnosis.criteria import ROOM_STAGES, Question, limit
-from waxstudy.diagnosis.estimate.parameter_space import EffectType, Space, Values, stepped
+from waxstudy.diagnosis.estimate.parameter_space import Space, stepped
+from waxstudy.diagnosis.model.edits import EffectType, Values
 from waxstudy.diagnosis.model.segments import SHOWN, Segment
 from waxstudy.diagnosis.observations.noise import ON
 from waxstudy.diagnosis.observations.record import AIR, SPARSE_S, Record
@@ -32,8 +33,8 @@ def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     least_blocks, least_share = limit(Question.JUDGE, "blocks"), limit(Question.JUDGE, "known_share")
     if len(blocks) < least_blocks:
         one = "day" if segment.with_room else "cycle"
-        found = f"1 {one} of {channel} is" if len(blocks) == 1 else f"{len(blocks)} {one}s of {channel} are"
-        return f"only {found} recorded, {least_blocks:g} are needed"
+        found = f"{len(blocks)} {one if len(blocks) == 1 else f'{one}s'} of {channel}"
+        return f"only {found} can be judged after the first hours, {least_blocks:g} are needed"
     # what stands although it should move shows a dead motor, a signal that is always on one that stands elsewhere
     if record.is_still(channel):
         if not _should_move(segment, record, belief, channel):
@@ -180,7 +181,7 @@ def unshown(selection: Selection, effects: Sequence[EffectType]) -> Iterator[Unt
             reason = f"the room stays missed by {missed_K:.1f} K {told}"
             yield Untestable(effect.name, reason, Lack.NOT_UNDERSTOOD)
         elif departures and not any(moves(effect, values) for values in departures):
-            reason = "nothing in this record would look different with it, unless it were large"
+            reason = "this record would look the same with it, unless it were large"
             yield Untestable(effect.name, reason, Lack.NOT_EXCITED)
 
 

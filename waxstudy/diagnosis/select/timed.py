@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from pydantic import create_model
 
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.edits import EffectType, differ_by_inputs_alone
 from waxstudy.plugin import HOURS, Belief, FloatArray, Inputs, Parameters, Prior, clock, open_share, parameter
 from waxstudy.plugin.hours import DAY_H
 
@@ -23,8 +23,7 @@ def can_be_timed(effect: EffectType, belief: Belief) -> bool:
     if effect.stage != "room" or effect.hindrance(belief) or not starts or belief.inputs is None:
         return False
     other = effect.apply(belief, effect.Parameters(**starts[0]))
-    is_inputs = other.room == belief.room and other.blocks == belief.blocks and other.inputs is not None
-    if not is_inputs or other.inputs is None or other.inputs.extra_W is None:
+    if not differ_by_inputs_alone(other, belief) or other.inputs is None or other.inputs.extra_W is None:
         return False
     before = 0.0 if belief.inputs.extra_W is None else belief.inputs.extra_W
     return bool(np.ptp(other.inputs.extra_W - before) == 0.0)

@@ -12,7 +12,7 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.observations.record import OUTPUT

@@ -88,8 +88,7 @@ def _described(selection: Selection, residual: Residual, floor: float, left: Lef
 def slight(selection: Selection, found: Found) -> str:
     """Return why an effect that is there hardly matters, or an empty text."""
     problem, last, effect = selection.problem, selection.after, found.effect
-    rest = [(other, values) for other, values in last.effects if other is not effect]
-    without = problem.edited(rest, last.departures)
+    without = problem.belief_without(last, effect)
     values = {name: each.value for name, each in selection.intervals[effect].items()}
     is_slight = departure(effect, values, without) <= limits()["step"].value
     return "less than is noticeable" if is_slight else ""

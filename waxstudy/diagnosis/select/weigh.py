@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -11,8 +11,8 @@ import numpy as np
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
-from waxstudy.diagnosis.estimate.parameter_space import EffectType
 from waxstudy.diagnosis.estimate.start_points import Screen
+from waxstudy.diagnosis.model.edits import EffectType
 from waxstudy.diagnosis.observations.partition import ALL
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import Appraisal
@@ -70,9 +70,13 @@ class Weighing(Appraisal):
         """Return hypotheses that leave something for more to tell; of a room its unknowns may hide that."""
         return [each for each in best if self.problem.segment.with_room or each.misfit > WEIGHTS.open]
 
+    @property
+    def _one_more(self) -> Callable[[Sequence[EffectType], Hypothesis, Tick], Iterable[Hypothesis]]:
+        """What fits effects one by one on top of a given hypothesis."""
+        return self._superposed.fits if len(self.problem.sd) else self._fits
+
     def _singles(self) -> list[Hypothesis]:
         """Return each effect by itself, fitted to the whole record."""
-        self._one_more = self._superposed.fits if len(self.problem.sd) else self._fits
         singles = self._timely(list(self._one_more(self.effects, self.none, self.tick)), self.none)
         self._settle(singles)
         return singles

@@ -57,6 +57,7 @@ QUICK = (
     "tells"
 )
 Line = tuple[str, str]  # label, text
+OFF_MEASURED = ("heat_percent", "air_mae_K", "setpoint_shift_K")  # figures over those that were measured
 MOST_NAMES = 3
 MOST_LINES = 3  # of one label
 MOST_EVENTS = 12  # of rooms
@@ -234,7 +235,7 @@ def _loop(diagnosis: Diagnosis) -> list[str]:
         words, unit = loop_words(key)
         values = (figure.before, figure.after, figure.measured)
         before, after, seen = (number(v, 2) if unit == "°C" else rough(v) for v in values)  # of 21 °C tenths matter
-        measured = f" (measured {seen})" if figure.measured else ""
+        measured = "" if key in OFF_MEASURED else f" (measured {seen})"
         told.append(f"{words} {before} → {with_unit(after, unit)}{measured}")
     turns = " (its controller reacts, so that signs may turn)" if "heat_percent" in diagnosis.closed_loop else ""
     return [f"closed loop{turns}: {', '.join(told)}"]

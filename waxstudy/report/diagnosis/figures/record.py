@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from waxstudy.diagnosis.observations.record import DAY_S, settling_s
 from waxstudy.diagnosis.result import Diagnosis
 from waxstudy.report.diagnosis.words import channel_words
 from waxstudy.report.figures.plot import Lacking, drawing, one_panel
 from waxstudy.report.figures.style import COLOURS, GREY, legend_of, name_rows
 
-FIRST_H = 6.0  # nobody knows the state of the blocks
 LOOKS = {  # of a sample, and by grey print of its height
     "judged": (COLOURS[1], 0.7),
     "recorded, not judged": (COLOURS[4], 0.3),
@@ -24,7 +24,7 @@ HOURS = 1.0  # a piece of a bar
 @drawing(
     "record",
     "The record, and what of it was judged",
-    "A row for each channel: high where samples were judged, low where they were only recorded (the first six hours, "
+    "A row for each channel: high where samples were judged, low where they were only recorded (the first hours, "
     "and where nothing is modelled beside them), nothing where none is known.",
 )
 def figure_record(diagnosis: Diagnosis) -> Figure:
@@ -36,10 +36,12 @@ def figure_record(diagnosis: Diagnosis) -> Figure:
     figure, panel = one_panel(1.1 + 0.3 * len(channels))
     days = (pd.DatetimeIndex(traces.index) - traces.index[0]) / pd.Timedelta(1, "D")
     pieces = np.floor(np.asarray(days) * 24.0 / HOURS)
+    settling_d = settling_s(len(traces) * float(days[1]) * DAY_S) / DAY_S
+    is_settled = np.asarray(days) >= settling_d
     for row, channel in enumerate(channels):
         known = traces[f"{channel}_measured"].notna()
         is_beside = traces[f"{channel}_before"].notna() if f"{channel}_before" in traces else False
-        modelled = known & is_beside & (np.asarray(days) * 24.0 >= FIRST_H)
+        modelled = known & is_beside & is_settled
         for mask, (colour, height) in ((modelled, LOOKS["judged"]), (known & ~modelled, LOOKS["recorded, not judged"])):
             _bar(panel, row, pieces[mask.to_numpy()], colour, height)
     name_rows(panel, [channel_words(channel) for channel in channels])
