@@ -441,7 +441,7 @@ def test_whitening_makes_white_noise_of_what_hangs_together(
 ) -> None:
     error = wandering(sd_K, length, noise_K, 2000, seed)
     known = np.random.default_rng(seed + 1).random(2000) >= lost
-    white = Discrepancy(sd_K, length, noise_K).whitened(error, known)
+    white = Discrepancy(sd_K, length * 900.0, noise_K).whitened(error, known, 900.0)
     assert (white[~known] == 0.0).all()
     seen = white[known]
     assert np.std(seen) == pytest.approx(1.0, abs=0.12)
@@ -452,15 +452,15 @@ def test_whitening_makes_white_noise_of_what_hangs_together(
 @pytest.mark.parametrize("seed", range(3))
 def test_the_likeliest_discrepancy_is_near_the_one_that_made_the_errors(seed: int) -> None:
     error = wandering(0.2, 20.0, 0.05, 3000, seed)
-    found = Discrepancy.of(error, np.ones(3000, dtype=bool), 0.01)
+    found = Discrepancy.of(error, np.ones(3000, dtype=bool), 900.0, 0.01)
     assert found.sd_K == pytest.approx(0.2, rel=0.25)
-    assert found.length == pytest.approx(20.0, rel=0.5)
+    assert found.length_s == pytest.approx(20.0 * 900.0, rel=0.5)
     assert found.noise_K == pytest.approx(0.05, rel=0.25)
     assert found.rms_K == pytest.approx(np.std(error), rel=0.25)
 
 
 def test_a_noise_that_is_known_is_the_least_that_is_found() -> None:
-    found = Discrepancy.of(np.zeros(500), np.ones(500, dtype=bool), 0.03)
+    found = Discrepancy.of(np.zeros(500), np.ones(500, dtype=bool), 900.0, 0.03)
     assert found.noise_K >= 0.03
 
 

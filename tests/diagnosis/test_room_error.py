@@ -13,11 +13,12 @@ from tests.diagnosis.realities import belief, record
 from waxstudy.diagnosis.model.room_response import OF_ROOM, error_of
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.residuals.judge import Judge
-from waxstudy.diagnosis.residuals.room_means import PIECE
+from waxstudy.diagnosis.residuals.room_means import PIECE_S, RoomMeans
 from waxstudy.plugin import Belief, Choice, ModelError
 from waxstudy_paper.room import NzebRoom
 
 CHANNEL = "air_temperature_C"
+STEP_S = 900.0  # of the means that a room is judged on, in records of minutes
 
 
 class Exact(NzebRoom):
@@ -51,9 +52,21 @@ def test_a_room_s_errors_are_weighed_by_what_the_room_states(name: str, typical_
     (room,) = [segment for segment in segments(seen, believed) if segment.with_room]
     predicted = room.predict(seen, believed, room.conventions[0])
     (air,) = [each for each in Judge(room, seen, believed).residuals(predicted) if each.channel == CHANNEL]
-    scale_K = np.hypot(typical_K, seen.noise[CHANNEL]) * PIECE**0.5
+    scale_K = np.hypot(typical_K, seen.noise[CHANNEL]) * (PIECE_S / STEP_S) ** 0.5
     assert np.abs(air.error).max() > 0.0
     assert air.whitened * scale_K == pytest.approx(air.error)
+
+
+@pytest.mark.parametrize(
+    ("interval_s", "mean_s"), [(60.0, 900.0), (600.0, 1200.0), (1800.0, 1800.0), (10_800.0, 10_800.0)]
+)
+def test_errors_hang_together_for_two_hours_however_long_samples_are(interval_s: float, mean_s: float) -> None:
+    seen, believed = replace(record("REAL"), interval_s=interval_s), beliefs()["ours"]
+    way = RoomMeans(
+        CHANNEL, seen, "supply_temperature_C", np.zeros(len(seen), dtype=int), error_of(believed, CHANNEL), False
+    )
+    pieces = max(1.0, 7200.0 / mean_s)
+    assert way.scale_K == pytest.approx(np.hypot(TYPICAL_K["ours"], seen.noise[CHANNEL]) * pieces**0.5)
 
 
 def test_what_may_be_left_is_the_room_s_too_and_of_no_other_channel() -> None:

@@ -18,7 +18,7 @@ from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.edits import Edits
 from waxstudy.diagnosis.model.nuisance import Nuisance, nuisances, of_record
-from waxstudy.diagnosis.model.room_response import OF_ROOM
+from waxstudy.diagnosis.model.room_response import OF_ROOM, samples_of_mean
 from waxstudy.diagnosis.model.segments import Segment, segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT, SELECT
 from waxstudy.diagnosis.observations.record import OUTPUT, Record
@@ -349,17 +349,18 @@ def _discrepancies(problem: SegmentProblem, fitted: Hypothesis, ahead: Hypothesi
 
     A channel that is known nowhere leaves nothing.
     """
-    found = {}
+    found, interval_s = {}, problem.record.interval_s
+    step_s = interval_s * samples_of_mean(interval_s)
     pairs = zip(fitted.residuals, ahead.residuals, strict=True)
     for within, beyond in ((one, other) for one, other in pairs if one.channel in OF_ROOM and one.judged.any()):
         least_K = problem.record.noise[within.channel] * float(len(within.error) / len(problem.record)) ** 0.5
-        discrepancy = Discrepancy.of(within.error, within.judged, least_K)
+        discrepancy = Discrepancy.of(within.error, within.judged, step_s, least_K)
         wider = beyond.gap(SELECT) / within.gap() if within.gap() else 1.0
         found[within.channel] = replace(
             discrepancy, sd_K=discrepancy.sd_K * float(np.clip(wider, 1.0, WEIGHTS.most_wider))
         )
     known = [each for each in fitted.residuals if each.channel in found]
-    shared = _shared([found[each.channel].whitened(each.error, each.judged) for each in known])
+    shared = _shared([found[each.channel].whitened(each.error, each.judged, step_s) for each in known])
     return {channel: replace(each, shared=shared) for channel, each in found.items()}
 
 

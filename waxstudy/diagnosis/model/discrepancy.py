@@ -10,19 +10,20 @@ from numba import njit
 from waxstudy.plugin import FloatArray
 
 STEPS_MOST = 400  # of the search for a discrepancy
+LENGTH_S = 4 * 3600.0  # chosen: for how long an error is expected to hang together
 
 
 @dataclass(frozen=True)
 class Discrepancy:
     """An error that hangs together over time, and one that does not.
 
-    Covariance of two means that lie k quarters of an hour apart: sd_K² exp(-k / length), plus noise_K² at k = 0 (an
-    Ornstein-Uhlenbeck process; Kennedy and O'Hagan 2001, doi:10.1111/1467-9868.00294, call it model discrepancy).
+    Covariance of two means that lie t apart: sd_K² exp(-t / length_s), plus noise_K² at t = 0 (an Ornstein-Uhlenbeck
+    process; Kennedy and O'Hagan 2001, doi:10.1111/1467-9868.00294, call it model discrepancy).
     `shared` says how many channels tell the same: each counts by that less.
     """
 
     sd_K: float
-    length: float  # in quarters of an hour
+    length_s: float
     noise_K: float
     shared: float = 1.0
 
@@ -30,14 +31,14 @@ class Discrepancy:
     def rms_K(self) -> float:
         return float(np.hypot(self.sd_K, self.noise_K))
 
-    def whitened(self, error: FloatArray, known: np.ndarray) -> FloatArray:
-        """Return the innovations (n,) over their standard deviations, 0 where nothing is known."""
-        found, _ = _innovations(error, known, self.sd_K, self.length, self.noise_K)
+    def whitened(self, error: FloatArray, known: np.ndarray, step_s: float) -> FloatArray:
+        """Return the innovations (n,) of means over steps over their standard deviations, 0 where nothing is known."""
+        found, _ = _innovations(error, known, self.sd_K, self.length_s / step_s, self.noise_K)
         return np.asarray(found / self.shared**0.5)
 
     @classmethod
-    def of(cls, error: FloatArray, known: np.ndarray, least_K: float) -> Discrepancy:
-        """Return what is likeliest to have left an error (n,), its noise at least `least_K`.
+    def of(cls, error: FloatArray, known: np.ndarray, step_s: float, least_K: float) -> Discrepancy:
+        """Return what is likeliest to have left an error (n,) of means over steps, its noise at least `least_K`.
 
         The prior is a factor of e wide around what is missed: a few days say little of what hangs together for days.
         """
@@ -50,10 +51,10 @@ class Discrepancy:
 
         rms_K = float(np.sqrt(np.mean(error[known] ** 2))) if known.any() else 0.0
         expected_K = max(least_K, rms_K)
-        start = np.log([expected_K, 16.0, 0.3 * expected_K])
+        start = np.log([expected_K, LENGTH_S / step_s, 0.3 * expected_K])
         found = minimize(loss, start, method="Nelder-Mead", options={"maxfev": STEPS_MOST, "xatol": 1e-3})
         sd, length, noise = np.exp(found.x)
-        return cls(float(sd), float(length), float(np.hypot(noise, least_K)))
+        return cls(float(sd), float(length) * step_s, float(np.hypot(noise, least_K)))
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

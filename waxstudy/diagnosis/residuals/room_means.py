@@ -6,13 +6,13 @@ import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
-from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR, Predicted, merging, weighted
+from waxstudy.diagnosis.model.room_response import OF_AIR_AND_FLOOR, Predicted, samples_of_mean, weighted
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray, ModelError
 
 STEPPED_K = 0.005  # chosen: what stays of a room that is exactly as believed, in samples of some minutes
-PIECE = 8  # quarters of an hour over which such errors hang together
+PIECE_S = 7200.0  # chosen: for so long errors of a form hang together
 
 
 class RoomMeans:
@@ -32,14 +32,14 @@ class RoomMeans:
         self.form_K = WEIGHTS.most_left * discrepancy.rms_K if discrepancy else error.most_K
         self.discrepancy = discrepancy
         self.driven = record.driven & record.driven_by(driven_by)
-        steps, merged = merging(record.interval_s)
-        self.samples = steps * merged  # of a mean
+        self.samples = samples_of_mean(record.interval_s)
+        self.step_s = self.samples * record.interval_s
         self.measured = self._means()
         self.noise = np.full(len(self.measured), record.noise[channel] / np.sqrt(self.samples))
         # the return's first minutes of each pulse are blurred whatever the form
         is_exact = is_exact_room and channel in OF_AIR_AND_FLOOR
         form_K = np.hypot(STEPPED_K, self.noise) if is_exact else np.hypot(error.typical_K, record.noise[channel])
-        self.scale_K = form_K * PIECE**0.5
+        self.scale_K = form_K * max(1.0, PIECE_S / self.step_s) ** 0.5
 
     def residual(self, predicted: Predicted) -> Residual:
         measured, shown = self.measured, predicted[self.channel]
@@ -51,7 +51,7 @@ class RoomMeans:
         error = np.where(known, error, 0.0)
         where = self.record.day[sample], self.parts[sample], sample
         found = self.discrepancy
-        whitened = found.whitened(error, known) if found else error / self.scale_K
+        whitened = found.whitened(error, known, self.step_s) if found else error / self.scale_K
         return Residual(self.channel, "K", error, whitened, known, *where, self.form_K)
 
     def _means(self) -> FloatArray:
