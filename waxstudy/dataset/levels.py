@@ -29,13 +29,14 @@ def as_levels(values: pd.DataFrame, nominal: Mapping[str, Choice], notes: Notes)
     for name in values.columns:
         if CHANNELS[name].quantity == "level":
             found[name] = _within(name, values[name].to_numpy(dtype=float), notes)
-    for name in _signals(nominal):
+    for name in signals_of(nominal):
         if name in found:
             found[name] = _as_signal(name, found[name].to_numpy(), notes)
     return found
 
 
-def _signals(nominal: Mapping[str, Choice]) -> tuple[str, ...]:
+def signals_of(nominal: Mapping[str, Choice]) -> tuple[str, ...]:
+    """Return the channels that are on or off by what is believed of a loop."""
     if "modulator" in nominal or "controller" not in nominal:
         return ("heating_signal",)
     return ("control_output", "heating_signal") if only_switches(nominal["controller"]) else ()

@@ -119,7 +119,7 @@ def assembled(
             *work.dataset.warnings,
             *doubts_of_sampling(work.record, cut),
             *warned(selections),
-            *_of_baseline(work, cut),
+            *_of_baseline(work, [each for each in cut if each not in short]),
         ],
         assumptions=[
             *work.dataset.assumptions,

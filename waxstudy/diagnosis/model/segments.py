@@ -24,6 +24,7 @@ from waxstudy.diagnosis.model.room_response import (
     room_response,
     samples_of_mean,
 )
+from waxstudy.diagnosis.model.shares import SETTLED_S, by_shares, hidden_pulses
 from waxstudy.diagnosis.observations.record import CONTINUOUS, FLOW, SUPPLY, Record
 from waxstudy.plugin import CHAIN, Belief, FloatArray, Room, SimulationError
 from waxstudy.simulation.chain import Chain
@@ -53,6 +54,7 @@ class Segment:
     driven_by: str
     judged: tuple[str, ...]
     conventions: tuple[Convention, ...] = (PLAIN,)
+    by_shares: bool = False  # its drive is a share of time, as long samples hide pulses
 
     @property
     def name(self) -> str:
@@ -129,8 +131,8 @@ class Segment:
         has_cells = jump is not None and not perturbation.random
 
         def made() -> Replayed:
-            if self.driven_by == "displacement":
-                return _along_its_path(blocks, signal, record, step_s)
+            if hides := self._hidden(blocks, first, signal, record, step_s):
+                return hides
             drive = blocks, first, signal, record.filled_or_zero("setpoint_C"), record.interval_s, start_s
             # a switch may have been thrown anywhere in its interval, else the signal runs from sample to sample
             return _thrown(*drive, step_s) if has_cells else (*replayed(*drive, jump, step_s=step_s), {})
@@ -151,6 +153,14 @@ class Segment:
             shown[SHOWN["controller"]] = record.smooth(shown[SHOWN["controller"]])
         shown.shifted = {SHOWN[kind]: each for kind, each in shifted.items()}
         return shown
+
+    def _hidden(
+        self, blocks: Mapping[str, Choice], first: str, signal: FloatArray, record: Record, step_s: float
+    ) -> Replayed | None:
+        """Return what blocks make of a drive whose course within a sample nobody logged; None where that is known."""
+        if self.by_shares:
+            return *by_shares(signal, lambda on: _settled(blocks, first, on, step_s)), {}
+        return _along_its_path(blocks, signal, record, step_s) if self.driven_by == "displacement" else None
 
     def _logged_as_means(
         self, record: Record, ends: Mapping[str, FloatArray], averages: Mapping[str, FloatArray]
@@ -221,6 +231,12 @@ def _thrown(
     return shown, {"valve": shifted["valve"][middle]}, shifted
 
 
+def _settled(blocks: Mapping[str, Choice], first: str, drive: float, step_s: float) -> Mapping[str, FloatArray]:
+    """Return what blocks give that have had the same drive for long."""
+    drives = np.full(2, drive)
+    return replayed(blocks, first, drives, np.zeros(2), SETTLED_S, 0.0, step_s=step_s)[0]
+
+
 def segments(record: Record, belief: Belief) -> list[Segment]:
     """Return the segments that a record can be cut into; a missing channel merges its neighbours into one.
 
@@ -245,7 +261,8 @@ def segments(record: Record, belief: Belief) -> list[Segment]:
         found.append(replace(segment, conventions=tuple(_of_room(segment.conventions, belief.room, record))))
         if SUPPLY not in record.assumed and _states_curve(belief.room):
             found.append(Segment(("emitter",), "outdoor_temperature_C", (SUPPLY,)))
-    return found
+    hidden = hidden_pulses(record, belief)
+    return [replace(each, by_shares=each.driven_by in hidden) for each in found]
 
 
 def _states_curve(room: Choice) -> bool:

@@ -11,6 +11,7 @@ from waxstudy.diagnosis.criteria import ROOM_STAGES, Question, limit
 from waxstudy.diagnosis.estimate.parameter_space import Space, stepped
 from waxstudy.diagnosis.model.edits import EffectType, Values
 from waxstudy.diagnosis.model.segments import SHOWN, Segment
+from waxstudy.diagnosis.model.shares import hidden_pulses
 from waxstudy.diagnosis.observations.noise import ON
 from waxstudy.diagnosis.observations.record import AIR, SPARSE_S, Record
 from waxstudy.diagnosis.result import FoundEffect, Lack, Measurement, Untestable
@@ -28,6 +29,10 @@ DRIVES = ("supply_temperature_C", "outdoor_temperature_C")
 
 def too_short(segment: Segment, record: Record, belief: Belief) -> str:
     """Return why a segment cannot be judged at all, or an empty text."""
+    hidden = hidden_pulses(record, belief)
+    if not segment.with_room and (means := [name for name in (segment.driven_by, *segment.judged) if name in hidden]):
+        apart = f"{record.interval_s / 60.0:g} min"
+        return f"{means[0]} was logged as means of {apart}, which hide its pulses; samples of a minute show them"
     channel = _best_known(segment, record)
     blocks = np.unique((record.day if segment.with_room else record.cycle)[record.settled & _known(record, channel)])
     least_blocks, least_share = limit(Question.JUDGE, "blocks"), limit(Question.JUDGE, "known_share")
