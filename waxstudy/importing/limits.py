@@ -70,6 +70,10 @@ JUMP, USUAL = 50.0, 0.99  # times the rate that all but a few rises stay below: 
 
 # --- what values tell
 FAHRENHEIT = (50.0, 95.0)  # medians of a room in degrees Fahrenheit, none of which is one in degrees Celsius
+HOTTEST_F = 110.0  # of a room
+DIAL_C, ROOM_C = (10.0, 30.0), (15.0, 27.0)  # what a dial of a room is set to, and medians of a room
+COLD_C = 15.0  # medians of the outdoors in a heating season are below, of water above
+LEAST_HIGH = 1.0  # that a flow or gain reaches at times, in its unit; what does not may be a level
 COLDEST_C, WARMEST_C = 12.0, 60.0  # of water in a floor: what is a flow in L/h is below or above at times
 WARM_WATER_C, STEADY_K = 28.0, 3.0  # what water reaches and no room does; spread of a room
 FRACTION = 1.5  # a level that goes no higher is a fraction; 0 to 10 V and per cent go further

@@ -14,12 +14,17 @@ from waxstudy.dataset.limits import PER_CENT, VOLTS
 from waxstudy.importing import units
 from waxstudy.importing.following import following
 from waxstudy.importing.limits import (
+    COLD_C,
+    DIAL_C,
     DIALS,
     FAHRENHEIT,
     FOLLOWING,
     FRACTION,
+    HOTTEST_F,
     LEAST_AMOUNT,
+    LEAST_HIGH,
     LEVEL,
+    ROOM_C,
     STEADY_K,
     WARM_WATER_C,
 )
@@ -98,7 +103,7 @@ def _is_room_in_fahrenheit(each: Seen) -> bool:
     name = plain(each.entity)
     is_named = any(says(name, f"{CHANNEL_NAMES[c].clear}|{CHANNEL_NAMES[c].weak}") for c in ABOUT_ROOM)
     is_other = says(name, f"{OTHER_AIR}|{OTHERS}")
-    within = FAHRENHEIT[0] <= each.median <= FAHRENHEIT[1] and each.high < 110.0
+    within = FAHRENHEIT[0] <= each.median <= FAHRENHEIT[1] and each.high < HOTTEST_F
     return not each.unit and within and is_named and not is_other and not each.is_counter
 
 
@@ -181,7 +186,7 @@ def is_plausible(each: Seen, quantity: Quantity) -> bool | None:
         return typical.low <= median <= typical.high and not each.is_binary and not each.is_counter
     if quantity == "level":
         return LEVEL[0] < low and high < LEVEL[1] and not (each.is_counter and each.distinct > 2)
-    return low > LEAST_AMOUNT and (high > 1.0 or each.is_counter)
+    return low > LEAST_AMOUNT and (high > LEAST_HIGH or each.is_counter)
 
 
 def by_values(each: Seen, channel: str, quantity: Quantity) -> bool:
@@ -193,14 +198,14 @@ def by_values(each: Seen, channel: str, quantity: Quantity) -> bool:
     is_dial = each.distinct <= DIALS
     match channel:
         case "setpoint_C":
-            return is_dial and low >= 10.0 and high <= 30.0
+            return is_dial and low >= DIAL_C[0] and high <= DIAL_C[1]
         case "outdoor_temperature_C":
-            return median < 15.0 and high < WARM_WATER_C and high - low > STEADY_K and not is_dial
+            return median < COLD_C and high < WARM_WATER_C and high - low > STEADY_K and not is_dial
         case "sensor_temperature_C":
             is_water = each.following > FOLLOWING
-            return 15.0 <= median <= 27.0 and high - low < 2.0 * STEADY_K and not is_dial and not is_water
+            return ROOM_C[0] <= median <= ROOM_C[1] and high - low < 2.0 * STEADY_K and not is_dial and not is_water
         case "supply_temperature_C" | "return_temperature_C":
-            return (high >= WARM_WATER_C or each.following > FOLLOWING) and median > 15.0 and not is_dial
+            return (high >= WARM_WATER_C or each.following > FOLLOWING) and median > COLD_C and not is_dial
         case "heating_signal":
             return each.is_binary
         case "flow_L_h":
