@@ -137,7 +137,7 @@ def concentrated(residual: Residual, together: float, record: Record) -> Pattern
             tried += 1
             gain = _gain(squares, each.strength[sample] > 0.0) / together
             best, most = (each, gain) if gain > most else (best, most)
-    price = float(np.log(tried) + np.log(max(2.0, len(squares) / together)))
+    price = float(np.log(tried) + 0.5 * np.log(max(2.0, len(squares) / together)))
     return best if most > price else None
 
 
