@@ -281,3 +281,18 @@ def test_formats_that_contradict_each_other_are_refused_and_htm_is_a_page(entry:
     assert (refused.code, refused.stdout) == (2, "")
     assert entry("report", "run", "--out", "page.htm").code == 0
     assert Path("page.htm").read_text().startswith("<!DOCTYPE html>")
+
+
+def test_a_suffix_of_no_format_is_refused_before_anything_is_computed(entry: Entry, small_run: Path) -> None:
+    refused = entry("report", "run", "--out", "page.xlsx")
+    assert (refused.code, Path("page.xlsx").exists()) == (2, False)
+    assert "page.xlsx: a report has no such format" in refused.stderr
+    assert entry("report", "run", "--out", "page.xlsx", "--format", "csv").code == 0
+
+
+def test_a_sweep_is_told_to_be_one(entry: Entry, small_run: Path) -> None:
+    sweep = Path("sweep")
+    sweep.mkdir()
+    (sweep / "sweep.parquet").write_bytes(b"")
+    refused = entry("report", "sweep")
+    assert (refused.code, "sweep: this is a sweep; sweep.parquet in it has a row" in refused.stderr) == (3, True)

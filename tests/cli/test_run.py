@@ -147,6 +147,16 @@ def test_a_folder_that_holds_something_else_is_left_alone(entry: Entry, small_st
     assert (home / "study.toml").read_text() == "my own work\n"
 
 
+@pytest.mark.parametrize("out", ["file", "file/run"])
+def test_a_folder_that_can_not_be_is_refused_before_anything_is_computed(
+    entry: Entry, small_study: Path, out: str
+) -> None:
+    (small_study.parent / "file").write_text("my own work\n")
+    done = entry("run", small_study, "--out", out)
+    assert (done.code, done.stdout) == (2, "")
+    assert f"{out}: the results could not be written" in done.stderr
+
+
 def test_a_run_removes_nothing_that_no_run_has_made(entry: Entry, small_study: Path, small_run: Path) -> None:
     mine = [small_run / "notes.md", small_run / "cases" / "notes.md", small_run / "cases" / "my_case" / "data.csv"]
     mine[2].parent.mkdir()

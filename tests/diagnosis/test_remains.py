@@ -567,6 +567,20 @@ def test_a_biased_sensor_shifts_the_setpoint_until_it_is_added() -> None:
     assert found["air_mae_K"].after < 0.5 * found["air_mae_K"].before
 
 
+def test_heat_is_measured_by_the_supply_that_was_found() -> None:
+    """A sensor that shows 2 K too much makes heat of nothing."""
+    seen = record("IDEAL", days=4, **PERFECT)
+    believed = belief("IDEAL", seen)
+    offset = EFFECTS["supply-offset"]
+    colder = offset.apply(believed, offset.Parameters(offset_K=-2.0))
+    as_shown, as_found = (closed_loop(seen, believed, each)["heat_kWh_m2"].measured for each in (believed, colder))
+    shown, found = recorded(seen, believed), recorded(seen, believed, -2.0)
+    assert shown.heat_W is not None
+    assert found.heat_W is not None
+    assert as_found / as_shown == pytest.approx(np.nansum(found.heat_W) / np.nansum(shown.heat_W))
+    assert as_found < 0.9 * as_shown
+
+
 def test_a_cycle_that_slips_is_no_error_of_the_air() -> None:
     wave = np.sin(np.arange(2000) / 50.0)
     assert distance(wave, np.roll(wave, 700)) == pytest.approx(0.0, abs=1e-12)

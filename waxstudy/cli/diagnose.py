@@ -14,7 +14,7 @@ import click
 from waxstudy.cli.bar import Tick, bar
 from waxstudy.cli.errors import FAILED, INTERRUPTED, USAGE, CommandError
 from waxstudy.cli.existing import Existing, Written
-from waxstudy.cli.output import Command, print_out, terminal
+from waxstudy.cli.output import Command, print_out, refuse_unwritable_folder, terminal
 from waxstudy.cli.simulating import failures
 from waxstudy.cli.study import load_study
 from waxstudy.simulation.threads import use_one_thread
@@ -92,7 +92,7 @@ def command(
         raise CommandError("--baseline and --baseline-days: give one of them", USAGE)
     use_one_thread()
     if out is not None:
-        _refuse_unwritable(out)
+        refuse_unwritable_folder(out)
     try:
         with bar(quiet) as tick:
             found = _found(dataset, baseline or baseline_days, study, seed, quick, tick)
@@ -129,13 +129,6 @@ def _summary(diagnosis: Diagnosis, out: Path | None) -> str:
 
 
 # --- files -------------------------------------------------------------------------------------------
-
-
-def _refuse_unwritable(out: Path) -> None:
-    """Say before the work, not after it, that its results could not be written."""
-    there = next(path for path in (out, *out.absolute().parents) if os.path.exists(path))
-    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-        raise CommandError(f"{out}: the results could not be written: {there} is no folder to write to", USAGE)
 
 
 def _write(found: Found, out: Path) -> None:

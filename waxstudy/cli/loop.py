@@ -57,7 +57,8 @@ def command(
     if out is not None:
         write_file(out, as_html(found))
     text = json_text(told_as_json(found)) if as_json else ""
-    print_out(text or f"{summary(found)}\n{formats.terminal(tables(found), notes(found), *terminal())}")
+    written = "" if out is None else f"{out}\n"
+    print_out(text or f"{summary(found)}\n{formats.terminal(tables(found), notes(found), *terminal())}{written}")
 
 
 def _refuse_unwritable(out: Path) -> None:

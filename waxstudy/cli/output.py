@@ -13,7 +13,7 @@ from typing import Any, TextIO
 
 import click
 
-from waxstudy.cli.errors import FAILED, PLUGIN, CommandError
+from waxstudy.cli.errors import FAILED, PLUGIN, USAGE, CommandError
 from waxstudy.study.visible import visible_lines
 
 COLUMNS = 120  # where no terminal tells
@@ -76,6 +76,13 @@ def print_out(text: str) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stdout().fileno())
         if not isinstance(error, BrokenPipeError):
             raise CommandError(f"the output cannot be written: {error.strerror or error}", FAILED) from error
+
+
+def refuse_unwritable_folder(out: Path) -> None:
+    """Say before the work, not after it, that its results could not be written."""
+    there = next(path for path in (out, *out.absolute().parents) if os.path.exists(path))
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        raise CommandError(f"{out}: the results could not be written: {there} is no folder to write to", USAGE)
 
 
 def write_file(out: Path, text: str) -> None:

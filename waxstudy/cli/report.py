@@ -60,6 +60,8 @@ def command(
         raise click.UsageError("--attribution stands in place of the comparison and goes with no --against")
     if sensitivity and (attribution or against is not None or form == "html"):
         raise click.UsageError("--sensitivity goes with --format table, csv, md or json only")
+    if not sensitivity:
+        _refuse_sweep(run_folder)
     text = _of_fleet(run_folder, form, attribution or sensitivity or against is not None, out)
     if not text and sensitivity:
         text = render_sensitivity(run_folder, form, out)
@@ -72,6 +74,13 @@ def command(
         print_out(text)
     else:
         write_file(out, text)
+
+
+def _refuse_sweep(folder: Path) -> None:
+    from waxstudy.sweeps.result import TABLE
+
+    if (folder / TABLE).is_file():
+        raise CommandError(f"{folder}: this is a sweep; {TABLE} in it has a row for each point", INVALID)
 
 
 def _of_fleet(folder: Path, form: str, has_options: bool, out: Path | None) -> str:
@@ -99,9 +108,12 @@ def _of_fleet(folder: Path, form: str, has_options: bool, out: Path | None) -> s
 
 
 def _by_suffix(out: Path | None) -> str:
-    suffix = out.suffix[1:].lower() if out else ""
-    suffix = {"htm": "html"}.get(suffix, suffix)
-    return suffix if suffix in FORMATS else "table"
+    suffix = out.suffix[1:].lower() if out and out.suffix else "txt"
+    form = {"htm": "html", "txt": "table"}.get(suffix, suffix)
+    if form not in FORMATS:
+        allowed = "a name that ends in .txt, .csv, .md, .html or .json, or a --format"
+        raise click.UsageError(f"{out}: a report has no such format; give {allowed}")
+    return form
 
 
 def _folder_or_name(word: str) -> Path | str:

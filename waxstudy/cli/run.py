@@ -9,7 +9,7 @@ import click
 
 from waxstudy.cli.errors import FAILED, CommandError
 from waxstudy.cli.existing import Existing, Written
-from waxstudy.cli.output import Command, print_out
+from waxstudy.cli.output import Command, print_out, refuse_unwritable_folder
 from waxstudy.cli.simulating import failures, progress, resumable
 from waxstudy.cli.study import load_study
 from waxstudy.sweeps.kinds import KINDS, Kind
@@ -61,6 +61,7 @@ def command(
         return
     study = load_study(study_file)
     folder = out or Path("results") / study.name
+    refuse_unwritable_folder(folder)
     if study.activation:
         if replaces:
             raise click.UsageError("--replace is of a run of cases; this study has [activation]")
@@ -106,6 +107,7 @@ def _sweep(
     if study.activation:
         raise click.UsageError("a sweep is of a study's cases; this one has [activation]")
     folder = out or Path("results") / f"{study.name}-{sweep_file.stem}"
+    refuse_unwritable_folder(folder)
     with failures(study_file, folder), progress(quiet, "points") as told, resumable():
         from waxstudy.api.sweeping import sweep
 

@@ -101,9 +101,12 @@ def _undocumented(model: type[BaseModel], prefix: str, seen: set[type]) -> Probl
 def _field_problems(name: str, field: FieldInfo) -> Problems:
     extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     unit = extra.get("unit")
-    if unit is None or not extra.get("source") or not field.description:
+    if unit is None or "source" not in extra:
         yield "declare it with `parameter(default, unit=, description=, source=, ge=, le=)`"
         return
+    for told in ("description", "source"):
+        if not (field.description if told == "description" else extra[told]):
+            yield f"its {told} is empty"
     suffix = SUFFIXES.get(str(unit))
     if suffix and not any(part.endswith(suffix) for part in name.split(".")):
         yield f"its unit is {unit}: let the name end with {suffix if isinstance(suffix, str) else ' or '.join(suffix)}"

@@ -149,7 +149,10 @@ def _changes(effect: type[Effect], belief: Belief) -> bool:
         made = _made(effect, belief, p)
         if made is not None:
             with told(f"what it makes of a belief at {_said(p)} cannot be simulated"):
-                differs |= difference(before, outcome(made)) > SAME
+                found = outcome(made)
+            if lost := [name for name, values in found.items() if not np.isfinite(values).any()]:
+                raise PluginError(f"it makes {', '.join(lost)} no number at {_said(p)}")
+            differs |= difference(before, found) > SAME
     if not _equal(kept, belief):
         raise PluginError("apply changes the belief that it is given: return another, with belief.changed or replace")
     return differs

@@ -106,7 +106,7 @@ def assembled(
     return Diagnosis(
         dataset=work.dataset.name,
         verdict=verdict,
-        summary=summary(verdict, found, remains, untestable, since, judged, heat.is_resolved),
+        summary=summary(verdict, found, remains, untestable, since, judged, heat.is_resolved, quick),
         stages=[stage for link in linked for stage in _stages(work, *link, selections)],
         effects=found,
         unexplained=remains,

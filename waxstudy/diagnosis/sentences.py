@@ -33,25 +33,26 @@ def summary(
     since: str = "",
     stages: Stages | None = None,
     heat_is_off: bool = False,
+    is_quick: bool = False,
 ) -> str:
     """Return a diagnosis in a sentence or two; `since`: what the record was compared with, if it was."""
     if verdict in ("effect", "group"):
         return " ".join(group_sentence(effect) for effect in found)
     if verdict == "unknown":
-        return " ".join(_unnamed(remains))
+        return " ".join(_unnamed(remains, "a quick look does not explain" if is_quick else "no known effect explains"))
     if verdict == "untestable":
         return f"This record cannot be judged: {_main_reason(untestable)}."
     nothing = _nothing(f"no change shows since {since}" if since else NOTHING, stages or Stages())
     return f"{nothing}{HEAT_IS_OFF if heat_is_off else ''}"
 
 
-def _unnamed(remains: Sequence[Unexplained]) -> Iterator[str]:
-    """Yield where something is amiss that no effect explains, and where none that may is sure enough."""
+def _unnamed(remains: Sequence[Unexplained], what: str) -> Iterator[str]:
+    """Yield where something is amiss that no effect explains, as `what` says, and where none is sure enough."""
     findings = [each for each in remains if each.is_finding]
     unknown = dict.fromkeys(each.stage for each in findings if not each.is_nameless)
     nameless = dict.fromkeys(each.stage for each in findings if each.is_nameless)
     if unknown:
-        yield f"Something that no known effect explains lies at: {', '.join(unknown)}."
+        yield f"Something that {what} lies at: {', '.join(unknown)}."
     if nameless:
         yield f"Something is amiss at: {', '.join(nameless)}. No effect is sure enough to be named."
 

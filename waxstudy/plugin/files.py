@@ -33,7 +33,9 @@ def lacking(path: Path) -> str:
     """Return why a file cannot be had, "" if it can."""
     try:
         check_file(path)
-    except (FileNotFoundError, NotADirectoryError, IsADirectoryError, ValueError):  # no file has some names
+    except IsADirectoryError:
+        return "this is a folder, not a file"
+    except (FileNotFoundError, NotADirectoryError, ValueError):  # no file has some names
         return "no such file"
     except OSError as error:
         return "no such file" if error.errno == errno.ENAMETOOLONG else f"cannot be read: {error.strerror}"

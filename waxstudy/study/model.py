@@ -15,7 +15,7 @@ from waxstudy.plugin import Choice as Choice
 from waxstudy.plugin import Parameters, parameter
 from waxstudy.study.activation import Activation
 
-NAME_RULE = "must be at most 64 letters, digits, '_', '-' or '.', with a letter or digit at both ends"
+NAME_RULE = "must be at most 64 letters a to z, digits, '_', '-' or '.', with a letter or digit at both ends"
 NAME_PATTERN = r"[A-Za-z0-9]([A-Za-z0-9_.-]{0,62}[A-Za-z0-9])?"
 HOUR_S = 3600.0
 

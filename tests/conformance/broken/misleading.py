@@ -106,7 +106,9 @@ UNDECLARED: Mapping[str, Broken] = {
         NOT_DECLARED,
     ),
     "parameter-without-source": Broken(
-        valve(before=GAIN.replace("chosen for a test", ""), body=USES_GAIN), "parameters", NOT_DECLARED
+        valve(before=GAIN.replace("chosen for a test", ""), body=USES_GAIN),
+        "parameters",
+        "parameter gain: its source is empty",
     ),
     "parameter-without-bounds": Broken(
         valve(before=GAIN.replace("ge=0, le=2, ", ""), body=USES_GAIN),

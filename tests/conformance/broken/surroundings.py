@@ -160,6 +160,11 @@ EFFECTS: Mapping[str, tuple[str, str]] = {
         "apply changes the belief that it is given: return another, with belief.changed or replace",
     ),
     "effect-of-nothing": ("return belief", "it changes nothing at any point of its range: controller 'on-off'"),
+    "effect-of-no-number": (
+        f"lost = {COLDER} if p.fraction == 0.0 else {COLDER} * float('nan')\n"
+        "return replace(belief, inputs=replace(belief.inputs, supply_C=lost))",
+        " no number at fraction = ",
+    ),
     "effect-that-absorbs-a-text": (
         f'return replace(belief, inputs=replace(belief.inputs, supply_C={COLDER} - p.fraction))\n{ABSORBS}"heat-loss"',
         "its `absorbs` must be a sequence of names, as ('heat-loss',)",

@@ -85,7 +85,7 @@ def closed_loop(record: Record, before: Belief, after: Belief) -> Mapping[str, B
     """
     setpoint_C = float(np.nanmedian(record.filled("setpoint_C")))
     try:
-        seen = recorded(record, before)
+        seen = recorded(record, before, after.inputs.supply_C - record.inputs.supply_C if after.inputs else 0.0)
         runs = [free_run(belief, setpoint_C).while_seen(seen) for belief in (before, after)]
         shifts = [_shift_K(seen, belief, setpoint_C) for belief in (before, after)]
     except (SimulationError, ValueError):
@@ -111,8 +111,8 @@ def distance(one: FloatArray, other: FloatArray) -> float:
     return float(wasserstein_distance(one[np.isfinite(one)], other[np.isfinite(other)]))
 
 
-def recorded(record: Record, belief: Belief) -> FreeRun:
-    """Return the record's own figures."""
+def recorded(record: Record, belief: Belief, warmer_K: FloatArray | float = 0.0) -> FreeRun:
+    """Return the record's own figures; heat by a supply that was so much warmer (n,) than was measured."""
     full = built(belief.room).full_flow_L_h if belief.room else float("nan")
     air_C = record.values[record.air_channel]
     if not record.has("flow_L_h"):
@@ -120,7 +120,7 @@ def recorded(record: Record, belief: Belief) -> FreeRun:
     flow = record.values["flow_L_h"]
     heat_W = None
     if belief.room and record.has("return_temperature_C") and record.has("supply_temperature_C"):
-        drop_K = record.values["supply_temperature_C"] - record.values["return_temperature_C"]
+        drop_K = warmer_K + record.values["supply_temperature_C"] - record.values["return_temperature_C"]
         heat_W = np.where(flow <= 0.0, 0.0, flow / 3600.0 * built(belief.room).water_J_L_K * drop_K)
     return FreeRun(record.interval_s, air_C, flow / full, heat_W)
 

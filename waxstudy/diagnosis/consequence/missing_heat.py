@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import compress, pairwise
 from math import nan
 
 import numpy as np
@@ -17,6 +17,7 @@ from waxstudy.diagnosis.estimate.estimator import Estimator
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.model.nuisance import habits, of_record
 from waxstudy.diagnosis.model.room_response import built
+from waxstudy.diagnosis.observations.record import settling_s
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import HeatBy, HeatPer, HeatPiece, MissingHeat
 from waxstudy.diagnosis.select.search import Selection
@@ -117,17 +118,24 @@ def _data(problem: SegmentProblem, fitted: Hypothesis, pieces: Pieces, unknowns:
 def _pieces(problem: SegmentProblem, pieces: Pieces, heat: HeatEstimate) -> list[HeatPiece]:
     record = problem.record
     first_h, end_h = record.start_s / 3600.0, len(record) * record.interval_s / 3600.0
-    found = []
-    for middle_h, each in zip(pieces.middle_h.tolist(), heat.pieces(), strict=True):
+    found, judged = [], _judged(problem, pieces).tolist()
+    for middle_h, each in compress(zip(pieces.middle_h.tolist(), heat.pieces(), strict=True), judged):
         from_h = middle_h - 0.5 * pieces.length_h - first_h
         ends = max(0.0, from_h), min(end_h, from_h + pieces.length_h)
         found.append(HeatPiece(*ends, each.value, each.low, each.high))
     return found
 
 
+def _judged(problem: SegmentProblem, pieces: Pieces) -> np.ndarray:
+    """Return which pieces (P,) are judged: at the start heat stands in for how warm the room's mass was."""
+    record = problem.record
+    since_s = 3600.0 * pieces.middle_h - record.start_s
+    return np.asarray(since_s >= settling_s(len(record) * record.interval_s))
+
+
 @dataclass(frozen=True)
 class Drivers:
-    """What a record had in each piece (P,), and for how many hours each is."""
+    """What a record had in each piece (P,), and for how many hours each is judged."""
 
     hours: FloatArray
     of_day: Sequence[str]  # "" where pieces do not tell hours apart
@@ -143,7 +151,7 @@ class Drivers:
         flow = record.filled_or_zero("flow_L_h") if record.has("flow_L_h") else None
         middle = time - pd.Timedelta(0.5 * record.interval_s, "s")
         return cls(
-            hours=pieces.hours(record.interval_s),
+            hours=np.where(_judged(problem, pieces), pieces.hours(record.interval_s), 0.0),
             of_day=[_hours(each, pieces.length_h) for each in pieces.middle_h.tolist()],
             is_weekend=pieces.means(np.asarray(middle.day_of_week >= 5, dtype=float)) > 0.5,
             colder_K=pieces.means(inputs.air_C - inputs.outdoor_C),
@@ -159,6 +167,8 @@ class Drivers:
         """Yield means by each driver."""
         for driver, name, chosen in self._chosen():
             hours = float(self.hours[chosen].sum())
+            if not hours:
+                continue
             weights = np.where(chosen, self.hours, 0.0) / hours
             yield self._mean(driver, name, hours, weights, before, after)
         if self.flows is not None and np.std(self.flows) > FLOWS:
