@@ -151,10 +151,13 @@ def test_a_folder_that_holds_something_else_is_left_alone(entry: Entry, small_st
 def test_a_folder_that_can_not_be_is_refused_before_anything_is_computed(
     entry: Entry, small_study: Path, out: str
 ) -> None:
-    (small_study.parent / "file").write_text("my own work\n")
+    file = small_study.parent / "file"
+    file.write_text("my own work\n")
     done = entry("run", small_study, "--out", out)
-    assert (done.code, done.stdout) == (2, "")
-    assert f"{out}: the results could not be written" in done.stderr
+    assert (done.code, done.stdout) == (6, "")
+    assert done.stderr.startswith(f"error: {out}: the results cannot be written: ")
+    assert done.stderr.endswith("file is no folder to write to\n")
+    assert file.read_text() == "my own work\n"
 
 
 def test_a_run_removes_nothing_that_no_run_has_made(entry: Entry, small_study: Path, small_run: Path) -> None:

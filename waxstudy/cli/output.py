@@ -78,11 +78,11 @@ def print_out(text: str) -> None:
             raise CommandError(f"the output cannot be written: {error.strerror or error}", FAILED) from error
 
 
-def refuse_unwritable_folder(out: Path) -> None:
-    """Say before the work, not after it, that its results could not be written."""
+def refuse_unwritable_folder(out: Path, code: int = USAGE) -> None:
+    """Say before the work, not after it, that its results could not be written, with an exit code."""
     there = next(path for path in (out, *out.absolute().parents) if os.path.exists(path))
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-        raise CommandError(f"{out}: the results could not be written: {there} is no folder to write to", USAGE)
+        raise CommandError(f"{out}: the results cannot be written: {there} is no folder to write to", code)
 
 
 def write_file(out: Path, text: str) -> None:

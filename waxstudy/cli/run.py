@@ -61,7 +61,7 @@ def command(
         return
     study = load_study(study_file)
     folder = out or Path("results") / study.name
-    refuse_unwritable_folder(folder)
+    refuse_unwritable_folder(folder, FAILED)
     if study.activation:
         if replaces:
             raise click.UsageError("--replace is of a run of cases; this study has [activation]")
@@ -107,7 +107,7 @@ def _sweep(
     if study.activation:
         raise click.UsageError("a sweep is of a study's cases; this one has [activation]")
     folder = out or Path("results") / f"{study.name}-{sweep_file.stem}"
-    refuse_unwritable_folder(folder)
+    refuse_unwritable_folder(folder, FAILED)
     with failures(study_file, folder), progress(quiet, "points") as told, resumable():
         from waxstudy.api.sweeping import sweep
 
