@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
 import time
 from collections.abc import Iterator
+from concurrent.futures import Future
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import psutil
@@ -18,6 +21,7 @@ import pytest
 from tests.cli.conftest import Entry, Plugin, entry, plugin
 from tests.conftest import ONE_CASE, WAXSTUDY, Waxstudy
 from tests.results.test_parquet import units_in
+from waxstudy.sweeps.run import Where, _attempt
 
 __all__ = ["entry", "plugin"]
 
@@ -226,6 +230,22 @@ def test_a_worker_that_is_killed_costs_no_point(waxstudy: Waxstudy, tmp_path: Pa
     assert killed == 1
     assert waxstudy("run", "two.toml", "--sweep", "sobol.toml", "--out", "whole").returncode == 0
     pd.testing.assert_frame_equal(table(tmp_path / "killed"), table(tmp_path / "whole"))
+
+
+def test_a_worker_that_dies_while_nobody_waits_for_it_costs_the_points_under_way_alone() -> None:
+    todo: dict[int, Any] = dict.fromkeys(range(8))
+
+    def ended(number: int, outcome: Future[Any]) -> None:
+        outcome.result()
+        del todo[number]
+        for worker in multiprocessing.active_children():
+            worker.kill()
+            worker.join()
+        time.sleep(0.5)  # the pool sees it
+
+    lost = _attempt(dict(todo), Where("processes", 1), repr, ended)  # type: ignore[arg-type]
+    assert len(todo) >= 6
+    assert set(lost) <= set(todo)
 
 
 def is_worker(process: psutil.Process) -> bool:

@@ -142,8 +142,11 @@ def _attempt(
     with executor(where.kind, where.workers, where.scheduler) as pool:
         while True:
             # few at a time: a sweep that is stopped has little to take back
-            for number, stated in islice(rest, 2 * where.workers - len(running)):
-                running[pool.submit(work, stated)] = number
+            try:
+                for number, stated in islice(rest, 2 * where.workers - len(running)):
+                    running[pool.submit(work, stated)] = number
+            except BrokenProcessPool:  # a process died while nobody waited for it
+                return sorted(running.values())
             if not running:
                 return []
             for future in wait(running, return_when=FIRST_COMPLETED).done:
