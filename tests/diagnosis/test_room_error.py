@@ -13,7 +13,8 @@ from tests.diagnosis.realities import belief, record
 from waxstudy.diagnosis.model.room_response import OF_ROOM, error_of
 from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.residuals.judge import Judge
-from waxstudy.diagnosis.residuals.room_means import PIECE_S, RoomMeans
+from waxstudy.diagnosis.residuals.room_means import RoomMeans
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, Choice, ModelError
 from waxstudy_paper.room import NzebRoom
 
@@ -52,7 +53,7 @@ def test_a_room_s_errors_are_weighed_by_what_the_room_states(name: str, typical_
     (room,) = [segment for segment in segments(seen, believed) if segment.with_room]
     predicted = room.predict(seen, believed, room.conventions[0])
     (air,) = [each for each in Judge(room, seen, believed).residuals(predicted) if each.channel == CHANNEL]
-    scale_K = np.hypot(typical_K, seen.noise[CHANNEL]) * (PIECE_S / STEP_S) ** 0.5
+    scale_K = np.hypot(typical_K, seen.noise[CHANNEL]) * (WEIGHTS.lasting_s / STEP_S) ** 0.5
     assert np.abs(air.error).max() > 0.0
     assert air.whitened * scale_K == pytest.approx(air.error)
 

@@ -44,6 +44,9 @@ class Weights:
     alike: float
     least_share: float
     block_s: float
+    lasting_s: float
+    expected_s: float
+    hidden_s: float
     screened: float
     screened_room: float
     open: float

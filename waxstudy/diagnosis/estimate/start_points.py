@@ -17,7 +17,7 @@ from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 IMPOSSIBLE = 1e12  # score of a belief that cannot be
-MOST_SCALED = 4.0  # times a point of a first look
+MOST_SCALED = 4.0  # chosen, of a search: times a point of a first look
 SCALED = 4  # such points that are tried at the strength that suits the record
 TINY = 1e-12
 MANY = 4  # parameters of a chain, from which on the best point of a first look may lead nowhere

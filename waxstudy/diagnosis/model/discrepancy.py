@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 STEPS_MOST = 400  # of the search for a discrepancy
-LENGTH_S = 4 * 3600.0  # chosen: for how long an error is expected to hang together
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Discrepancy:
 
         rms_K = float(np.sqrt(np.mean(error[known] ** 2))) if known.any() else 0.0
         expected_K = max(least_K, rms_K)
-        start = np.log([expected_K, LENGTH_S / step_s, 0.3 * expected_K])
+        start = np.log([expected_K, WEIGHTS.expected_s / step_s, 0.3 * expected_K])
         found = minimize(loss, start, method="Nelder-Mead", options={"maxfev": STEPS_MOST, "xatol": 1e-3})
         sd, length, noise = np.exp(found.x)
         return cls(float(sd), float(length) * step_s, float(np.hypot(noise, least_K)))

@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from waxstudy.dataset.levels import drives_by_switching, signals_of
-from waxstudy.diagnosis.model.room_response import ROOM_STEP_S
 from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import Belief, FloatArray
 
-SETTLED_S = 6 * 3600.0  # by then a motor stands still
-BEHIND = ("displacement",)  # a signal, and hidden with it
+SETTLED_S = 6 * 3600.0  # chosen: by then any motor stands still
+BEHIND = ("displacement",)  # a channel that is hidden with the signal before it
 
 
 def hidden_pulses(record: Record, belief: Belief) -> frozenset[str]:
@@ -21,7 +21,7 @@ def hidden_pulses(record: Record, belief: Belief) -> frozenset[str]:
     That is a signal which is believed to be on or off and was logged between, and what a motor does on it. Samples of
     five minutes and less are as short as a stroke of most motors.
     """
-    if record.interval_s <= ROOM_STEP_S or not drives_by_switching(belief.blocks):
+    if record.interval_s <= WEIGHTS.hidden_s or not drives_by_switching(belief.blocks):
         return frozenset()
     found = {name for name in signals_of(belief.blocks) if record.has(name) and name not in record.binary}
     return frozenset((*found, *filter(record.has, BEHIND))) if found else frozenset()

@@ -12,7 +12,6 @@ from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray, ModelError
 
 STEPPED_K = 0.005  # chosen: what stays of a room that is exactly as believed, in samples of some minutes
-PIECE_S = 7200.0  # chosen: for so long errors of a form hang together
 
 
 class RoomMeans:
@@ -39,7 +38,7 @@ class RoomMeans:
         # the return's first minutes of each pulse are blurred whatever the form
         is_exact = is_exact_room and channel in OF_AIR_AND_FLOOR
         form_K = np.hypot(STEPPED_K, self.noise) if is_exact else np.hypot(error.typical_K, record.noise[channel])
-        self.scale_K = form_K * max(1.0, PIECE_S / self.step_s) ** 0.5
+        self.scale_K = form_K * max(1.0, WEIGHTS.lasting_s / self.step_s) ** 0.5
 
     def residual(self, predicted: Predicted) -> Residual:
         measured, shown = self.measured, predicted[self.channel]
