@@ -95,6 +95,7 @@ class Hypothesis:
     convention: Convention
     departures: FloatArray
     residuals: Sequence[Residual] = field(repr=False)
+    is_at_times: bool = False  # whether its last effect acts in what it misses at some times only
 
     def loss(self, part: int) -> float:
         return sum(each.loss(part) for each in self.residuals)

@@ -163,20 +163,26 @@ class SegmentProblem:
 
         Of one channel, or of all that run on.
         """
+        found: dict[int, float] = {}
+        for residual, moved in zip(fitted.residuals, self.moved_by_noise(fitted), strict=True):
+            if moved is not None and channel in ("", residual.channel):
+                for part in BOTH:
+                    found[part] = found.get(part, 0.0) + float(np.sum(moved[residual.part == part] ** 2))
+        return found
+
+    def moved_by_noise(self, fitted: Hypothesis) -> list[FloatArray | None]:
+        """Return how far a draw of the drive's noise moves the whitened error (m,) of each residual that runs on.
+
+        None of what switches, of a room, and where the drive switches or its noise was read by the controller.
+        """
         if self.segment.with_room or self.segment.driven_by in self.record.binary or fitted.convention.is_raw:
-            return {}
+            return [None] * len(fitted.residuals)
         belief = self.belief_of(fitted)
         perturbation = Perturbation(np.random.default_rng(11), is_twice=False)
         still = self.predicted(belief, fitted.convention)
         moved = self.predicted(belief, fitted.convention, perturbation)
-        found: dict[int, float] = {}
-        for now, then in zip(self.judge.residuals(still), self.judge.residuals(moved), strict=True):
-            if now.channel not in self.record.binary and channel in ("", now.channel):
-                for part in BOTH:
-                    chosen = now.part == part
-                    added = float(np.sum((then.whitened[chosen] - now.whitened[chosen]) ** 2))
-                    found[part] = found.get(part, 0.0) + added
-        return found
+        pairs = zip(self.judge.residuals(still), self.judge.residuals(moved), strict=True)
+        return [None if now.channel in self.record.binary else then.whitened - now.whitened for now, then in pairs]
 
     def belief_of(self, fitted: Hypothesis) -> Belief:
         """Return the belief that a hypothesis has."""

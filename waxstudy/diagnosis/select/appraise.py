@@ -20,6 +20,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import days_of
 from waxstudy.diagnosis.select.evidence import departure, travel_left
+from waxstudy.diagnosis.select.filtered import Filtered
 from waxstudy.diagnosis.select.gain_spread import along_change, gain_spread, strength
 from waxstudy.diagnosis.select.patterns import Pattern, day_of
 from waxstudy.diagnosis.select.posterior import Weighed
@@ -35,6 +36,7 @@ class Appraisal:
         self.share = self._shares()
         self.none = estimator.settled(estimator.base)
         self.read: dict[Convention, Hypothesis] = {}  # nothing, where the record is read in another way
+        self.filtered = Filtered(problem, healthy)
 
     def _shares(self) -> dict[str, float]:
         """Return how many samples of each channel, or motion of it, count as one."""
@@ -197,14 +199,19 @@ class Appraisal:
         """Return the share that a hypothesis leaves of what a chain misses beyond the usual, at least `_kept` of it."""
         if self.problem.segment.with_room:
             return WEIGHTS.least_share  # what a room leaves is judged by its healthy record alone
-        before, after = 0.0, 0.0
-        for old, new in zip(self._nothing(fitted).by_motion, fitted.by_motion, strict=True):
-            missed = self._beyond(old)
-            before, after = before + missed, after + max(self._beyond(new), self._kept(old, new) * missed)
+        before, after, nothing = 0.0, 0.0, self._nothing(fitted)
+        for old, new in zip(nothing.by_motion, fitted.by_motion, strict=True):
+            missed = self._beyond(nothing, old)
+            before, after = before + missed, after + max(self._beyond(fitted, new), self._kept(old, new) * missed)
         return float(max(WEIGHTS.least_share, min(1.0, (after / before) ** 0.5))) if before > 0.0 else 1.0
 
-    def _beyond(self, residual: Residual) -> float:
-        return max(0.0, residual.loss() - self.healthy.usual_loss(residual))
+    def _beyond(self, fitted: Hypothesis, residual: Residual) -> float:
+        return max(0.0, float(self._squares(fitted, residual).sum()) - self.healthy.usual_loss(residual))
+
+    def _squares(self, fitted: Hypothesis, residual: Residual) -> FloatArray:
+        """Return the squares that a hypothesis misses of a channel (m,), let through as much noise as nothing does."""
+        spared = self.filtered.squares(fitted, self._none_read(fitted.convention))
+        return np.asarray(residual.whitened**2 + residual.judged * spared.get(residual.channel, 0.0))
 
     def _kept(self, none: Residual, residual: Residual) -> float:
         """Return which share of the squares of a channel's gap a hypothesis keeps, beyond what may be usual.
@@ -239,7 +246,8 @@ class Appraisal:
 
     def _losses(self, fitted: Hypothesis) -> dict[str, float]:
         """Return the same of each channel of a chain."""
-        pairs = {each.channel: max(each.loss(), self.healthy.usual_loss(each)) for each in fitted.by_motion}
+        missed = ((each, float(self._squares(fitted, each).sum())) for each in fitted.by_motion)
+        pairs = {each.channel: max(loss, self.healthy.usual_loss(each)) for each, loss in missed}
         return {channel: loss / self.share.get(channel, 1.0) for channel, loss in pairs.items()}
 
     def most_told(self, given: Hypothesis) -> float:
@@ -248,7 +256,7 @@ class Appraisal:
         It would gain all that is missed beyond the usual, and leave no misfit; without it something unknown, for its
         price, may excuse that misfit.
         """
-        gains = (0.5 * self._beyond(each) / self.share.get(each.channel, 1.0) for each in given.by_motion)
+        gains = (0.5 * self._beyond(given, each) / self.share.get(each.channel, 1.0) for each in given.by_motion)
         return sum(gains) + min(0.5 * self.misfit(given) ** 2, WEIGHTS.unknown_price)
 
     def may_show(self, effect: EffectType, told: float) -> bool:
@@ -271,7 +279,8 @@ class Appraisal:
             return np.zeros(0)
         judged = np.concatenate([each.judged for each in fitted.residuals])
         _, member = np.unique(np.concatenate([each.block for each in fitted.residuals])[judged], return_inverse=True)
-        return np.asarray(np.bincount(member, self._missed(fitted)[judged] ** 2))
+        squares = [self._squares(fitted, each) * each.weights(self.share) ** 2 for each in fitted.residuals]
+        return np.asarray(np.bincount(member, np.concatenate(squares)[judged]))
 
     def _block(self, residual: Residual) -> np.ndarray:
         """Return the number of the cycle, of a room of the quarter of a day, of each residual."""
@@ -314,7 +323,7 @@ class Appraisal:
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
         pairs = zip(self._none_read(fitted.convention).by_motion, fitted.by_motion, strict=True)
-        counted = (self._misfit(old, new) for old, new in pairs if not self._is_covered(fitted, new))
+        counted = (self._misfit(fitted, old, new) for old, new in pairs if not self._is_covered(fitted, new))
         return max(counted, default=0.0)
 
     def _is_covered(self, fitted: Hypothesis, residual: Residual) -> bool:
@@ -322,7 +331,7 @@ class Appraisal:
         most = self.healthy.tolerated_travel
         return most > 0.0 and travel_left(self.problem, fitted, residual) <= most
 
-    def _misfit(self, none: Residual, residual: Residual) -> float:
+    def _misfit(self, fitted: Hypothesis, none: Residual, residual: Residual) -> float:
         count = int(residual.judged.sum())
         healthy = self.healthy.left(residual.channel)
         if not count or healthy is None:
@@ -334,8 +343,8 @@ class Appraisal:
         kept = 0.0 if segment.with_room else self._kept(none, residual)
         explained = max(0.0, min(none.loss() - residual.loss(), (1.0 - kept) * none.loss())) / count
         usual = float(np.sqrt(more * self.healthy.usual(residual) ** 2 + WEIGHTS.form**2 * explained))
-        squares = residual.whitened[residual.judged] ** 2
-        left = _lasting(squares, np.ones(count), residual.block[residual.judged]) ** 0.5
+        squares = self._squares(fitted, residual)[residual.judged]
+        left = max(0.0, _lasting(squares, np.ones(count), residual.block[residual.judged])) ** 0.5
         # errors of different cycles do not hang together, however alike something that is always amiss makes them
         share = min(self.share.get(residual.channel, 1.0), count / cycles)
         scatter = np.sqrt(self.healthy.scatter(residual) ** 2 + 0.5 * share / count + 0.5 * share / healthy.samples)

@@ -118,7 +118,7 @@ def acting(
         )
         for (old, new), course in zip(pairs, courses, strict=True)
     ]
-    return replace(after, residuals=residuals), strength
+    return replace(after, residuals=residuals, is_at_times=True), strength
 
 
 def concentrated(residual: Residual, together: float, record: Record) -> Pattern | None:
