@@ -7,6 +7,7 @@ import json
 import shutil
 import sys
 import tomllib
+from dataclasses import replace
 from datetime import date, timedelta
 from pathlib import Path
 from typing import Any
@@ -224,6 +225,23 @@ def test_a_change_is_as_large_however_far_the_house_was_off_before(built_K: floa
     box = {**case.described(), "causes": [{"size": {"channel": "sensor_temperature_C"}}]}
     assert true_shrinkage("x", box, "sensor-bias", {"bias_K": 0.3}) == pytest.approx(1.0, abs=0.01)
     assert true_shrinkage("x", box, "sensor-bias", {"bias_K": 0.15}) == pytest.approx(0.75, abs=0.05)
+
+
+@pytest.mark.slow
+def test_a_valve_held_wide_open_is_alike_with_a_large_leak_whatever_the_cause_calls_its_values() -> None:
+    """Both are the same flow; of a valve of another form even the effect of the cause's name leaves more than noise."""
+    engine = engine_of("thin-floor-plant")
+    scene = engine.draw_built(np.random.default_rng(4), ["stuck-open"], 3)
+    scene["causes"] = [{"name": "stuck-open", "values": {"lifted": 0.16}}]
+    scene["plant"] = {**scene["plant"], "coupling": 0.2}  # other circuits make its flow vary
+    staged, measured = engine.make(scene), Measured("all", 60.0, 3, 1.0, 0.0, 5)
+    case = Case("x", "built-single", "single", engine.name, 0, measured, scene, measured)
+    bare = replace(case, scene={name: value for name, value in scene.items() if name != "baseline"}, baseline=None)
+    for each in (case, bare):
+        (size,) = sizes(each, staged, without_noise(staged, measured))
+        assert size
+        assert size.over > 30.0
+        assert size.alike == ("let-by",)
 
 
 # --- when a cause acts -----------------------------------------------------------------------------

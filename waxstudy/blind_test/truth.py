@@ -30,6 +30,9 @@ from waxstudy.synthetic.effects import EffectError, applied
 
 TIMES = 4  # that a record is measured for its floor: whether a switch comes early hangs on single samples
 TIMING = 12.0**-0.5  # of an interval: no switch is known better
+AS_NEAR = (
+    1.05  # times what the best fit of the true effect leaves, that another one leaves as well: searches end near it
+)
 HARDLY = 0.3  # of what is missed of a measured record anyway, or of a gap
 HOUSE_K, RETURN_K = (
     0.1,
@@ -107,13 +110,14 @@ def sizes(case: Case, staged: Staged, seen: Dataset, with_alike: bool = True) ->
         return []
     how = replace(case.measured, missing=0.0)
     again = [] if staged.is_measured else [replace(how, seed=how.seed + time) for time in range(TIMES)]
-    noisy = [_record(staged, each, seen, noise=True) for each in again]
-    stand = Stand(seen, _record(staged, how, seen), noisy, staged.departures)
+    noisy = [recorded(staged, each, seen, noise=True) for each in again]
+    stand = Stand(seen, recorded(staged, how, seen), noisy, staged.departures)
     return [_size(case, staged, stand, place, with_alike) for place in range(len(case.causes))]
 
 
-def _record(staged: Staged, how: Measured, about: Dataset, noise: bool = False) -> Record:
-    return Record.of(shown(staged, how, noise).drop(columns="time"), about, noise)
+def recorded(staged: Staged, how: Measured, about: Dataset, noise: bool = False) -> Record:
+    """Return what the instruments show, driven by what truly drove it."""
+    return Record.of(shown(staged, how.with_drives(), noise).drop(columns="time"), about, noise)
 
 
 def _size(case: Case, staged: Staged, stand: Stand, place: int, with_alike: bool) -> Size | None:
@@ -135,7 +139,8 @@ def _size(case: Case, staged: Staged, stand: Stand, place: int, with_alike: bool
     refit = stand.refit(stretch, stand.free, others, limits)
     if healthy:
         refit = refit.beside(stand.refit(stretch, healthy, others, cut.floors))
-        refit = replace(refit, limits=_as_near(refit, case.scene["causes"][place], cut))
+    if own is None and not staged.is_measured:
+        refit = replace(refit, limits=_as_near(refit, cause.name, cut.gaps))
     tried = [each for each in library() if each.name != cause.name and each.stage in stretch.stages]
     alike = tuple(each.name for each in tried if gap > floor and refit.is_alike(each))
     return Size(stretch.name, channel, gap, floor, refit.beyond, alike)
@@ -156,7 +161,7 @@ def without_cause(case: Case, staged: Staged, stand: Stand, place: int) -> Recor
     """Return the record that the engine gives without one cause, without noise."""
     changed = _up_to_recorded(staged.without[place], stand.free, case.causes[place])
     still = replace(staged, channels={**staged.channels, **changed})
-    return _record(still, replace(case.measured, missing=0.0), stand.about)
+    return recorded(still, replace(case.measured, missing=0.0), stand.about)
 
 
 def _up_to_recorded(changed: Mapping[str, FloatArray], record: Record, cause: Cause) -> Mapping[str, FloatArray]:
@@ -172,23 +177,17 @@ def _up_to_recorded(changed: Mapping[str, FloatArray], record: Record, cause: Ca
     return changed
 
 
-def _as_near(refit: Refit, cause: Mapping[str, Any], cut: Cut) -> Gaps:
-    """Return what an effect may leave to be alike: the floor, or what the cause of that name and size leaves itself.
+def _as_near(refit: Refit, cause: str, true_gaps: Gaps) -> Gaps:
+    """Return what an effect may leave to be alike: its limit, or what the library's effect of the cause's name leaves.
 
     The engine has another form than what is believed, so that leaves something, of which little of the gap counts.
     """
-    effect = next((each for each in library() if each.name == cause["name"]), None)
-    if effect is None:
-        return cut.floors
-    try:
-        parameters = effect.Parameters(**cause["values"])
-    except ValueError:
-        return cut.floors
-    found = refit.fitted(lambda belief: effect.apply(belief, parameters))
+    effect = next((each for each in library() if each.name == cause), None)
+    found = refit.nearest(effect) if effect else None
     if found is None:
-        return cut.floors
-    left = gaps(found.missed)
-    return {c: max(floor, min(left[c], HARDLY * cut.gaps[c])) for c, floor in cut.floors.items()}
+        return refit.limits
+    left = {channel: AS_NEAR * gap for channel, gap in gaps(found.missed).items()}
+    return {c: max(limit, min(left[c], HARDLY * true_gaps[c])) for c, limit in refit.limits.items()}
 
 
 def cut_of_effect(stand: Stand, stretch: Stretch, effects: Sequence[Choice], others: Sequence[Choice]) -> Cut:

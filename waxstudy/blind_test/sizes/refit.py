@@ -103,15 +103,26 @@ class Refit:
             return False
         if self.beyond <= 1.0 and effect.neutral(self._true) is not None:
             return True  # the unknowns do alone, with an effect that does nothing
-        looked = sorted((self._look(effect, point), *point) for point in self._points(effect))
-        starts = [np.array(point) for _, *point in looked[:CLOSER]]
-        return any(self._passes(effect, point) for start in starts for point in self._closer(effect, start))
+        return any(self._passes(effect, point) for point in self._best_points(effect))
+
+    def nearest(self, effect: type[Effect]) -> Fit | None:
+        """Return the best fit of an effect, None where none can be simulated."""
+        if effect.hindrance(self._true):
+            return None
+        fits = [self.fitted(_with(effect, point)) for point in self._best_points(effect)]
+        return min((fit for fit in fits if fit), key=lambda fit: fit.loss, default=None)
 
     def _passes(self, effect: type[Effect], point: FloatArray) -> bool:
         if self._look(effect, point) > NEARLY * len(self.limits):
             return False
         found = self.fitted(_with(effect, point))
         return found is not None and all(gap <= self.limits[c] for c, gap in gaps(found.missed).items())
+
+    def _best_points(self, effect: type[Effect]) -> Iterator[FloatArray]:
+        """Yield the best few of many points in the cube of an effect's parameters, and what is found near each."""
+        looked = sorted((self._look(effect, point), *point) for point in self._points(effect))
+        for _, *point in looked[:CLOSER]:
+            yield from self._closer(effect, np.array(point))
 
     def _points(self, effect: type[Effect]) -> Iterator[FloatArray]:
         """Yield points all over the cube of an effect's parameters (Sobol), and where it says to start from."""
