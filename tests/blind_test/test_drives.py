@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from waxstudy.blind_test.draw import CHANNEL_SETS, LATER_BUILT_SETS, LATER_SETS, LIT, Case, drawn
+from waxstudy.blind_test.draw import CHANNEL_SETS, LATER_BUILT_SETS, LATER_SETS, LIT, Case, Measured, drawn
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import Place, begun
 from waxstudy.blind_test.plan import DRAW, Plan, Slot
 from waxstudy.blind_test.record import write_record
+from waxstudy.blind_test.truth import sizes
 from waxstudy.dataset.channels import GLOBAL
 from waxstudy.dataset.read import read_dataset
 from waxstudy.dataset.stand_ins import SUN
@@ -55,6 +56,21 @@ def test_a_record_with_light_tells_its_place_and_no_other_does(tmp_path: Path) -
     true = record_of(read_dataset(tmp_path / "all")).filled(SUN)
     assert told.mean() == pytest.approx(true.mean(), rel=0.5)  # the sun of this winter is hardly above the horizon
     assert np.corrcoef(told, true)[0, 1] > 0.8
+
+
+def test_what_drove_a_room_drove_it_whoever_recorded_it(tmp_path: Path) -> None:
+    """The true gap is the same; what nobody saw of the sun may stand in for a cause that it could explain."""
+    scene = FastRoom.draw(np.random.default_rng(0), ["solar-factor"], 4)
+    scene["causes"] = [{"name": "solar-factor", "values": {"factor": 2.5}}]
+    found = {}
+    for channels in ("all", "no sun"):
+        case = Case("x", "spread", "single", "fast-room", 0, Measured(channels, 60.0, 4, 1.0, 0.0, 3), scene)
+        staged = FastRoom.make(case.scene)
+        write_record(tmp_path / channels, staged, case.measured)
+        (found[channels],) = sizes(case, staged, read_dataset(tmp_path / channels))
+    assert found["all"].gap == found["no sun"].gap > 0.1
+    assert found["all"].floor == found["no sun"].floor
+    assert found["no sun"].beyond < 1.0 < found["all"].beyond
 
 
 def test_a_test_that_was_begun_goes_on_as_its_key_drew_then(tmp_path: Path) -> None:

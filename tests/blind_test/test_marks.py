@@ -334,6 +334,26 @@ def test_a_failure_costs_what_knowing_nothing_costs_and_is_no_silent_null() -> N
     assert figures([mark(truth()), failed])["brier"].value is None  # of one who never states any
 
 
+def test_who_fails_makes_no_wrong_claims_and_gets_no_credit_for_that() -> None:
+    own = [Mark(true, Answer.failed()) for true in (truth(), truth(ALONE), truth(LET_BY, ALONE))]
+    found = figures([*own, mark(truth(LET_BY), effect("let-by"))])
+    wrong = [found[name] for name in ("misdiagnosis", "over_claim", "unknown_claimed")]
+    assert [(each.count, each.of) for each in wrong] == [(0, 1), (1, 1), (0, 1)]
+    goals = {(goal["name"], goal["where"]): goal for goal in scored(own, 3, [], {})["goals"]}
+    assert [goals[name, "fast room"]["of"] for name in ("misdiagnosis", "unknown falsely claimed")] == [0, 0]
+    assert goals["right group", "fast room"]["of"] == 1
+
+
+def test_an_hour_of_the_day_is_missed_by_hours_and_by_no_share_of_it() -> None:
+    late = truth(cause("window-opening", from_h=22.0, flow_L_s=10.0))
+    said = effect("window-opening", stage="room", from_h=(19.0, 18.0, 20.0), flow_L_s=(12.0, 9.0, 15.0))
+    own = [mark(late, said)]
+    assert figures(own)["parameter_error"].value == pytest.approx(0.2)
+    told = scored(own, 1, [], {})["parameters"]
+    assert told["window-opening.from_h"]["error"]["value"] is None
+    assert told["window-opening.from_h"]["coverage"]["value"] == 0.0
+
+
 def test_hypotheses_are_names_joined_in_any_order_and_a_family_is_unknown() -> None:
     two = truth(ALONE, cause("sensor-bias"))
     for spelling in ("let-by+sensor-bias", "sensor-bias+let-by"):

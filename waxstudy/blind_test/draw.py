@@ -57,6 +57,11 @@ class Measured:
     missing: float
     seed: int
 
+    def with_drives(self) -> Measured:
+        """Return the same with sun and gains: they drove the room whether somebody recorded them or not."""
+        lacks_drives_only = set(LATER_SETS[self.channels]) <= set(SUNLESS)
+        return replace(self, channels="all") if lacks_drives_only else self
+
     def instruments(self, noise: bool = True) -> Instruments:
         """Return the instruments, or with no noise at all."""
         factor = self.noise_factor if noise else 0.0

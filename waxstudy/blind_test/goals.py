@@ -62,6 +62,10 @@ class Chosen:
         """
         return [m for m in self.own if m.truth.kind in kinds and _is_goal(m, channels)]
 
+    def answered(self, *kinds: str, channels: str = "all") -> list[Mark]:
+        """Return the same without failures: who says nothing says nothing wrong, which is no merit."""
+        return [m for m in self.of(*kinds, channels=channels) if not m.answer.has_failed]
+
 
 def _is_goal(mark: Mark, channels: str) -> bool:
     truth = mark.truth
@@ -105,11 +109,11 @@ def right_stage(chosen: Chosen) -> Figure:
 
 
 def false_alarms(chosen: Chosen) -> Figure:
-    return share([m.false_alarm for m in chosen.of("null") if not m.answer.has_failed])
+    return share([m.false_alarm for m in chosen.answered("null")])
 
 
 def misdiagnosis(chosen: Chosen) -> Figure:
-    return share([m.misdiagnosis for m in chosen.of("single", "pair")])
+    return share([m.misdiagnosis for m in chosen.answered("single", "pair")])
 
 
 def unknown_found(chosen: Chosen) -> Figure:
@@ -117,7 +121,7 @@ def unknown_found(chosen: Chosen) -> Figure:
 
 
 def unknown_claimed(chosen: Chosen) -> Figure:
-    return share([m.unknown_claimed for m in chosen.of("null", "single", "pair")])
+    return share([m.unknown_claimed for m in chosen.answered("null", "single", "pair")])
 
 
 def leave_one_out(chosen: Chosen) -> Figure:
@@ -149,7 +153,7 @@ def right_by_temperatures(chosen: Chosen) -> Figure:
 
 
 def over_claim_by_temperatures(chosen: Chosen) -> Figure:
-    return share([m.over_claim for m in chosen.of("single", channels="temperatures only")])
+    return share([m.over_claim for m in chosen.answered("single", channels="temperatures only")])
 
 
 def semi_real(chosen: Chosen) -> Figure:

@@ -370,5 +370,14 @@ def unrolled(parameter: str, said: tuple[float, float, float]) -> tuple[float, f
     return said if low <= high else (value, value - (value - low) % DAY_H, value + (high - value) % DAY_H)
 
 
+def relative_errors(said: Sequence[tuple[str, float, tuple[float, float, float]]]) -> list[float]:
+    """Return by how much of what is true parameters are missed; an hour of the day has no size, nor has a true 0.
+
+    >>> relative_errors([("leak.factor", 2.0, (3.0, 1.0, 4.0)), ("window.from_h", 22.0, (19.0, 18.0, 20.0))])
+    [0.5]
+    """
+    return [abs(value / true - 1.0) for name, true, (value, _, _) in said if true and not _is_hour(name)]
+
+
 def _is_hour(parameter: str) -> bool:
     return parameter.endswith("_h") and not parameter.endswith(FLOW)

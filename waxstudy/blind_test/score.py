@@ -13,7 +13,7 @@ from waxstudy.blind_test.figures import Figure, mean, median, share
 from waxstudy.blind_test.goals import HALF, WHERE, described_goals, where_of
 from waxstudy.blind_test.key import Key, KeyProblem, canonical
 from waxstudy.blind_test.make import FORMAT, BlindTestError, Place
-from waxstudy.blind_test.marks import Mark, Truth, with_probabilities
+from waxstudy.blind_test.marks import Mark, Truth, relative_errors, with_probabilities
 from waxstudy.blind_test.record import digest_of
 from waxstudy.blind_test.solve import LEAVE_ONE_OUT, OURS, WITHOUT_BASELINES, answer_path, is_answered, stored
 from waxstudy.plugin.files import read_file
@@ -155,27 +155,28 @@ def figures(own: Sequence[Mark]) -> dict[str, Figure]:
     singles = [m for m in own if m.truth.kind == "single"]
     pairs = [m for m in own if m.truth.kind == "pair"]
     families = [m for m in own if m.truth.kind == "family"]
-    known = [m for m in own if m.truth.kind != "family"]
     caused = [m for m in own if m.truth.causes]
     claims = [claim for m in own for _, claim in m.right_claims]
     said = [each for m in own for each in m.parameters]
+    errors = relative_errors(said)
+    answered = [m for m in own if not m.answer.has_failed]
     return {
         "detection": share([m.detected for m in caused]),
         "right_group": share([m.right_group for m in singles]),
         "group_size": mean([len(claim.group) for claim in claims]),
         "top_1": share([m.top_1 for m in singles if m.is_nameable]),
         "stage": share([m.right_stage for m in singles]),
-        "false_alarm": share([m.false_alarm for m in own if m.truth.kind == "null" and not m.answer.has_failed]),
-        "misdiagnosis": share([m.misdiagnosis for m in singles + pairs]),
-        "over_claim": share([m.over_claim for m in singles]),
+        "false_alarm": share([m.false_alarm for m in answered if m.truth.kind == "null"]),
+        "misdiagnosis": share([m.misdiagnosis for m in answered if m.truth.kind in ("single", "pair")]),
+        "over_claim": share([m.over_claim for m in answered if m.truth.kind == "single"]),
         "unknown_found": share([m.unknown_found for m in families]),
-        "unknown_claimed": share([m.unknown_claimed for m in known]),
+        "unknown_claimed": share([m.unknown_claimed for m in answered if m.truth.kind != "family"]),
         "both": share([m.right_group for m in pairs]),
         "one_of_two": share([bool(m.right_claims) for m in pairs]),
         "apart": share([m.has_apart for m in own if m.truth.departs]),
         "coverage": share([low <= true <= high for _, true, (_, low, high) in said]),
-        "parameter_error": median([abs(value / true - 1.0) for _, true, (value, _, _) in said if true]),
-        "parameter_close": share([abs(value / true - 1.0) <= CLOSE for _, true, (value, _, _) in said if true]),
+        "parameter_error": median(errors),
+        "parameter_close": share([error <= CLOSE for error in errors]),
         "shrinkage": median([claim.shrink for claim in claims if claim.shrink is not None]),
         "brier": mean([m.brier for m in with_probabilities(own) if m.brier is not None]),
         "log_score": mean([m.log_score for m in with_probabilities(own) if m.log_score is not None]),
@@ -265,14 +266,14 @@ def _place(part: str) -> tuple[float, str]:
 
 def _parameters(own: Sequence[Mark]) -> dict[str, Any]:
     """Return error and coverage by parameter."""
-    said: dict[str, list[tuple[float, tuple[float, float, float]]]] = {}
+    said: dict[str, list[tuple[str, float, tuple[float, float, float]]]] = {}
     for mark in own:
-        for name, true, values in mark.parameters:
-            said.setdefault(name, []).append((true, values))
+        for each in mark.parameters:
+            said.setdefault(each[0], []).append(each)
     return {
         name: {
-            "error": _figure(median([abs(v / true - 1.0) for true, (v, _, _) in said[name] if true])),
-            "coverage": _figure(share([low <= true <= high for true, (_, low, high) in said[name]])),
+            "error": _figure(median(relative_errors(said[name]))),
+            "coverage": _figure(share([low <= true <= high for _, true, (_, low, high) in said[name]])),
         }
         for name in sorted(said)
     }

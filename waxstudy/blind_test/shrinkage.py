@@ -73,13 +73,12 @@ def true_shrinkage(name: str, box: Mapping[str, Any], effect_name: str, values: 
     """
     from waxstudy.blind_test.record import without_noise
     from waxstudy.blind_test.sizes.missed import gaps
-    from waxstudy.blind_test.sizes.record import Record
-    from waxstudy.blind_test.truth import Stand, library, without_cause
+    from waxstudy.blind_test.truth import Stand, library, recorded, without_cause
 
     case = _case(box)
     staged = engine_of(case.engine).make(case.scene)
     about = without_noise(staged, case.measured)
-    free = Record.of(about.values, about)
+    free = recorded(staged, replace(case.measured, missing=0.0), about)
     stand = Stand(about, free, (), staged.departures)
     stretch = stand.stretch_of(case.causes[0])
     effect = next((each for each in library() if each.name == effect_name), None)

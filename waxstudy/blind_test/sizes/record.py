@@ -31,6 +31,7 @@ class Record:
     interval_s: float
     values: Mapping[str, FloatArray]
     assumed: tuple[str, ...] = ()
+    unseen: frozenset[str] = frozenset()  # channels that are there, though who is judged has not seen them
     is_noisy: bool = False
 
     @classmethod
@@ -39,7 +40,7 @@ class Record:
         values = {str(name): _whole(table[name].to_numpy(dtype=float)) for name in table.columns}
         if about.setpoint_C is not None:
             values.setdefault("setpoint_C", np.full(len(table), about.setpoint_C))
-        return cls(about.interval_s, values, about.assumed, is_noisy)
+        return cls(about.interval_s, values, about.assumed, frozenset(values) - set(about.values), is_noisy)
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))

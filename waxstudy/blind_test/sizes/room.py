@@ -25,8 +25,10 @@ PIECE_S, STEP_S, VALVE_S = 60.0, 15.0, 120.0  # of inputs, of steps, of a stroke
 ROUGH_S = 300.0
 FLOWING = 0.2  # of the largest flow, from which on a return is judged
 START_K = 2.0  # nobody knows the weather before the record
-# chosen: how well gains and sun are known, as logarithms of a factor: measured, assumed
+# chosen: how well gains and sun are known, as logarithms of a factor: measured, assumed; of what nobody saw a third of
+# it is as good as all, or three times as much
 GAINS = {"internal_gain_W": (0.05, 0.15), "solar_gain_W": (0.07, 0.12)}
+UNSEEN = 1.1
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,8 @@ def unknowns(belief: Belief, record: Record, tolerance: float) -> Iterator[Unkno
             yield Unknown(each.name, tolerance * each.sd, partial(_departed, each.name))
         for channel, (measured, assumed) in GAINS.items():
             if channel in record.values:
-                usual = tolerance * (assumed if channel in record.assumed else measured)
+                seen = tolerance * (assumed if channel in record.assumed else measured)
+                usual = UNSEEN if channel in record.unseen else seen
                 yield Unknown(channel, usual, partial(_departed, channel))
     for name in ("start_K", "start_floor_K"):
         yield Unknown(name, START_K, partial(_set, name))
