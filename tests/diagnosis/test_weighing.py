@@ -387,7 +387,10 @@ def bare(
     """What weighs a link whose healthy record left so much of each channel; a pair is it without an effect and with."""
     made: Any = object.__new__(Weighing)
     segment = SimpleNamespace(with_room=is_room, judged=("air_temperature_C", "return_temperature_C", "heating_signal"))
-    made.problem = SimpleNamespace(**{"segment": segment, "sd": np.zeros(0), "as_built": None, **problem})
+    made.problem = SimpleNamespace(
+        **{"segment": segment, "sd": np.zeros(0), "as_built": None, "goes_on_K": lambda fitted: None, **problem}
+    )
+    made.filtered = SimpleNamespace(squares=lambda fitted, nothing: {})
     usual: Any = Healthy
     made.healthy = SimpleNamespace(
         left=lambda channel: left,
