@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import comb, exp
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,9 +18,11 @@ from tests.conftest import DATA
 from tests.diagnosis.houses import Event, made, toml
 from waxstudy.dataset.limits import MOST_DAYS
 from waxstudy.dataset.read import read_dataset
+from waxstudy.diagnosis.neighbours import judge
 from waxstudy.diagnosis.neighbours.control import controlled
 from waxstudy.diagnosis.neighbours.events import Happening, happenings
 from waxstudy.diagnosis.neighbours.judge import house_of, judged
+from waxstudy.diagnosis.neighbours.pattern import Pattern
 from waxstudy.diagnosis.neighbours.reading import runs_own_heat, when
 from waxstudy.diagnosis.neighbours.search import searched
 from waxstudy.diagnosis.neighbours.series import House, RoomSeries
@@ -330,3 +335,29 @@ def test_in_the_measured_house_a_cold_evening_is_named(tmp_path: Path) -> None:
     assert overlap([last], [(224.5, 229.0)]) >= OVERLAP
     assert last.size_K.high < -2.0
     assert "open window" in last.reading
+
+
+def test_own_heat_is_told_by_how_much_a_kilowatt_warms_on_average_in_three_hours(tmp_path: Path) -> None:
+    """The truth is the same house with a kilowatt more for three hours; what is missed is no more than its noise."""
+    found = {each.name: each for each in beside(tmp_path, made(2), 5).rooms}
+    hours = np.arange(len(made(2))) / 6.0
+    for room in range(2):
+        more = made(2, events=[Event(room, [(129.0, 132.0)], heat_W=1000.0)]) - made(2)
+        true_K = float(more[f"room{room}"][(hours >= 129.0) & (hours < 132.0)].mean())
+        told = found[f"room{room}"]
+        assert told.own_heat_K_kW
+        assert told.own_heat_K_kW.value == pytest.approx(true_K, rel=0.3)
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_who_may_choose_days_pays_for_them(monkeypatch: pytest.MonkeyPatch, count: int) -> None:
+    house: Any = SimpleNamespace(days=np.repeat(np.arange(20), 48))
+    pattern = Pattern(tuple((48 * day, 48 * day + 6) for day in range(count)), (0.0,))
+    control: Any = SimpleNamespace(house=house, fit=None, patterns=[pattern], without=lambda place: None)
+    monkeypatch.setattr(judge, "gained", lambda *told: 30.0)
+    monkeypatch.setattr(judge, "unrest_of", lambda *told: 1.0)
+    monkeypatch.setattr(judge, "tried", lambda house: 100)
+    happening: Any = SimpleNamespace(control=control, main=0)
+    ways = comb(20, count) if count > 1 else 1  # where a single span lies is among what was tried
+    odds = exp(15.0) / 100.0 / ways
+    assert judge._probability(happening) == pytest.approx(odds / (1.0 + odds))

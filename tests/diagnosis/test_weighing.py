@@ -27,6 +27,7 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
+from waxstudy.diagnosis.residuals.switching import Past
 from waxstudy.diagnosis.select.appraise import _of_form, _price
 from waxstudy.diagnosis.select.changed import (
     Choice,
@@ -388,7 +389,7 @@ def bare(
     made: Any = object.__new__(Weighing)
     segment = SimpleNamespace(with_room=is_room, judged=("air_temperature_C", "return_temperature_C", "heating_signal"))
     made.problem = SimpleNamespace(
-        **{"segment": segment, "sd": np.zeros(0), "as_built": None, "goes_on_K": lambda fitted: None, **problem}
+        **{"segment": segment, "sd": np.zeros(0), "as_built": None, "past_switch": lambda fitted: Past(), **problem}
     )
     made.filtered = SimpleNamespace(squares=lambda fitted, nothing: {})
     usual: Any = Healthy
@@ -397,6 +398,7 @@ def bare(
         stands_scatter=WEIGHTS.scatter,
         scatter=partial(usual.scatter, None),
         tolerated_travel=0.0,
+        past_switch_K=0.0,
         usual=lambda residual: usual.usual(made.healthy, residual),
         _usual_square=lambda residual: usual._usual_square(made.healthy, residual),
         usual_where=lambda residual, effects, given: UsualWhere(usual.usual(made.healthy, residual)),

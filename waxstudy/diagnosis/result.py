@@ -283,7 +283,7 @@ class NeighbourRoom:
 
     name: str
     rms_K: float
-    own_heat_K_kW: Interval | None = None  # warming by a kilowatt of three hours; none if it is not known
+    own_heat_K_kW: Interval | None = None  # mean warming in three hours of a kilowatt; none if it is not known
 
 
 @dataclass(frozen=True)

@@ -79,6 +79,11 @@ class Healthy:
         """Return what a hypothesis of a room misses of a later record, weighed by what the healthy one leaves."""
         return sum(each.loss() / self.together(each.channel) for each in fitted.residuals)
 
+    @cached_property
+    def past_switch_K(self) -> float:
+        """How far a thermostat's reading goes on past where it switches, or noise makes it; 0 where none is judged."""
+        return max(self.problem.past_switch(self.fitted).reading_K, self.problem.noise_past_switch_K)
+
     @property
     def tolerated_travel(self) -> float:
         """By how much a motor may be missed with nothing unknown there, over what models miss: not at all."""
@@ -205,6 +210,10 @@ class AsBelieved(Healthy):
 
     def scatter(self, residual: Residual) -> float:
         return WEIGHTS.part_scatter
+
+    @cached_property
+    def past_switch_K(self) -> float:
+        return self.problem.noise_past_switch_K
 
     @property
     def tolerated_travel(self) -> float:

@@ -132,7 +132,7 @@ def answer_K_W(control: Control, inside: np.ndarray) -> Interval | None:
 
 
 def happenings(control: Control) -> Iterator[Happening]:
-    """Yield what departs in a room, the largest first."""
+    """Yield what departs in a room, the earliest first."""
     near = round(AFTER_H / control.house.step_h)
     groups: list[set[int]] = []
     for number, pattern in enumerate(control.patterns):

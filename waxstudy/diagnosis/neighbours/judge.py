@@ -15,7 +15,7 @@ from waxstudy.diagnosis.neighbours.limits import LIKELY, OF_HOUSE, STANDARD_H, S
 from waxstudy.diagnosis.neighbours.reading import reading, when
 from waxstudy.diagnosis.neighbours.search import Tick, gained, searched
 from waxstudy.diagnosis.neighbours.series import House, RoomSeries, coarse
-from waxstudy.diagnosis.neighbours.spans import tried, unrest_of
+from waxstudy.diagnosis.neighbours.spans import days_paid, tried, unrest_of
 from waxstudy.diagnosis.result import Interval, NeighbourEvent, NeighbourRoom, RoomCourse, RoomsBeside
 
 SURE_LOG = 50.0  # beyond, a probability is 1
@@ -96,11 +96,12 @@ def _beside(alike: Sequence[str], house: House) -> str:
 
 
 def _probability(happening: Happening) -> float:
-    """Return how likely the room departs, even odds before and what was tried paid for."""
+    """Return how likely the room departs, even odds before and what was tried paid for: spans, sizes and days."""
     control = happening.control
-    pattern = control.patterns[happening.main]
-    unrest = unrest_of(control.house, control.fit, pattern)
-    odds = 0.5 * gained(control.without(happening.main), pattern) / unrest - log(tried(control.house))
+    house, pattern = control.house, control.patterns[happening.main]
+    gain = gained(control.without(happening.main), pattern, unrest_of(house, control.fit, pattern))
+    chosen = len(pattern.spans)
+    odds = 0.5 * (gain - (days_paid(int(house.days[-1]) + 1, chosen) if chosen > 1 else 0.0)) - log(tried(house))
     return 1.0 / (1.0 + exp(-min(SURE_LOG, max(-SURE_LOG, odds))))
 
 

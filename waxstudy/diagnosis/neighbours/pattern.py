@@ -47,4 +47,3 @@ class Scored:
     pattern: Pattern
     size_K: float
     score: float
-    unrest: float  # by how much the variance of such spans is above what the errors alone would give

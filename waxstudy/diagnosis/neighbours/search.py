@@ -147,10 +147,13 @@ def beside(pattern: Pattern) -> Sequence[Pattern]:
     return [*moved, *(replace(pattern, taus_h=each) for each in answers if each != pattern.taus_h)]
 
 
-def gained(without: Control, pattern: Pattern) -> float:
-    """Return what a pattern gains beside all else of a room, twice its log likelihood, less the price of its sizes."""
+def gained(without: Control, pattern: Pattern, unrest: float = 1.0) -> float:
+    """Return what a pattern gains beside all else of a room, twice its log likelihood, less the price of its sizes.
+
+    The gain counts by so much less as `unrest` says that sizes vary by more than errors alone would make them.
+    """
     size_K, precision = sizes(without, pattern)
-    return float(size_K @ precision @ size_K) - len(size_K) * float(np.log(len(without.house)))
+    return float(size_K @ precision @ size_K) / unrest - len(size_K) * float(np.log(len(without.house)))
 
 
 def sizes(without: Control, pattern: Pattern) -> tuple[FloatArray, FloatArray]:

@@ -116,7 +116,7 @@ def _single(pull: FloatArray, weight: FloatArray, unrest: float, pattern: Patter
     gains = _gains(pull, weight) / unrest
     first = int(np.argmax(gains))
     size = pull[first] / weight[first] if weight[first] > 0.0 else 0.0
-    return Scored(pattern.moved(first, first), float(size), float(gains[first]), unrest)
+    return Scored(pattern.moved(first, first), float(size), float(gains[first]))
 
 
 def _daily(house: House, found: tuple[FloatArray, FloatArray], unrest: float, pattern: Pattern) -> Iterator[Scored]:
@@ -142,4 +142,4 @@ def _daily(house: House, found: tuple[FloatArray, FloatArray], unrest: float, pa
         if len(begins) >= LEAST_DAYS:
             spans = tuple((each, each + pattern.spans[0][1]) for each in begins)
             size = pulls[last, hour] / weights[last, hour]
-            yield Scored(Pattern(spans, pattern.taus_h), float(size), float(gains[last, hour]), unrest)
+            yield Scored(Pattern(spans, pattern.taus_h), float(size), float(gains[last, hour]))

@@ -23,6 +23,7 @@ from waxstudy.diagnosis.observations.partition import BOTH
 from waxstudy.diagnosis.observations.record import CONTINUOUS, OUTPUT, Record
 from waxstudy.diagnosis.residuals.continuous import Continuous
 from waxstudy.diagnosis.residuals.judge import Judge, perturbed_by_noise
+from waxstudy.diagnosis.residuals.switching import Past, Switching
 from waxstudy.plugin import Belief, FloatArray
 
 HEAT_FIELDS = frozenset(("solar_W", "gains_W", "extra_W"))  # of `Inputs`: a room with a given flow is linear in them
@@ -183,6 +184,22 @@ class SegmentProblem:
         moved = self.predicted(belief, fitted.convention, perturbation)
         pairs = zip(self.judge.residuals(still), self.judge.residuals(moved), strict=True)
         return [None if now.channel in self.record.binary else then.whitened - now.whitened for now, then in pairs]
+
+    def past_switch(self, fitted: Hypothesis) -> Past:
+        """Return how far a thermostat's reading goes on past where a hypothesis switches; 0 K where none is judged."""
+        if self._thermostat is None:
+            return Past()
+        return self._thermostat.past(self.predicted(self.belief_of(fitted), fitted.convention))
+
+    @property
+    def noise_past_switch_K(self) -> float:
+        """How far noise alone makes it go on."""
+        return self._thermostat.noise_past_K if self._thermostat else 0.0
+
+    @property
+    def _thermostat(self) -> Switching | None:
+        way = self.judge.ways.get(OUTPUT)
+        return way if isinstance(way, Switching) and way.reads else None
 
     def belief_of(self, fitted: Hypothesis) -> Belief:
         """Return the belief that a hypothesis has."""

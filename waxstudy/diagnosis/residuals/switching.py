@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from waxstudy.diagnosis.estimate.hypothesis import Residual
 from waxstudy.diagnosis.model.room_response import Predicted
 from waxstudy.diagnosis.model.segments import Segment
-from waxstudy.diagnosis.observations.record import Record
+from waxstudy.diagnosis.observations.record import CONTINUOUS, OUTPUT, Record
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
 
 SOFT = 3.0  # standard deviations beyond which an error of a switch counts straight
+
+
+class Past(NamedTuple):
+    """How far a thermostat's reading goes on past a switch, from one sample up to another."""
+
+    reading_K: float = 0.0
+    begin: int = 0
+    end: int = 0
 
 
 class Switching:
@@ -36,6 +45,7 @@ class Switching:
         # (n,) number of the measured switch that is nearest, of the day where there are fewer than two
         self.windows = _nearest(edges, len(record)) if self.is_by_switch else record.day - record.day[0]
         self._moved_s: list[FloatArray] = []  # how far each draw of noise moves each switch
+        self._noise_past_K = 0.0
         self.known = ~record.is_gap(channel) & ~record.is_gap(segment.driven_by) & record.settled
 
     @property
@@ -46,7 +56,10 @@ class Switching:
     def see(self, moved: Predicted) -> None:
         """Take one draw more of what noise of the drive does."""
         assert self.still
-        self._moved_s.append(self._off_s(np.abs(moved[self.channel] - self.still[self.channel])))
+        still = self.still[self.channel]
+        self._moved_s.append(self._off_s(np.abs(moved[self.channel] - still)))
+        if self.reads:
+            self._noise_past_K = max(self._noise_past_K, self._past(moved[self.channel], still).reading_K)
 
     @cached_property
     def scale_s(self) -> FloatArray:
@@ -75,6 +88,40 @@ class Switching:
     def typical_s(self) -> float:
         """How far noise moves switches as a root mean square, with its exceptions: the floor."""
         return self.more * max(self.least_s, float(np.sqrt(np.mean(self.moved_s**2))))
+
+    @property
+    def reads(self) -> str:
+        """The channel that tells what a thermostat reads, "" of what is switched otherwise."""
+        if self.channel != OUTPUT:
+            return ""
+        names = ("sensor_temperature_C", self.segment.driven_by)
+        return next((name for name in names if name in CONTINUOUS and self.record.has(name)), "")
+
+    def past(self, predicted: Predicted) -> Past:
+        """Return where the reading goes on farthest past where one of prediction and record switched alone."""
+        return self._past(predicted[self.channel], self.measured)
+
+    @property
+    def noise_past_K(self) -> float:
+        """How far noise alone makes it go on: that moves a switch by hours where the reading hardly moves."""
+        noise_K = self.record.noise[self.reads] * self.record.smoothed_noise
+        return max(self._noise_past_K, WEIGHTS.surely_off * noise_K)
+
+    def _past(self, one: FloatArray, other: FloatArray) -> Past:
+        """Return the same of two outputs (n,), around switches that are judged.
+
+        Where one calls for heat and the other does not, that is how far the reading falls; where one stops, how far it
+        rises. It has gone the other way as well where one missed a switch by a hair.
+        """
+        reading, most = self.record.drive(self.reads), Past()
+        differs = (np.abs(one - other) > 0.5) & self.known & self.judged[self.windows]
+        ends = np.flatnonzero(np.diff(np.concatenate(([False], differs, [False]))))
+        for begin, end in ends.reshape(-1, 2).tolist():
+            calls = [each[begin] for each in (one, other) if begin and each[begin] != each[begin - 1]]
+            if len(calls) == 1:
+                way = -1.0 if calls[0] > 0.5 else 1.0
+                most = max(most, Past(float(np.max(way * (reading[begin:end] - reading[begin]))), begin, end))
+        return most
 
     def residual(self, predicted: Predicted) -> Residual:
         """Return how long, around each measured switch, the prediction differs from the record [s]."""

@@ -24,6 +24,7 @@ from waxstudy.diagnosis.select.filtered import Filtered
 from waxstudy.diagnosis.select.gain_spread import along_change, gain_spread, strength
 from waxstudy.diagnosis.select.patterns import Pattern, day_of
 from waxstudy.diagnosis.select.posterior import Weighed
+from waxstudy.diagnosis.select.thermostat import past_switch
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import HOURS, Belief, FloatArray
 
@@ -323,8 +324,9 @@ class Appraisal:
     def misfit(self, fitted: Hypothesis) -> float:
         """Return by how much the channel that is missed most is missed by more than in the healthy record."""
         pairs = zip(self._none_read(fitted.convention).by_motion, fitted.by_motion, strict=True)
-        counted = (self._misfit(fitted, old, new) for old, new in pairs if not self._is_covered(fitted, new))
-        return max(counted, default=0.0)
+        counted = [self._misfit(fitted, old, new) for old, new in pairs if not self._is_covered(fitted, new)]
+        whole = self._nothing(fitted) if fitted.is_at_times else fitted
+        return max([*counted, past_switch(self.problem, self.healthy, whole)])
 
     def _is_covered(self, fitted: Hypothesis, residual: Residual) -> bool:
         """Whether a motor is missed by no more than real ones stray."""

@@ -10,12 +10,14 @@ import numpy as np
 from waxstudy.diagnosis.calibration.healthy import together
 from waxstudy.diagnosis.criteria import Question, held, limit, limits, meets
 from waxstudy.diagnosis.estimate.hypothesis import Residual
+from waxstudy.diagnosis.observations.record import OUTPUT
 from waxstudy.diagnosis.result import Unexplained, When, in_floors
 from waxstudy.diagnosis.select.evidence import Left, departure, travel_left
 from waxstudy.diagnosis.select.null import by_block, redrawn
 from waxstudy.diagnosis.select.patterns import concentrated
 from waxstudy.diagnosis.select.posterior import NONE, UNKNOWN
 from waxstudy.diagnosis.select.search import Found, Selection
+from waxstudy.diagnosis.select.thermostat import when_past_switch
 from waxstudy.diagnosis.weights import WEIGHTS
 
 DRAWS = 1000
@@ -50,8 +52,9 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
     else:
         worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
         stage = stage_of(selection, worst.channel)
-        course = concentrated(worst, together(worst), selection.problem.record)
-        when = When(course.words, list(course.spans_h)) if course else None
+        once = when_past_switch(selection.problem, selection.after) if worst.channel == OUTPUT else None
+        course = None if once else concentrated(worst, together(worst), selection.problem.record)
+        when = When(course.words, list(course.spans_h)) if course else once
         gap = worst.gap(), floor[worst.channel]
         is_nameless &= unknown < WEIGHTS.likelier
         p = nothing if is_nameless else 1.0 - unknown

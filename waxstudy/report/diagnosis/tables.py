@@ -173,7 +173,7 @@ def rooms(diagnosis: Diagnosis) -> Table[NeighbourRoom]:
         text("name", heading="room"),
         Column("neighbours and weather miss", lambda each: quantity(each.rms_K, "K")),
         Column(
-            "a kilowatt of its own for 3 h warms it by",
+            "mean warming in 3 h of a kilowatt of its own",
             lambda each: words.interval(each.own_heat_K_kW, "K") if each.own_heat_K_kW else "not known",
         ),
         Column("departures", lambda each: str(sum(event.room == each.name for event in diagnosis.neighbours.events))),
