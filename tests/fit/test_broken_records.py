@@ -252,6 +252,35 @@ def test_cycles_that_touch_a_gap_or_a_stuck_sensor_are_left_out(steady: Frame, r
     assert (lost == "does not move").sum() >= 2
 
 
+@pytest.mark.parametrize("column", ["displacement_mm", "signal_V"])
+@pytest.mark.parametrize("rows", [slice(0, 5000), slice(9400, None)])
+def test_what_is_missing_before_the_first_sample_or_after_the_last_is_a_gap(
+    steady: Frame, read: Read, column: str, rows: slice
+) -> None:
+    """Nobody knows what a channel showed that begins later than the record or ends earlier."""
+    values = steady[column].copy()
+    values.iloc[rows] = np.nan
+    record = read(changed(steady, **{column: values}))
+    assert record.missing.tolist() == values.isna().tolist()
+    (warning,) = record.warnings
+    assert warning.startswith(f"{100.0 * values.isna().mean():.2g} % of the time is in gaps")
+
+
+@pytest.mark.parametrize(("missing_s", "is_gap"), [(14, False), (15, True)])
+def test_an_end_is_a_gap_from_as_many_missing_samples_as_anywhere(
+    steady: Frame, read: Read, missing_s: int, is_gap: bool
+) -> None:
+    for first in (0, 5000, len(steady) - missing_s):
+        values = steady["displacement_mm"].copy()
+        values.iloc[first : first + missing_s] = np.nan
+        assert read(changed(steady, displacement_mm=values)).missing.sum() == (missing_s if is_gap else 0)
+
+
+def test_a_last_cycle_whose_end_is_missing_is_left_out(steady: Frame, read: Read) -> None:
+    values = steady["displacement_mm"].where(steady["time_s"] < 8500.0)
+    assert cycles_of(read(changed(steady, displacement_mm=values)))["lost"].iloc[-1] == "gap"
+
+
 @pytest.mark.parametrize(
     ("from_s", "to_s", "known"), [(60, 200, False), (-100, 70, False), (-300, -60, True), (200, 400, True)]
 )

@@ -216,6 +216,22 @@ def test_a_fit_takes_what_was_measured_of_whole_cycles_between_closed_and_open(
     assert found.considered.tolist() == [taken[n] and 0.05 < opening[n] < 0.95 for n in range(len(lost))]
 
 
+def test_a_flow_that_ends_before_its_record_is_over_the_full_flow_that_was_measured(
+    tmp_path: Path, motor: Choice, searched: list[_Problem]
+) -> None:
+    """A logger that died as the valve opened shows part of its flow, with the signal on, till the end."""
+    made = run_trial(Motors("variable-times", {}, "quick-opening", Bench(), 1), replace(FLOW, duration_min=360.0))
+    opens = np.flatnonzero(np.diff((made.signal_V > 12.0).astype(int)) == 1)[6]
+    rises = opens + int(np.argmax(made.value[opens:] > 20.0))
+    lost = np.where(np.arange(len(made.value)) > rises, np.nan, made.value)
+    table = pd.DataFrame({"time_s": made.time_s, "flow_L_h": lost, "signal_V": made.signal_V})
+    table.to_csv(tmp_path / "flow.csv", index=False)
+    record = read_flow(Described(tmp_path / "flow.csv", "flow"))
+    whole = np.median(made.value[made.value > 0.8 * made.value.max()])
+    assert fit_valve(record, motor, authority=0.1).full_flow == pytest.approx(whole, rel=0.02)
+    assert any("of the time is in gaps" in each for each in record.warnings)
+
+
 @pytest.mark.parametrize(("cycles", "is_enough"), [(2, False), (3, True)])
 def test_three_cycles_after_the_first_are_enough(
     record: FlowRecord, motor: Choice, searched: list[_Problem], cycles: int, is_enough: bool

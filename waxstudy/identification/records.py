@@ -166,20 +166,20 @@ def samples_of(time_s: FloatArray, signal: FloatArray, values: FloatArray, unit:
         return None
     filled = np.interp(grid_s, time_s[known], values[known])
     held = signal[known][np.clip(np.searchsorted(np.flatnonzero(known), nearest, side="right") - 1, 0, None)]
-    missing = _far(grid_s, time_s[known], max(GAP_S, GAP_SAMPLES * interval_s))
+    missing = _far(grid_s, time_s[known], interval_s)
     if missing.any():
         share = 100.0 * float(missing.mean())
         notes.warn(f"{share:.2g} % of the time is in gaps; cycles that touch one are left out")
     return Samples(interval_s, held, filled, missing, unit)
 
 
-def _far(grid_s: FloatArray, known_s: FloatArray, gap_s: float) -> BoolArray:
-    """Return where the grid lies between two samples that are further apart than a gap."""
-    after = np.searchsorted(known_s, grid_s, side="left").clip(1, len(known_s) - 1) if len(known_s) > 1 else None
-    if after is None:
-        return np.ones(len(grid_s), dtype=bool)
-    wide = known_s[after] - known_s[after - 1] > gap_s
-    return np.asarray(wide & (grid_s != known_s[after]) & (grid_s != known_s[after - 1]))
+def _far(grid_s: FloatArray, known_s: FloatArray, interval_s: float) -> BoolArray:
+    """Return where the grid lies in a gap between two samples, before the first one or after the last."""
+    outside_s = grid_s[0] - interval_s, grid_s[-1] + interval_s  # where the record would go on
+    samples_s = np.concatenate((outside_s[:1], known_s, outside_s[1:]))
+    after = np.searchsorted(samples_s, grid_s, side="left").clip(1, len(samples_s) - 1)
+    wide = np.diff(samples_s)[after - 1] > max(GAP_S, GAP_SAMPLES * interval_s)
+    return np.asarray(wide & (grid_s != samples_s[after]) & (grid_s != samples_s[after - 1]))
 
 
 def file_hash(path: Path) -> str:
