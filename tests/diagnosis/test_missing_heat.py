@@ -13,7 +13,7 @@ from tests.diagnosis.realities import belief, dataset, effects, estimator, plant
 from waxstudy.dataset.stand_ins import GAINS
 from waxstudy.diagnosis.consequence.heat_estimate import HeatData, HeatEstimate, Pieces, Unknowns, estimated
 from waxstudy.diagnosis.consequence.heat_words import sentence
-from waxstudy.diagnosis.consequence.missing_heat import _unknowns, missing_heat
+from waxstudy.diagnosis.consequence.missing_heat import Drivers, _unknowns, missing_heat
 from waxstudy.diagnosis.diagnose import record_of
 from waxstudy.diagnosis.model.as_built import AsBuilt
 from waxstudy.diagnosis.model.nuisance import habits
@@ -138,6 +138,23 @@ def test_pieces_are_whole_hours_by_the_clock() -> None:
     assert pieces.middle_h.tolist() == [1.5, 4.5, 7.5, 10.5]
     longer = Pieces.of(count=48, interval_s=600.0, start_s=2.0 * 3600.0, length_h=6.0)
     assert pieces.within(longer).sum(axis=0).tolist() == [2.0, 2.0]
+
+
+def drivers(flows: list[float], colder_K: list[float]) -> Drivers:
+    """What eight pieces had, of which the first two are not judged."""
+    hours, still = np.array([0.0, 0.0, *[3.0] * 6]), np.zeros(8)
+    return Drivers(hours, [""] * 8, still > 0.0, np.array(colder_K), still, np.array(flows))
+
+
+@pytest.mark.parametrize(("share", "is_told"), [(0.0, False), (1.0, True)])
+def test_heat_is_told_by_what_differs_among_the_pieces_that_are_judged(share: float, is_told: bool) -> None:
+    """Water that flows, or cold, in the hours at the start alone tells nothing of the rest."""
+    heat = HeatEstimate(np.arange(8.0), np.eye(8))
+    found = drivers([1.0, 1.0, share, 0.0, 0.0, share, 0.0, 0.0], [9.0, 8.0, 4.0 + share, 4.0, 4.0, 4.0, 4.0, 4.0])
+    assert ("flow" in {each.driver for each in found.by(heat, heat)}) is is_told
+    assert [each.driver for each in found.per(heat, heat)] == ["outdoor difference"] * is_told
+    same = drivers([0.0, 0.0, *[1.0] * 6], [9.0, 9.0, *[4.0] * 6])
+    assert "flow" not in {each.driver for each in same.by(heat, heat)}
 
 
 def made(doubt: float) -> tuple[HeatData, Pieces]:

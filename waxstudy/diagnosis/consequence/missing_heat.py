@@ -163,6 +163,10 @@ class Drivers:
     def mean(self) -> FloatArray:
         return np.asarray(self.hours / self.hours.sum())
 
+    @property
+    def _judged(self) -> np.ndarray:
+        return np.asarray(self.hours > 0.0)
+
     def by(self, before: HeatEstimate, after: HeatEstimate) -> Iterator[HeatBy]:
         """Yield means by each driver."""
         for driver, name, chosen in self._chosen():
@@ -171,7 +175,7 @@ class Drivers:
                 continue
             weights = np.where(chosen, self.hours, 0.0) / hours
             yield self._mean(driver, name, hours, weights, before, after)
-        if self.flows is not None and np.std(self.flows) > FLOWS:
+        if self.flows is not None and np.std(self.flows[self._judged]) > FLOWS:
             design = np.column_stack((self.flows, 1.0 - self.flows))
             for name, weights, share in zip(("on", "off"), self._fitted(design), design.T, strict=True):
                 yield self._mean("flow", name, float(self.hours @ share), weights, before, after)
@@ -185,7 +189,7 @@ class Drivers:
         """Yield slopes over the drivers that run on, each by itself."""
         drivers = (("outdoor difference", "W/K", self.colder_K), ("sun", "W/W", self.sun_W))
         for driver, unit, values in drivers:
-            if np.ptp(values) > 0.0:
+            if np.ptp(values[self._judged]) > 0.0:
                 weights = self._fitted(np.column_stack((values, np.ones(len(values)))))[0]
                 yield HeatPer(driver, unit, before.of(weights), after.of(weights), self._share(values, before.mean_W))
 
