@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import multiprocessing
+import operator
 import os
 import signal
 import subprocess
@@ -21,6 +22,10 @@ import pytest
 from tests.cli.conftest import Entry, Plugin, entry, plugin
 from tests.conftest import ONE_CASE, WAXSTUDY, Waxstudy
 from tests.results.test_parquet import units_in
+from waxstudy.api.sweeping import sweep
+from waxstudy.simulation.run import Progress
+from waxstudy.sweeps.executors import executor
+from waxstudy.sweeps.kinds import Kind
 from waxstudy.sweeps.run import Where, _attempt
 
 __all__ = ["entry", "plugin"]
@@ -174,6 +179,29 @@ def test_options_of_a_sweep_without_one_are_told(entry: Entry) -> None:
     assert "--executor dask" in entry("run", "two.toml", "--sweep", "grid.toml", "--scheduler", "a:1").stderr
 
 
+# --- beside each other -------------------------------------------------------------------------------
+
+
+def test_a_sweep_that_ends_stops_no_other_of_its_process(tmp_path: Path) -> None:
+    points = pd.DataFrame({"comfort.setpoint_C": [20.0, 20.5, 21.0, 21.5]})
+
+    def beside(*_: object) -> None:
+        if not (tmp_path / "short").exists():
+            sweep(tmp_path / "two.toml", points[:1], tmp_path / "short", workers=1)
+
+    found = sweep(tmp_path / "two.toml", points, tmp_path / "long", workers=1, progress=Progress(done=beside))
+    assert (tmp_path / "short" / "sweep.parquet").exists()
+    assert found.frame["point"].nunique() == 4
+
+
+@pytest.mark.parametrize("kind", ["threads", "processes"])
+def test_a_sweep_that_begins_takes_no_stop_back(kind: Kind) -> None:
+    with executor("threads", 1, None) as (_, stop):
+        assert stop[0] == 0
+    with executor(kind, 1, None) as (_, other):
+        assert (stop[0], other[0]) == (1, 0)
+
+
 # --- killed ------------------------------------------------------------------------------------------
 
 
@@ -243,7 +271,7 @@ def test_a_worker_that_dies_while_nobody_waits_for_it_costs_the_points_under_way
             worker.join()
         time.sleep(0.5)  # the pool sees it
 
-    lost = _attempt(dict(todo), Where("processes", 1), repr, ended)  # type: ignore[arg-type]
+    lost = _attempt(dict(todo), Where("processes", 1), operator.is_, ended)  # type: ignore[arg-type]
     assert len(todo) >= 6
     assert set(lost) <= set(todo)
 

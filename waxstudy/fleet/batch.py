@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,9 @@ Stretch = tuple[int, int, float | None]  # from a step to another, overridden by
 IDLE_S = 3600.0  # kept off for so long, then watched for so long: what flows then flows though nobody asks
 
 
-def computed(fleet: Fleet, numbers: Sequence[int]) -> pd.DataFrame:
+def computed(fleet: Fleet, numbers: Sequence[int], stop: np.ndarray) -> pd.DataFrame:
     """Return the rows of some loops; raise `SimulationError` naming loop and week, or `Stopped`."""
+    fleet = replace(fleet, stop=stop)
     return pd.DataFrame([row for number in numbers for row in _loop(fleet, fleet.members[number])])
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from waxstudy.simulation.modes import DrivenRoom
 from waxstudy.simulation.run import InputError, prepare
 from waxstudy.study.activation import TABLE, Activation
 from waxstudy.study.model import Study, is_multiple
-from waxstudy.sweeps.point import STOP
 
 
 @dataclass(frozen=True)
@@ -25,7 +24,7 @@ class Fleet:
     rooms: dict[str, dict[str, DrivenRoom]]  # by their kind, under each week
     blocks: Blocks
     jit: bool
-    stop: np.ndarray
+    stop: np.ndarray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
 
     @property
     def activation(self) -> Activation:
@@ -54,7 +53,7 @@ def prepared(study: Study, jit: bool = True) -> Fleet:
             rooms[member.room_kind] = prepare(replace(study, room=blocks.room(study.room, member)), jit).driven
     for week, driven in rooms[drawn[0].room_kind].items():
         _refuse_calls_outside(study, week, driven.weather.duration_s)
-    return Fleet(study, drawn, rooms, blocks, jit, STOP)
+    return Fleet(study, drawn, rooms, blocks, jit)
 
 
 def _refuse_parts_of_steps(study: Study) -> None:

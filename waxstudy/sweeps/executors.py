@@ -6,36 +6,38 @@ from collections.abc import Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
 
+import numpy as np
+
 from waxstudy.plugin import BackendMissing
 from waxstudy.simulation.threads import use_one_thread
 from waxstudy.simulation.workers import worker_processes
 from waxstudy.sweeps.kinds import Kind
-from waxstudy.sweeps.point import STOP
 
 ANSWERS_WITHIN_S = 10.0  # a scheduler that is there answers in well under a second
 
 
 @contextmanager
-def executor(kind: Kind, workers: int, scheduler: str | None) -> Iterator[Executor]:
-    """Give an executor; it ends with the block, and what was being computed with it.
+def executor(kind: Kind, workers: int, scheduler: str | None) -> Iterator[tuple[Executor, np.ndarray]]:
+    """Give an executor and a stop of its own (1,); it ends with the block, and what was being computed with it.
 
+    The stop is 1 once the block ends, for threads to look at; other processes hold a copy, and are ended.
     Without a scheduler's address dask gets a cluster of processes on this machine. Raises `BackendMissing` if dask is
     not installed or its scheduler does not answer.
     """
+    stop = np.zeros(1, dtype=np.int64)
     if kind == "dask":
         with _dask(workers, scheduler) as pool:
-            yield pool
+            yield pool, stop
     elif kind == "processes":
         use_one_thread()  # of each process: else they wait for each other
         with worker_processes(workers) as pool:
-            yield pool
+            yield pool, stop
     else:
         threads = ThreadPoolExecutor(workers)
-        STOP[0] = 0
         try:
-            yield threads
+            yield threads, stop
         finally:  # nothing runs any more where the block has ended well
-            STOP[0] = 1
+            stop[0] = 1
             threads.shutdown(cancel_futures=True)
 
 

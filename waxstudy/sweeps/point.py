@@ -21,7 +21,6 @@ from waxstudy.study.read import study_of
 from waxstudy.study.source import source_of
 
 ONE = threading.Lock()  # rooms are built and blocks compiled by one thread at a time; simulated by all
-STOP = np.zeros(1, dtype=np.int64)  # 1 ends what threads of this process compute at its next weather interval
 
 
 def key_of(study: Study, digests: MutableMapping[type[Component], str] | None = None) -> str:
@@ -48,15 +47,16 @@ def _choices(study: Study) -> Iterator[Choice]:
         yield from case.blocks.values()
 
 
-def computed(stated: Mapping[str, Any], jit: bool) -> pd.DataFrame:
+def computed(stated: Mapping[str, Any], stop: np.ndarray, jit: bool) -> pd.DataFrame:
     """Return the key figures of a resolved study, a row for each case, week and member.
 
-    Raises `SimulationError` with the case and week that failed, or what the room or the weather refused.
+    Raises `SimulationError` with the case and week that failed, or what the room or the weather refused; `Stopped` at
+    the next weather interval once `stop` (1,) is 1.
     """
     with ONE:
         study = study_of(source_of(stated), installed())
         try:
-            plan = replace(prepare(study, jit), stop=STOP)
+            plan = replace(prepare(study, jit), stop=stop)
         except InputError as error:
             raise SimulationError(f"[{error.table}]: {error}") from error
     return pd.concat([_figures(plan, job) for job in plan.jobs()], ignore_index=True)

@@ -18,6 +18,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
 import pandas as pd
 
 from waxstudy.plugin import Component, SimulationError
@@ -36,6 +37,7 @@ from waxstudy.sweeps.point import computed, key_of
 from waxstudy.sweeps.result import FORMAT, MANIFEST, POINTS, TABLE
 
 Stated = TypeVar("Stated")  # what a point is computed from
+Work = Callable[[Stated, np.ndarray], pd.DataFrame]  # given the executor's stop too
 
 
 @dataclass
@@ -98,7 +100,7 @@ def compute_points(
     files: Sequence[Path],
     where: Where,
     told: Progress,
-    work: Callable[[Stated], pd.DataFrame],
+    work: Work[Stated],
     units: Mapping[str, str] | None = None,
 ) -> dict[int, str]:
     """Compute points until all have ended, and keep each in its file; return why which failed.
@@ -133,18 +135,18 @@ def compute_points(
 def _attempt(
     todo: Mapping[int, Stated],
     where: Where,
-    work: Callable[[Stated], pd.DataFrame],
+    work: Work[Stated],
     ended: Callable[[int, Future[pd.DataFrame]], None],
 ) -> list[int]:
     """Compute what is to be done; return which points were under way when a process died, as far as one did."""
     running: dict[Future[pd.DataFrame], int] = {}
     rest = iter(list(todo.items()))
-    with executor(where.kind, where.workers, where.scheduler) as pool:
+    with executor(where.kind, where.workers, where.scheduler) as (pool, stop):
         while True:
             # few at a time: a sweep that is stopped has little to take back
             try:
                 for number, stated in islice(rest, 2 * where.workers - len(running)):
-                    running[pool.submit(work, stated)] = number
+                    running[pool.submit(work, stated, stop)] = number
             except BrokenProcessPool:  # a process died while nobody waited for it
                 return sorted(running.values())
             if not running:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from waxstudy.loop.figures import UNITS, heat_of, loop_figures
@@ -15,7 +16,7 @@ from waxstudy.plugin.registry import described
 from waxstudy.simulation.run import Plan, Progress, loops_of, prepare
 from waxstudy.simulation.sources import digest
 from waxstudy.study.model import Study
-from waxstudy.sweeps.point import ONE, STOP, key_of
+from waxstudy.sweeps.point import ONE, key_of
 from waxstudy.sweeps.run import Where, compute_points, is_whole
 from waxstudy.tuning.space import with_settings
 
@@ -33,7 +34,7 @@ class Weather:
     @classmethod
     def of(cls, study: Study, jit: bool) -> Weather:
         """Prepare a study; raise what `prepare` raises."""
-        return cls(replace(prepare(study, jit), stop=STOP))
+        return cls(prepare(study, jit))
 
     def stand_at(self, figures: pd.DataFrame) -> None:
         """Take the heat of the case as it stands for what later evaluations are given."""
@@ -89,8 +90,8 @@ class Evaluator:
         return self.folder / EVALUATIONS / f"{digest(parts)}.parquet"
 
 
-def _computed(weather: Weather, study: Study) -> pd.DataFrame:
-    plan = replace(weather.plan, study=study)
+def _computed(weather: Weather, study: Study, stop: np.ndarray) -> pd.DataFrame:
+    plan = replace(weather.plan, study=study, stop=stop)
     return pd.concat(list(_weeks(plan, weather.heat_kWh_m2_week.get)), ignore_index=True)
 
 
