@@ -12,6 +12,7 @@ import subprocess
 import time
 from collections.abc import Iterator
 from concurrent.futures import Future
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +23,17 @@ import pytest
 from tests.cli.conftest import Entry, Plugin, entry, plugin
 from tests.conftest import ONE_CASE, WAXSTUDY, Waxstudy
 from tests.results.test_parquet import units_in
+from tests.simulation.lumped import Absent, Lumped
+from tests.simulation.test_outside import study_of
 from waxstudy.api.sweeping import sweep
+from waxstudy.plugin import BackendMissing
 from waxstudy.simulation.run import Progress
+from waxstudy.study.model import Comfort
+from waxstudy.sweeps import run as sweeps
+from waxstudy.sweeps.axes import Sweep
 from waxstudy.sweeps.executors import executor
 from waxstudy.sweeps.kinds import Kind
+from waxstudy.sweeps.point import engines_of
 from waxstudy.sweeps.run import Where, _attempt
 
 __all__ = ["entry", "plugin"]
@@ -177,6 +185,48 @@ def test_a_folder_of_something_else_is_left_alone(entry: Entry, tmp_path: Path) 
 def test_options_of_a_sweep_without_one_are_told(entry: Entry) -> None:
     assert "--sweep" in entry("run", "two.toml", "--executor", "processes").stderr
     assert "--executor dask" in entry("run", "two.toml", "--sweep", "grid.toml", "--scheduler", "a:1").stderr
+
+
+# --- a room of another engine ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The engines that a room says it has, each time that it is asked; points cost nothing."""
+    found: list[str] = []
+
+    def ready(cls: type[Lumped], *_: object) -> str:
+        found.append(cls.engine)
+        return cls.engine
+
+    monkeypatch.setattr(Lumped, "ready", classmethod(ready))
+    monkeypatch.setattr(sweeps, "computed", lambda *_, jit: pd.DataFrame({"member": [0], "mae_K": [0.1]}))
+    return found
+
+
+def test_points_are_computed_again_where_the_engine_of_their_room_has_another_version(
+    asked: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is asked once for points in the same room on the same weather."""
+    study = study_of(tmp_path / "small.toml", Lumped)
+    made = [replace(study, comfort=Comfort(setpoint_C=value)) for value in (20.0, 21.0)]
+    vary = Sweep("points", "table", ("comfort.setpoint_C",), ((20.0,), (21.0,)))
+
+    def kept() -> int:
+        assert sweeps.run(made, vary, tmp_path / "out", Where(workers=1), Progress()) == {}
+        return len(list((tmp_path / "out" / "points").glob("*.parquet")))
+
+    assert (kept(), kept()) == (2, 2)
+    monkeypatch.setattr(Lumped, "engine", "Lumped 1.1")
+    assert kept() == 4
+    assert asked == ["Lumped 1.0", "Lumped 1.0", "Lumped 1.1"]
+
+
+def test_a_point_whose_room_is_refused_is_told_by_its_own_reason(tmp_path: Path) -> None:
+    short, long = (study_of(tmp_path / "small.toml", Lumped, step_s=step_s) for step_s in (60.0, 600.0))
+    assert list(engines_of([long, short], jit=False)) == ["", "Lumped 1.0"]
+    with pytest.raises(BackendMissing, match="pip install lumped"):
+        list(engines_of([study_of(tmp_path / "small.toml", Absent)], jit=False))
 
 
 # --- beside each other -------------------------------------------------------------------------------

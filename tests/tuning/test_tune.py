@@ -14,8 +14,12 @@ import pytest
 from tests.cli.conftest import Entry
 from tests.cli.conftest import entry as entry
 from tests.conftest import WAXSTUDY, Waxstudy, call
+from tests.simulation.lumped import Lumped
+from tests.simulation.test_outside import study_of
 from waxstudy.plugin.registry import installed
+from waxstudy.simulation.run import Progress
 from waxstudy.study.read import read_study
+from waxstudy.tuning.evaluate import Evaluator, Weather
 from waxstudy.tuning.objectives import Goal, NoObjective
 
 USAGE, INVALID, FAILED = 2, 3, 6
@@ -157,6 +161,16 @@ def test_what_a_mild_test_week_cannot_tell_is_a_warning_and_no_tuning_is_lost(
     assert (done.code, len(asked)) == (0, 2), done.stderr
     assert "not tested in february: objective switches: of the case as it stands it is 0" in done.stderr
     assert (study.parent / "tuned" / "tuned.toml").is_file()
+
+
+def test_what_another_version_of_a_room_s_engine_gave_is_not_taken_for_an_evaluation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study, evaluator = study_of(tmp_path / "small.toml", Lumped), Evaluator("O_CP", tmp_path, 1, Progress())
+    first = evaluator._file(study, Weather.of(study, jit=False))
+    assert evaluator._file(study, Weather.of(study, jit=False)) == first
+    monkeypatch.setattr(Lumped, "engine", "Lumped 1.1")
+    assert evaluator._file(study, Weather.of(study, jit=False)) != first
 
 
 def test_a_folder_of_something_else_is_left_alone(waxstudy: Waxstudy, study: Path, tmp_path: Path) -> None:

@@ -35,7 +35,8 @@ def sweep(
 
     `points` is a sweep file, or a frame with a row for each point and a column for each parameter, such as
     `room.window_U_W_m2K`. A point that fails is told in `failed` and left out of `frame`. Raises `StudyError` for
-    what is wrong with study or points, `BackendMissing` for dask or SALib, and `RunError` for a folder in other use.
+    what is wrong with study or points, `BackendMissing` for dask, SALib or a room's engine, and `RunError` for a folder
+    in other use.
     """
     source = source_of(study) if isinstance(study, Mapping) else read_source(Path(study))
     file = None if isinstance(study, Mapping) else Path(study)

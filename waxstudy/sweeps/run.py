@@ -33,7 +33,7 @@ from waxstudy.sweeps.axes import NAME, Sweep
 from waxstudy.sweeps.executors import executor
 from waxstudy.sweeps.kinds import Kind
 from waxstudy.sweeps.place import places
-from waxstudy.sweeps.point import computed, key_of
+from waxstudy.sweeps.point import computed, engines_of, key_of
 from waxstudy.sweeps.result import FORMAT, MANIFEST, POINTS, TABLE
 
 Stated = TypeVar("Stated")  # what a point is computed from
@@ -59,7 +59,8 @@ def run(
     """
     with points_folder(folder, POINTS, "sweep"):
         digests: dict[type[Component], str] = {}
-        keys = [key_of(study, digests) for study in studies]
+        engines = engines_of(studies, jit)
+        keys = [key_of(study, digests, engine) for study, engine in zip(studies, engines, strict=True)]
         told.total(len(keys))
         files = [folder / POINTS / f"{key}.parquet" for key in keys]
         # points that are alike are computed once

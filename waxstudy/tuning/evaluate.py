@@ -16,7 +16,7 @@ from waxstudy.plugin.registry import described
 from waxstudy.simulation.run import Plan, Progress, loops_of, prepare
 from waxstudy.simulation.sources import digest
 from waxstudy.study.model import Study
-from waxstudy.sweeps.point import ONE, key_of
+from waxstudy.sweeps.point import ONE, engine_in, key_of
 from waxstudy.sweeps.run import Where, compute_points, is_whole
 from waxstudy.tuning.space import with_settings
 
@@ -86,7 +86,8 @@ class Evaluator:
     def _file(self, study: Study, weather: Weather) -> Path:
         """Return where an evaluation is kept: under a digest of all that it depends on."""
         code = Path(loop_figures.__code__.co_filename)
-        parts = (key_of(study), repr(sorted(weather.heat_kWh_m2_week.items())), code)
+        key = key_of(study, engine=engine_in(weather.plan))
+        parts = (key, repr(sorted(weather.heat_kWh_m2_week.items())), code)
         return self.folder / EVALUATIONS / f"{digest(parts)}.parquet"
 
 
