@@ -136,6 +136,32 @@ def test_two_profiles_do_not_tell_the_time_constant_and_say_so() -> None:
         assert modelled == pytest.approx(232.0 - 192.0 * np.exp(-before / 780.0), abs=30.0)
 
 
+def test_pauses_that_nobody_knows_are_no_pauses_of_zero() -> None:
+    """Records of one cycle each: how long the motor cooled before is known of none."""
+    model = fit_actuator(synthetic({"X": product()}, exemplars=10, cycles=1))
+    for name in ("dead", "rise"):
+        (said,) = model.times[name].untold
+        assert "of X cannot be told: undercooling times are not known" in said
+        assert np.isnan(model.times[name].curves["X"].before_s).all()
+        assert np.isfinite(model.times[name].curves["X"].b_s.value)
+    assert model.times["hold"].curves["X"].before_s == pytest.approx((340.0, 1440.0), rel=0.03)
+    assert np.isnan(model.times["fall"].curves["X"].before_s).all()  # it is not held against any
+
+
+def test_what_is_not_known_of_pauses_is_null_in_the_json(bench: tuple[ActuatorFit, Motors]) -> None:
+    for told in bench[0].described()["products"].values():
+        assert told["models"]["fall"]["before_s"] is None
+        assert len(told["models"]["dead"]["before_s"]) == 2
+
+
+def test_what_is_said_of_pauses_is_what_decided() -> None:
+    """Two odd cycles at each end make no curve, and do not make the sentence contradict itself."""
+    cycles = synthetic({"X": product()}, levels=1, exemplars=1, cycles=14)
+    cycles["before_s"] = [np.nan, 60.0, 61.0, *[130.0] * 4, 150.0, *[160.0] * 4, 5999.0, 6000.0]
+    (said,) = fit_actuator(cycles).times["dead"].untold
+    assert "lie within 130 and 160 s, but for the 2 shortest and the 2 longest, and a curve needs" in said
+
+
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 8])
 def test_a_few_cycles_break_nothing(count: int) -> None:
     model = fit_actuator(synthetic({"X": product()}, exemplars=1, levels=1, cycles=count))

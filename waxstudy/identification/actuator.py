@@ -78,7 +78,7 @@ def _data(kept: pd.DataFrame, name: str, before: str, products: Sequence[str]) -
     motors = pd.MultiIndex.from_frame(first[["product", "exemplar"]])
     exemplars = motors.unique()
     product_of = pd.Index(products).get_indexer(exemplars.get_level_values(0))
-    past: FloatArray = rows[before].fillna(0.0).to_numpy(dtype=float) if before else np.zeros(len(rows))
+    past: FloatArray = rows[before].to_numpy(dtype=float) if before else np.full(len(rows), np.nan)
     return Data(
         name=name,
         products=list(products),

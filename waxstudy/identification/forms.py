@@ -34,7 +34,7 @@ class Data:
     name: str
     products: Sequence[str]
     product: IntArray  # (n,) index
-    before_s: FloatArray
+    before_s: FloatArray  # all NaN of a product of which it is not known
     outcome_s: FloatArray
     nesting: Nesting
 
@@ -111,6 +111,13 @@ def _spans(data: Data, product: int, untold: list[str]) -> bool:
     before = np.sort(data.before_s[data.product == product])
     name = data.products[product]
     what = "overheating" if data.name == "hold" else "undercooling"
+    cannot = f"{data.name}_a_s, {data.name}_b_s and {data.name}_tau_s of {name} cannot be told: {what} times"
+    if np.isnan(before).all():
+        untold.append(
+            f"{cannot} are not known, as no cycle comes after a whole one; the constant that stands for it holds for "
+            "such pauses as there were"
+        )
+        return False
     if len(before) < FEWEST:
         cycles = "1 cycle is" if len(before) == 1 else f"{len(before)} cycles are"
         untold.append(f"{data.name} time of {name}: {cycles} too few for a curve (at least {FEWEST})")
@@ -118,9 +125,8 @@ def _spans(data: Data, product: int, untold: list[str]) -> bool:
     low, high = before[ENOUGH - 1], before[-ENOUGH]
     if high < SPAN * max(low, 1.0):
         untold.append(
-            f"{data.name}_a_s, {data.name}_b_s and {data.name}_tau_s of {name} cannot be told: {what} times lie "
-            f"within {before[0]:.0f} and {before[-1]:.0f} s, and a curve needs at least a factor of {SPAN:g}; the "
-            "constant that stands for it holds for these"
+            f"{cannot} lie within {low:.0f} and {high:.0f} s, but for the {ENOUGH - 1} shortest and the {ENOUGH - 1} "
+            f"longest, and a curve needs at least a factor of {SPAN:g}; the constant that stands for it holds for these"
         )
         return False
     return True

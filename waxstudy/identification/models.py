@@ -37,7 +37,7 @@ class ProductCurve:
     form: str  # common, product term, separate, constant
     test: Test | None  # of the model that it is part of; None for a constant
     cycles: int
-    before_s: tuple[float, float]  # range of t_in
+    before_s: tuple[float, float]  # range of t_in, NaN where it is not known or plays no part
 
 
 @dataclass(frozen=True)

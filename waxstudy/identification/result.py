@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from waxstudy.identification.actuator import ActuatorModel, fit_actuator
 from waxstudy.identification.fragment import actuator_block, allowed, intervals, sources, text_of
 from waxstudy.identification.models import ProductCurve
@@ -121,7 +123,7 @@ def _model(curve: ProductCurve) -> dict[str, Any]:
     return {
         "form": curve.form,
         "cycles": curve.cycles,
-        "before_s": list(curve.before_s),
+        "before_s": None if np.isnan(curve.before_s).any() else list(curve.before_s),
         "r_squared": test.r_squared if test else None,
         "largest_p": test.largest_p if test else None,
     }
