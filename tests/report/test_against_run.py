@@ -15,14 +15,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.report.conftest import computed
-from waxstudy.report.comparison import COLUMNS, CORRECTED_DIFFERENCE, DIFFERENCE, FIGURES, estimate, unpaired_interval
+from waxstudy.report.comparison import (
+    COLUMNS,
+    CORRECTED_DIFFERENCE,
+    CORRECTED_FIGURES,
+    DIFFERENCE,
+    FIGURES,
+    estimate,
+    unpaired_interval,
+)
 from waxstudy.report.content import Content, gather
 from waxstudy.report.figures.overview import figure_overview
 from waxstudy.report.input_differences import differences
 from waxstudy.report.other_run import OtherRun, Step
 from waxstudy.report.page import as_html
 from waxstudy.report.render import all_notes, as_csv, as_json, as_markdown, as_terminal, tables
-from waxstudy.report.score import Cell
+from waxstudy.report.score import Cell, cells
 from waxstudy.results.run import Run
 
 STUDY = """
@@ -125,6 +133,22 @@ def test_a_difference_that_nobody_knows_is_no_zero(base: Content) -> None:
     difference = next(column.value for column in FIGURES if column.key == DIFFERENCE)
     assert difference
     assert [difference(row) for row in (of_reference, unknown)] == ["0", "not known"]
+
+
+def test_a_corrected_difference_that_is_known_is_no_zero_where_the_other_is_not(base: Content) -> None:
+    """The reference of one member took no heat from the water, but from its floor."""
+    row = next(row for row in base.rows if row.resolved is not None)
+    row = replace(row, heat_vs_most_detailed_percent=estimate(np.array([np.nan, 1.0])), resolved=None)
+    said = {column.key: column.value(row) for column in (*FIGURES, *CORRECTED_FIGURES) if column.value}
+    assert said[DIFFERENCE] == "not known"
+    assert said[CORRECTED_DIFFERENCE] == row.heat_corrected_vs_most_detailed_percent
+    beside = {cell.column for cell in cells([row], [row], {row.week: 2})}
+    assert (DIFFERENCE in beside, CORRECTED_DIFFERENCE in beside) == (False, True)
+    of_reference = next(row for row in base.rows if row.corrected_resolved is None)
+    assert not {DIFFERENCE, CORRECTED_DIFFERENCE} & {
+        cell.column for cell in cells([of_reference], [of_reference], {of_reference.week: 2})
+    }
+    assert [column.value(of_reference) for column in CORRECTED_FIGURES if column.value][1] == "0"
 
 
 def test_what_is_called_resolved_is_written_as_no_zero() -> None:

@@ -184,12 +184,17 @@ def single_run_share(differences: FloatArray) -> float:
     return float(np.mean(differences * mean > 0.0)) if np.isfinite(mean) else np.nan
 
 
+def resolved_by(row: Row, column: str) -> bool | None:
+    """Return whether a difference is resolved by its own column: one may be known where the other is not."""
+    return row.corrected_resolved if column == CORRECTED_DIFFERENCE else row.resolved
+
+
 def _difference(row: Row, column: str) -> Estimate | str:
     """What a table says of a difference: none of the reference, and not known where a member of that has no heat."""
     value: Estimate = getattr(row, column)
     if np.isnan(value.mean):
         return "not known"
-    return "0" if row.resolved is None else value
+    return "0" if resolved_by(row, column) is None else value  # known, and yet not judged: the reference
 
 
 def _known(row: Row, column: str) -> Estimate | str:

@@ -18,6 +18,7 @@ from waxstudy.report.comparison import (
     DIFFERENCE,
     Estimate,
     Row,
+    resolved_by,
     unpaired_interval,
 )
 from waxstudy.report.words import telling, with_spread
@@ -111,7 +112,7 @@ def cells(
         for row in rows
         if (other := known.get((row.case, row.week)))
         for column in COLUMNS
-        if not (column in (DIFFERENCE, CORRECTED_DIFFERENCE) and row.resolved is None)
+        if not (column in (DIFFERENCE, CORRECTED_DIFFERENCE) and resolved_by(row, column) is None)
         and not np.isnan(getattr(row, column).mean)
     ]
 
