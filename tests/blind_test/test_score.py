@@ -14,6 +14,7 @@ from waxstudy.blind_test.box import open_box
 from waxstudy.blind_test.key import Key
 from waxstudy.blind_test.make import Place
 from waxstudy.plugin.trial import engine_of
+from waxstudy.report.blind_test.figures import figure_sizes
 
 CONSTANT = json.dumps({"verdict": "effect", "effects": [{"name": "let-by", "stage": "valve", "group": ["let-by"]}]})
 
@@ -67,3 +68,11 @@ def test_the_table_fits_a_screen_and_page_and_json_are_written(constant: Path, e
 def test_without_answers_there_is_nothing_to_score(small_test: Path, entry: Entry) -> None:
     done = entry("blind-test", "score", "test", "--key-file", "key")
     assert (done.code, "nobody has answered" in done.stderr) == (2, True)
+
+
+def test_a_panel_says_over_which_records_its_shares_are() -> None:
+    """A wrong effect may be named of two effects as well."""
+    shares = {name: {"value": 0.8, "low": 0.7, "high": 0.9} for name in ("right_group", "misdiagnosis")}
+    score = {"diagnosers": {"ours": {"by": {"gap over floor": {"1 to 2": shares}}}}}
+    labels = [panel.get_ylabel() for panel in figure_sizes(score).axes]
+    assert labels == ["share of records with one effect", "share of records with one effect or two"]

@@ -1,6 +1,6 @@
-"""The valve's curve from a record of flow: three points and an authority, at the smallest mean absolute error.
+"""The valve's curve from a record of flow: three points and an authority (section 3.2.2 of the paper).
 
-Section 3.2.2 of the paper.
+The smallest mean absolute error is the paper's; that a value is the median of resampled fits is ours.
 """
 
 from __future__ import annotations
@@ -110,11 +110,11 @@ def fit_valve(
     product: str | None = None,
     seed: int = 1,
 ) -> ValveFit:
-    """Return the curve with the smallest mean absolute error; raise `StudyError`.
+    """Return the curve whose parameters are medians of fits to resampled whole cycles; raise `StudyError`.
 
-    Besides the paper's three parameters the pace of this exemplar is fitted, a factor on the actuator's times, and the
-    delay of the switches, which lie anywhere between two samples. Intervals: resampled whole cycles. An actuator of
-    another `product` than the record's is told.
+    Each fit has the smallest mean absolute error; the medians together need not. Besides the paper's three parameters
+    the pace of this exemplar is fitted, a factor on the actuator's times, and the delay of the switches, which lie
+    anywhere between two samples. An actuator of another `product` than the record's is told.
     """
     openings = _openings(record, actuator)
     middle = openings[len(PACES) // 2]

@@ -100,13 +100,13 @@ def figure_sizes(score: Score) -> Figure:
     if not shown:
         raise Lacking("no record with one effect was answered")
     figure, axes = panels(1, 2, 3.6)
-    titles = {"right_group": "right group", "misdiagnosis": "misdiagnosis"}
-    for panel, (key, title) in zip(axes[0], titles.items(), strict=True):
+    titles = {"right_group": ("right group", "one effect"), "misdiagnosis": ("misdiagnosis", "one effect or two")}
+    for panel, (key, (title, of)) in zip(axes[0], titles.items(), strict=True):
         for number, name in enumerate(names):
             _course(panel, score["diagnosers"][name]["by"]["gap over floor"], shown, key, number)
         panel.set_xticks(range(len(shown)), shown)
         panel.set(ylim=(-0.03, 1.03), title=title, xlabel="true gap over its noise floor")
-    axes[0, 0].set_ylabel("share of records with one effect")
+        panel.set_ylabel(f"share of records with {of}")
     _legend(figure, names)
     return figure
 

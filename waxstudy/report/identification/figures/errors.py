@@ -19,7 +19,7 @@ HOUR_S = 3600.0
 @drawing(
     "errors",
     "Errors of all records (as the paper's figure 13)",
-    "Mean absolute and root mean square error of the modelled opening over each whole record, by product.",
+    "Mean absolute and root mean square error of the modelled opening over each record but for its gaps, by product.",
 )
 def figure_errors(found: ActuatorFit) -> Figure:
     """Bars per record."""
