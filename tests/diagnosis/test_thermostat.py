@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -14,6 +16,7 @@ from waxstudy.diagnosis.observations.partition import FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.posterior import posterior
+from waxstudy.diagnosis.select.thermostat import when_past_switch
 from waxstudy.diagnosis.select.weigh import Weighing
 
 LIBRARY = [EFFECTS[name] for name in ("dead-band", "sensor-bias", "sensor-lag")]
@@ -44,18 +47,26 @@ def recorded(seed: int, is_locked: bool = False, stands_K: float | None = None) 
     return record_of(dataset(table.assign(time=time), "IDEAL"))
 
 
-def believed(record: Record) -> dict[str, float]:
+def weighing(record: Record) -> Weighing:
     healthy = recorded(1)
     known, documented = calibrate(healthy, belief("IDEAL", healthy), LIBRARY), belief("IDEAL", record)
     (link,) = segments(record, documented)
     problem = SegmentProblem(link, record, documented, as_built=known.as_built, parts=np.full(len(record), FIT))
-    return posterior(Weighing(problem, LIBRARY, known.healthy[link.name], 1.0, lambda name: None).weighed())
+    return Weighing(problem, LIBRARY, known.healthy[link.name], 1.0, lambda name: None)
 
 
-def test_a_switch_past_which_the_reading_went_on_is_something_unknown() -> None:
-    assert believed(recorded(2, is_locked=True))["unknown"] > 0.9
+def test_a_switch_past_which_the_reading_went_on_is_something_unknown_at_that_time() -> None:
+    locked = weighing(recorded(2, is_locked=True))
+    assert posterior(locked.weighed())["unknown"] > 0.9
+    when = when_past_switch(locked.problem, locked.none)
+    assert when
+    assert when.spans_h[0][1] == pytest.approx(HELD.stop / 60.0, abs=0.05)
+    words = r"from day 3 0\d:\d\d to 08:0\d, when its reading went on \d.\d K past where it switches"
+    assert re.fullmatch(words, when.pattern)
 
 
 @pytest.mark.parametrize("stands_K", [None, 0.02, 0.005])
 def test_a_switch_that_noise_throws_by_hours_is_not(stands_K: float | None) -> None:
-    assert believed(recorded(2, stands_K=stands_K))["none"] > 0.8
+    standing = weighing(recorded(2, stands_K=stands_K))
+    assert posterior(standing.weighed())["none"] > 0.8
+    assert when_past_switch(standing.problem, standing.none) is None
