@@ -103,9 +103,10 @@ class Switching:
 
     @property
     def noise_past_K(self) -> float:
-        """How far noise alone makes it go on: that moves a switch by hours where the reading hardly moves."""
+        """How far noise and sampling make it go on: they move a switch by hours where the reading hardly moves."""
         noise_K = self.record.noise[self.reads] * self.record.smoothed_noise
-        return max(self._noise_past_K, WEIGHTS.surely_off * noise_K)
+        within_K = float(np.sqrt(np.mean(np.diff(self.record.drive(self.reads)) ** 2)))  # a sample
+        return max(self._noise_past_K, WEIGHTS.surely_off * noise_K, within_K)
 
     def _past(self, one: FloatArray, other: FloatArray) -> Past:
         """Return the same of two outputs (n,), around switches that are judged.
