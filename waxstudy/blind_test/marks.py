@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from waxstudy.blind_test.answer import NONE, UNKNOWN, Answer, Claim, hypothesis
+from waxstudy.blind_test.plan import LEAST_OVER
 from waxstudy.plugin.effect import Effect
 from waxstudy.plugin.hours import DAY_H
 from waxstudy.plugin.registry import installed
@@ -303,7 +304,7 @@ class Mark:
             return not (self.false_alarm or self.unknown_claimed)
         if self.truth.is_measured:
             return self.unknown_found if self.truth.kind == "family" else self.right_or_untestable
-        if self.truth.over <= 2.0:
+        if self.truth.over <= LEAST_OVER:
             return not self.misdiagnosis
         return self.unknown_found if self.truth.kind == "family" else self.right_group
 
