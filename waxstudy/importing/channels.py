@@ -149,7 +149,8 @@ def _refuse_misfits(values: pd.DataFrame, made: Mapping[str, _Made], grid: Grid)
         run(AS_LOGGED, Record(values[[channel]].copy(), grid.step_ns / NS), notes)
         entity, unit = each.match.seen.entity, each.match.seen.unit
         for one in notes.problems:
-            usual = "degF" if channel.endswith("_C") else UNITS[CHANNELS[channel].quantity]
+            other = "degC" if units.plain_unit(unit).lower() == "degf" else "degF"  # never what made the misfit
+            usual = other if channel.endswith("_C") else UNITS[CHANNELS[channel].quantity]
             like = next((written for words, written in LIKE.items() if words in one.wrong), usual)
             mend = f"say its unit: --unit '{entity}={like}' or what it is; or another: --map {channel}=NAME"
             found.append(replace(one, key=f"{entity} in '{unit}' as {channel}", allowed=mend))

@@ -37,6 +37,7 @@ SET = (
     "set ?point|setting|target|desired|desired temp\\w*|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch|"
     "asetus\\w*|tavoite\\w*|seadetemp\\w*|seadevaeaertus|seatud\\w*"
 )
+TEMPERATURE = "temp|\\w*temperat\\w*|\\w*temp|\\w*laempoetila|t"
 CHANNEL_NAMES = {
     "sensor_temperature_C": Names(
         "thermostat|current temperature|reading|(?:sensor|controller|room) temp\\w*|raumtemp\\w*|istwert|ist|"

@@ -28,12 +28,13 @@ from waxstudy.importing.limits import (
     STEADY_K,
     WARM_WATER_C,
 )
-from waxstudy.importing.names import CHANNEL_NAMES, OTHER_AIR, OTHERS, plain, says
+from waxstudy.importing.names import CHANNEL_NAMES, OTHER_AIR, OTHERS, SET, TEMPERATURE, plain, says
 from waxstudy.importing.rates import is_counter
 from waxstudy.importing.reading import Logged
 from waxstudy.plugin import FloatArray
 
-NO_TEMPERATURES = ("flow_L_h", "heating_signal", "displacement")
+AMOUNTS = ("flow_L_h", "control_output", "displacement")  # of which a setpoint may be, too
+NO_TEMPERATURES = (*AMOUNTS, "heating_signal")
 WRITTEN = STATED, IN_FILE, IN_NAME = ("stated", "in the file", "in its name")
 IS_FAHRENHEIT = "as rooms of this source are at 50 to 95, which is degrees Fahrenheit"
 ABOUT_ROOM = ("sensor_temperature_C", "air_temperature_C", "setpoint_C")
@@ -70,7 +71,8 @@ class Seen:
 def seen(logged: Sequence[Logged], stated: dict[str, str]) -> list[Seen]:
     """Return entities with what they look like; a unit is stated, else written, else what names and values say."""
     found = _beside_the_valve([_looked_at(each, stated.get(each.entity, "")) for each in logged])
-    is_fahrenheit = any(_is_room_in_fahrenheit(each) for each in found)
+    is_celsius = any(_is_in_celsius(each) for each in found if each.logged.is_of_house)
+    is_fahrenheit = not is_celsius and any(_is_room_in_fahrenheit(each) for each in found)
     return [_with_unit(each, is_fahrenheit) for each in found]
 
 
@@ -99,12 +101,23 @@ def _may_be_C(unit: str) -> bool:
     return unit.strip("° ").lower() in ("", "c", "degc", "celsius")
 
 
+def _is_in_celsius(each: Seen) -> bool:
+    """Whether a temperature is told to be in degrees Celsius or kelvins: its source writes no others."""
+    unit = each.unit or _in_name(each.entity)
+    return (
+        bool(units.fitting(unit, ["indoor"])) and units.plain_unit(unit).lower() != "degf" and not each.logged.is_words
+    )
+
+
 def _is_room_in_fahrenheit(each: Seen) -> bool:
+    """Whether a room's temperature or setpoint, by a name that says so, is where only degrees Fahrenheit are."""
     name = plain(each.entity)
     is_named = any(says(name, f"{CHANNEL_NAMES[c].clear}|{CHANNEL_NAMES[c].weak}") for c in ABOUT_ROOM)
-    is_other = says(name, f"{OTHER_AIR}|{OTHERS}")
+    others = "|".join((OTHER_AIR, OTHERS, *(CHANNEL_NAMES[channel].clear for channel in AMOUNTS)))
+    is_told = says(name, f"{TEMPERATURE}|{SET}") and not says(name, others)
     within = FAHRENHEIT[0] <= each.median <= FAHRENHEIT[1] and each.high < HOTTEST_F
-    return not each.unit and within and is_named and not is_other and not each.is_counter
+    has_unit = bool(each.unit or _in_name(each.entity))
+    return is_named and is_told and within and not has_unit and not each.is_counter
 
 
 def _with_unit(each: Seen, is_fahrenheit: bool) -> Seen:
@@ -123,7 +136,7 @@ def _is_temperature(name: str, each: Seen) -> bool:
     """Whether a name is that of a temperature, and of nothing else."""
     is_said = any(says(name, words.clear) for channel, words in CHANNEL_NAMES.items() if channel.endswith("_C"))
     is_other = any(says(name, CHANNEL_NAMES[channel].clear) for channel in NO_TEMPERATURES) or says(name, OTHERS)
-    return not each.is_binary and (says(name, r"temp|temperature|temperatur\w*|t") or (is_said and not is_other))
+    return not each.is_binary and (says(name, TEMPERATURE) or (is_said and not is_other))
 
 
 IN_NAMES = {
