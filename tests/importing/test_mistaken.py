@@ -11,6 +11,11 @@ import pytest
 from tests.cli.conftest import Entry
 from tests.importing.conftest import read
 from tests.importing.test_bad_input import house, imported, refused
+from tests.importing.test_names import COUNT, MINUTE_NS, course
+from waxstudy.importing.matching import matched
+from waxstudy.importing.reading import Logged
+from waxstudy.importing.seen import seen
+from waxstudy.plugin import FloatArray
 
 AIR = ("--map", "air_temperature_C=room_temperature")
 
@@ -45,3 +50,60 @@ def test_a_source_that_writes_celsius_has_no_fahrenheit(frame: pd.DataFrame, ent
 def test_the_unit_that_made_a_misfit_is_not_its_way_out(frame: pd.DataFrame, entry: Entry) -> None:
     done = imported(entry, frame, *AIR, "--unit", "room_temperature=degF")
     refused(done, "room_temperature in 'degF' as air_temperature_C", "say its unit: --unit 'room_temperature=degC'")
+
+
+# --- names of other things
+
+
+def channels_of(*entities: tuple[str, str, FloatArray]) -> dict[str, str]:
+    """The channel of each entity (name, unit, values) that may become one; behind a ? where it is asked for."""
+    ns, rows = np.arange(COUNT) * MINUTE_NS, np.arange(COUNT)
+    logged = [Logged(name, "a.csv", ns, values, rows, unit, False, False) for name, unit, values in entities]
+    found = matched(seen(logged, {}), {}, "")
+    return {each.seen.entity: ("" if each.is_sure else "?") + channel for channel, each in found.items()}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Living air humidity", "sensor.outdoor_humidity", "Luftfeuchte außen", "Raumluftfeuchtigkeit", "air quality",
+        "Luftdruck", "outdoor pressure", "sensor.outdoor_dew_point", "Taupunkttemperatur außen", "target humidity",
+        "room CO2", "sensor.zigbee_hub_temperature", "CPU temperature", "outdoor feels like temperature",
+    ],
+)  # fmt: skip
+def test_humidity_and_its_like_are_no_temperatures(name: str) -> None:
+    for low in (0.0, 20.0):
+        assert channels_of((name, "", low + course("outdoors"))) == {}
+        assert channels_of((name, "", np.full(COUNT, low))) == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "channel"),
+    [("Energy meter supply temperature", "supply_temperature_C"), ("Außenluft Temperatur", "outdoor_temperature_C"),
+     ("air temperature", "air_temperature_C"), ("sensor.outdoor_weather_wind_temperature", "outdoor_temperature_C")],
+)  # fmt: skip
+def test_a_temperature_stays_one_beside_the_word_of_another_quantity(name: str, channel: str) -> None:
+    of = {"supply_temperature_C": "supply", "outdoor_temperature_C": "outdoors"}.get(channel, "room")
+    assert channels_of((name, "", course(of))) == {name: channel}
+
+
+@pytest.mark.parametrize("unit", ["", "%"])
+@pytest.mark.parametrize(
+    "name",
+    ["cover.living_room_blind_position", "Rollladen Wohnzimmer Position", "Jalousie Stellung", "window opening",
+     "Fenster Wohnzimmer", "front door", "Living room shutter position", "roller_blinds lift"],
+)  # fmt: skip
+def test_blinds_and_windows_are_no_valves(name: str, unit: str) -> None:
+    assert channels_of((name, unit, course("share"))) == {}
+    assert channels_of((name, unit, 100.0 * course("valve"))) == {}
+
+
+@pytest.mark.parametrize("unit", ["", "%"])
+@pytest.mark.parametrize(
+    ("name", "channel"),
+    [("Living room position", "?displacement"), ("opening", "?displacement"), ("Hub", "?displacement"),
+     ("valve lift", "displacement"), ("Öffnung Ventil", "displacement"), ("Ventilhub", "displacement"),
+     ("trv kitchen position", "displacement"), ("displacement", "displacement")],
+)  # fmt: skip
+def test_a_position_is_a_valve_s_only_where_its_name_says_so(name: str, unit: str, channel: str) -> None:
+    assert channels_of((name, unit, course("share"))) == {name: channel}

@@ -52,7 +52,8 @@ MIXED = 0.3  # steps of each sensor by itself, over those from row to row, below
 LEAST_ROWS, LEAST_COLUMNS = 3, 2  # of a sheet that is a table
 
 # --- which name is which channel
-EXACT, CLEAR, WEAK, BY_VALUES = 0.95, 0.7, 0.5, 0.35  # how much a name says, or values without one
+# how much a name says, or values without one; a vague word, with all that adds to it, is still asked for
+EXACT, CLEAR, WEAK, VAGUE, BY_VALUES = 0.95, 0.7, 0.5, 0.35, 0.35
 UNIT, VALUES, ROOM = 0.15, 0.1, 0.05  # that a unit, values and a room that is asked for add to it
 OTHER_WORDS = 0.15  # that a word takes from it which may name another room than that which is asked for
 STRANGE = 0.25  # that values take from it which are not those of the channel

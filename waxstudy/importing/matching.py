@@ -20,11 +20,12 @@ from waxstudy.importing.limits import (
     STRANGE,
     SURE,
     UNIT,
+    VAGUE,
     VALUES,
     WARMEST_C,
     WEAK,
 )
-from waxstudy.importing.names import CHANNEL_NAMES, has_other_words, is_of_room, plain, says
+from waxstudy.importing.names import CHANNEL_NAMES, NEITHER, OTHERS, has_other_words, is_of_room, plain, says, says_no
 from waxstudy.importing.seen import Seen, by_values, is_plausible
 
 TWICE = ("supply_temperature_C", "return_temperature_C")
@@ -95,7 +96,8 @@ def _match(each: Seen, channel: str, room: str) -> Match | None:
     if is_like is None:
         return None
     score, why = _by_name(each, channel)
-    is_by_values = score == 0.0 and by_values(each, channel, quantity) and not _names_another(each, channel)
+    is_open = score == 0.0 and not _names_another(each, channel)
+    is_by_values = is_open and by_values(each, channel, quantity)
     if is_by_values:
         score, why = BY_VALUES, ["values alone"]
         if channel in TWICE and each.following > FOLLOWING:
@@ -129,17 +131,20 @@ def _by_name(each: Seen, channel: str) -> tuple[float, list[str]]:
     if each.entity == channel:
         return EXACT, ["the channel's own name"]
     name, words = plain(each.entity), CHANNEL_NAMES[channel]
-    if says(name, words.never):
+    if says_no(name, channel):
         return 0.0, []
     if says(name, words.clear):
         return CLEAR, ["name"]
-    return (WEAK, ["part of its name"]) if says(name, words.weak) else (0.0, [])
+    if says(name, words.weak):
+        return WEAK, ["part of its name"]
+    return (VAGUE, ["a word of its name that other things have, too"]) if says(name, words.vague) else (0.0, [])
 
 
 def _names_another(each: Seen, channel: str) -> bool:
-    """Whether a name says clearly that an entity is something else."""
+    """Whether a name says clearly that an entity is something else, or is not of a channel."""
     name = plain(each.entity)
-    return any(says(name, words.clear) for other, words in CHANNEL_NAMES.items() if other != channel)
+    others = [words.clear for other, words in CHANNEL_NAMES.items() if other != channel]
+    return says_no(name, channel) or any(says(name, words) for words in (*others, OTHERS, NEITHER))
 
 
 def _water(found: dict[str, Match]) -> dict[str, Match]:

@@ -21,23 +21,41 @@ NUMBERED = re.compile(r"\b(room|zone|raum|zimmer|loop|kreis) ?(\d+)\b")
 
 
 class Names(NamedTuple):
-    """Words of a channel: those that leave little doubt, those that others share, and those that speak against it."""
+    """Words of a channel: those that leave little doubt, those that others share, and those that speak against it.
+
+    Vague words are those that other things have at least as often: they are asked for.
+    """
 
     clear: str
     weak: str = "(?!)"
     never: str = "(?!)"
+    vague: str = "(?!)"
 
 
 OTHER_AIR = (
     "outdoor|outside|aussen|\\w*weather\\w*|\\w*wetter\\w*|supply|vorlauf|return|ruecklauf|floor surface|boden|"
     "neighbou?r|ventilation|zuluft|ulko\\w*|vaelis\\w*|meno\\w*|pealevool\\w*|paluu\\w*|tagasivool\\w*|lattia\\w*|porand\\w*"
 )
-OTHERS = "humidity|co|power|energy|battery|illuminance|pressure|feuchte|kosteus|niiskus"
+OTHERS = (
+    "\\w*humid\\w*|co|co 2|\\w*power|\\w*energy|battery|\\w*illuminance|brightness|\\w*pressure|\\w*feucht\\w*|"
+    "\\w*druck|\\w*kosteus|\\w*niiskus|quality|\\w*qualitaet|aqi|iaq|t?voc|pm|co2|ppm|wind|rain|\\w*leistung|\\w*energie"
+)
+# what is no temperature of a room, its water or the outdoors, even where a name says temperature
+NEITHER = (
+    "dew ?point|dew|taupunkt\\w*|frost point|feels like|apparent|wind chill|heat index|hub|cpu|processor|chip|gateway|"
+    "router|battery|device temp\\w*|fridge|freezer"
+)
+OPENINGS = (
+    "\\w*blinds?|\\w*shutters?|\\w*shades?|covers?|curtains?|awnings?|\\w*rolll?ad[ae]n|\\w*jalousien?|\\w*raffstores?|"
+    "\\w*markisen?|\\w*windows?|\\w*fenster|doors?|\\w*tuer(?:en)?"
+)
+TEMPERATURE = "\\w*temp|\\w*temperat\\w*|\\w*laempoetila"
+VALVE = "valve|ventil|stellventil|actuator|stellantrieb|trv|venttiili|ventiil"
+POSITION = "position|opening|stroke|hub|lift|travel|oeffnung"
 SET = (
     "set ?point|setting|target|desired|desired temp\\w*|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch|"
     "asetus\\w*|tavoite\\w*|seadetemp\\w*|seadevaeaertus|seatud\\w*"
 )
-TEMPERATURE = "temp|\\w*temperat\\w*|\\w*temp|\\w*laempoetila|t"
 CHANNEL_NAMES = {
     "sensor_temperature_C": Names(
         "thermostat|current temperature|reading|(?:sensor|controller|room) temp\\w*|raumtemp\\w*|istwert|ist|"
@@ -51,14 +69,21 @@ CHANNEL_NAMES = {
     "control_output": Names(
         "output|demand|pwm|duty|stellgroesse|stellsignal|stellwert|reglerausgang|controller out\\w*|anforderung",
         "control|controller|regler|percentage",
+        OPENINGS,
     ),
     "heating_signal": Names(
         "valve|relay|actuator|heating|heat|hvac action|ventil|stellantrieb|heating signal|call|heizung|signal|"
         "venttiili|toimilaite|laemmitys|ventiil|taeitur|ajam|kuete",
         "switch|state|on|status|pump",
-        "displacement|stroke|hub|position|opening|meter|energy|power|demand",
+        f"displacement|{POSITION}|meter|energy|power|demand|{OPENINGS}",
     ),
-    "displacement": Names("displacement|stroke|position|opening|hub|lift|travel|oeffnung", "valve|ventil"),
+    "displacement": Names(
+        f"displacement|ventil(?:hub|oeffnung|stellung|position)|(?:{VALVE})(?: \\w+)* (?:{POSITION})|"
+        f"(?:{POSITION})(?: \\w+)* (?:{VALVE})",
+        "valve|ventil",
+        f"{OPENINGS}|{TEMPERATURE}",
+        POSITION,
+    ),
     "flow_L_h": Names(
         "flow|flow rate|flowrate|durchfluss|volumenstrom|volume flow|litres|liters|liter|volume|water meter|volumen|"
         "virtaus|virtaama|vooluhulk",
@@ -75,7 +100,7 @@ CHANNEL_NAMES = {
         "air|abluft|\\w*ilma|\\w*ohk",
     ),
     "outdoor_temperature_C": Names(
-        "outdoors?|outside|ambient|amb|aussen|aussentemp\\w*|oat|external|ulko\\w*|vaelis\\w*",
+        "outdoors?|outside|ambient|amb|aussen|aussentemp\\w*|aussenluft(?:temp\\w*)?|oat|external|ulko\\w*|vaelis\\w*",
         "\\w*weather\\w*|\\w*wetter\\w*|garden"
     ),
     "solar_gain_W": Names("solar gains?|sun gains?"),
@@ -107,6 +132,12 @@ def plain(entity: str) -> str:
     name = rest if rest and domain in DOMAINS else entity
     name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name.translate(PLAIN))
     return f" {' '.join(re.findall(r'[a-z]+|[0-9]+', name.lower()))} "
+
+
+def says_no(name: str, channel: str) -> bool:
+    """Whether a name says that an entity is not of a channel, as humidity is no temperature."""
+    is_other = says(name, NEITHER) or (says(name, f"{OTHERS}|{OPENINGS}|{POSITION}") and not says(name, TEMPERATURE))
+    return says(name, CHANNEL_NAMES[channel].never) or (channel.endswith("_C") and is_other)
 
 
 def says(name: str, words: str) -> bool:

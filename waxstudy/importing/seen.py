@@ -114,7 +114,7 @@ def _is_room_in_fahrenheit(each: Seen) -> bool:
     name = plain(each.entity)
     is_named = any(says(name, f"{CHANNEL_NAMES[c].clear}|{CHANNEL_NAMES[c].weak}") for c in ABOUT_ROOM)
     others = "|".join((OTHER_AIR, OTHERS, *(CHANNEL_NAMES[channel].clear for channel in AMOUNTS)))
-    is_told = says(name, f"{TEMPERATURE}|{SET}") and not says(name, others)
+    is_told = says(name, f"{TEMPERATURE}|t|{SET}") and not says(name, others)
     within = FAHRENHEIT[0] <= each.median <= FAHRENHEIT[1] and each.high < HOTTEST_F
     has_unit = bool(each.unit or _in_name(each.entity))
     return is_named and is_told and within and not has_unit and not each.is_counter
@@ -136,7 +136,7 @@ def _is_temperature(name: str, each: Seen) -> bool:
     """Whether a name is that of a temperature, and of nothing else."""
     is_said = any(says(name, words.clear) for channel, words in CHANNEL_NAMES.items() if channel.endswith("_C"))
     is_other = any(says(name, CHANNEL_NAMES[channel].clear) for channel in NO_TEMPERATURES) or says(name, OTHERS)
-    return not each.is_binary and (says(name, TEMPERATURE) or (is_said and not is_other))
+    return not each.is_binary and (says(name, f"{TEMPERATURE}|t") or (is_said and not is_other))
 
 
 IN_NAMES = {
