@@ -107,3 +107,47 @@ def test_blinds_and_windows_are_no_valves(name: str, unit: str) -> None:
 )  # fmt: skip
 def test_a_position_is_a_valve_s_only_where_its_name_says_so(name: str, unit: str, channel: str) -> None:
     assert channels_of((name, unit, course("share"))) == {name: channel}
+
+
+# --- modes, words, units
+
+
+def test_the_mode_of_a_thermostat_is_no_signal(frame: pd.DataFrame, entry: Entry) -> None:
+    """It stands at heat all day, whether or not it heats."""
+    mode = np.where(np.arange(len(frame)) < 60, "heat", "off")
+    wide = frame.drop(columns=["heating_valve", "flow_L_h"]).assign(**{"climate.floor_heating": mode})
+    long = wide.reset_index().melt("time", var_name="entity_id", value_name="state")
+    long.to_csv("history.csv", index=False)
+    for source in ("history.csv", "wide.csv"):
+        wide.to_csv("wide.csv")
+        done = entry("import", source, *AIR, "--yes", "--out", source.partition(".")[0])
+        assert done.code == 0, done.stderr
+        assert "a thermostat's state is its mode" in done.stderr
+        assert ": climate.floor_heating\n" in done.stderr
+        assert "heating_signal" not in read(Path(source.partition(".")[0]))
+    stated = ("--map", "heating_signal=climate.floor_heating")
+    assert entry("import", "history.csv", *AIR, *stated, "--out", "stated").code == 0
+    assert read(Path("stated"))["heating_signal"].mean() == pytest.approx(60 / 96)
+
+
+@pytest.mark.parametrize("unit", ["Ein/Aus", "offen/zu", "AUF/ZU", "Status", "°C"])
+def test_of_words_that_are_understood_no_unit_matters(unit: str, frame: pd.DataFrame, entry: Entry) -> None:
+    words = frame["heating_valve"].map({0.0: "Aus", 1.0: "Ein"})
+    units = pd.DataFrame([{"heating_valve": unit, "room_temperature": "°C"}], index=[""])
+    pd.concat([units, frame.assign(heating_valve=words).astype(object)]).rename_axis("time").to_csv("house.csv")
+    done = entry("import", "house.csv", *AIR, "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["heating_signal"].to_list() == frame["heating_valve"].to_list()
+
+
+@pytest.mark.parametrize(("unit", "is_used"), [("Ein/Aus", True), ("off/on", True), ("Status", False)])
+def test_a_unit_of_two_states_is_that_of_0_and_1_and_one_that_nobody_knows_is_told(
+    unit: str, is_used: bool, frame: pd.DataFrame, entry: Entry
+) -> None:
+    units = pd.DataFrame([{"heating_valve": unit, "room_temperature": "°C"}], index=[""])
+    pd.concat([units, frame.astype(object)]).rename_axis("time").to_csv("house.csv")
+    done = entry("import", "house.csv", *AIR, "--out", "living")
+    assert done.code == 0, done.stderr
+    assert ("heating_signal" in read(Path("living"))) is is_used
+    told = "the unit is none that is known: heating_valve ('Status'); to use one, say --unit NAME=UNIT"
+    assert (told in done.stderr) is not is_used

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -30,6 +31,7 @@ from waxstudy.plugin.registry import hint, nearest
 from waxstudy.study.problems import StudyError, listed
 
 OUTDOORS = "outdoor_temperature_C"
+MODE, ACTION = re.compile(r"(?:climate|water_heater)\.\w+"), "hvac_action"  # of Home Assistant's thermostats
 LONGEST_WORD = 20  # letters of a reading that a message shows
 NO_OUTDOORS = (
     "no outdoor temperature was found: without it nothing can be said of a room. A history of a weather service does "
@@ -56,6 +58,7 @@ def bring(request: Request, ask: Ask) -> Imported:
         notes.warn(f"not used, because the readings are unknown words: {listed(worded, NAMED)}")
     if blank:
         notes.warn(f"not used, because no reading is a value: {listed(blank, NAMED)}")
+    logged = _without_modes(logged, list(request.entities.values()), notes)
     request, logged = _of_room(request, logged, ask)
     entities = seen(logged, dict(request.units))
     _refuse_unknown(request, entities)
@@ -63,6 +66,7 @@ def bring(request: Request, ask: Ask) -> Imported:
     if OUTDOORS not in matches and OUTDOORS not in request.entities:
         raise _no_outdoors(request, entities, matches, blank)
     _tell_unseen_room(request, entities, matches, notes)
+    _tell_unknown_units(entities, matches, notes)
     imported = channels_of(request, matches, entities, notes, ask)
     taken = [places[match.seen.entity] for match in matches.values() if match.seen.entity in places]
     return replace(imported, place=taken[0]) if taken else imported
@@ -139,6 +143,17 @@ def _logged(readings: Readings, notes: Notes, worded: list[str], blank: list[str
         said=numbers.said if np.isfinite(numbers.said).any() else None,
         is_of_house=readings.place is None,
     )
+
+
+def _without_modes(logged: list[Logged], stated: Sequence[str], notes: Notes) -> list[Logged]:
+    """Return readings without modes of thermostats, which stand at heat whether or not they heat."""
+    modes = [each.entity for each in logged if each.is_words and MODE.fullmatch(each.entity)]
+    modes = [entity for entity in modes if entity not in stated]
+    names = {each.entity for each in logged}
+    if silent := [entity for entity in modes if f"{entity}:{ACTION}" not in names]:
+        why = f"a thermostat's state is its mode, and only its {ACTION} tells whether it heats"
+        notes.warn(f"not used, because {why}: {listed(silent, NAMED)}")
+    return [each for each in logged if each.entity not in modes]
 
 
 def _refuse_units(readings: Readings, written: Sequence[str]) -> None:
@@ -265,6 +280,24 @@ def _tell_unseen_room(request: Request, entities: Sequence[Seen], matches: Mappi
         option = shlex.join(["--map", f"{SHOW_ROOM[0]}={lone.seen.entity}"])
         also = f"{lone.seen.entity} became sensor_temperature_C, what the controller reads"
         notes.warn(f"a room is judged by {SHOW_ROOM[0]}: {also}; if it is all that shows the room, say {option}")
+
+
+def _tell_unknown_units(entities: Sequence[Seen], matches: Mapping[str, Match], notes: Notes) -> None:
+    """Say of what is not used because nobody knows its unit."""
+    used = {match.seen.entity for match in matches.values()}
+    if unknown := [f"{each.entity} ('{each.unit}')" for each in entities if each.entity not in used and _is_odd(each)]:
+        notes.warn(
+            f"not used, because the unit is none that is known: {listed(unknown, NAMED)}; to use one, say "
+            "--unit NAME=UNIT"
+        )
+
+
+def _is_odd(each: Seen) -> bool:
+    try:
+        units.conversion(each.unit, "level")
+    except ValueError:
+        return bool(each.unit)
+    return False
 
 
 def _or_output(match: Match) -> str:

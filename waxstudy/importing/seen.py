@@ -87,6 +87,7 @@ def _beside_the_valve(found: list[Seen]) -> list[Seen]:
 
 def _looked_at(logged: Logged, stated: str) -> Seen:
     known = logged.values[np.isfinite(logged.values)]
+    logged = logged._replace(unit="") if logged.is_words else logged  # beside words that are understood none tells more
     if _may_be_C(stated or logged.unit) and (measured := known[~power_on(known)]).size:
         known = measured
     low, median, high = (float(each) for each in np.quantile(known, (0.01, 0.5, 0.99)))

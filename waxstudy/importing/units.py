@@ -8,6 +8,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from waxstudy.dataset.channels import Quantity
+from waxstudy.importing.words import WORDS
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -107,7 +108,8 @@ def _quantity(unit: str) -> Any:
     text = unit.strip()
     if text.lower() in PULSES:
         raise CountsPulses(f"'{unit}' are pulses, and nobody knows what one of them is")
-    text = WRITTEN.get(text.lower(), text)
+    are_states = "/" in text and all(part.strip() in WORDS for part in text.lower().split("/"))  # as off/on
+    text = "1" if are_states else WRITTEN.get(text.lower(), text)
     if not PLAIN.fullmatch(text):
         raise ValueError(f"'{unit}' is no unit that is known")
     for sign, plain in POWER_SIGN.items():
