@@ -33,6 +33,10 @@ def swapped(one: str, other: str) -> Change:
     return lambda values: values.rename(columns={one: other, other: one})
 
 
+def between(x: pd.Series, first: int, end: int) -> np.ndarray:
+    return np.isin(np.arange(len(x)), range(first, end))
+
+
 AIR = "air_temperature_C"
 ROOM = [AIR, "sensor_temperature_C", "operative_temperature_C"]
 # of each check, a fault for each thing that it does
@@ -40,6 +44,7 @@ FAULTS: dict[str, dict[str, Change]] = {
     "code": {"discards": sample(AIR, -999.0)},
     "impossible-sample": {"discards": sample(AIR, 80.0)},
     "spike": {"discards": sample(AIR, 30.0)},
+    "failed": {"discards": changed(AIR, lambda x: x.mask(between(x, 700, 760), 5.0))},
     "peak": {"discards": sample("flow_L_h", 250.0)},
     "stray": {"discards": sample("displacement", 2.0)},
     "temperature": {"refuses": changed(AIR, lambda x: x + 273.15), "warns": changed(AIR, lambda x: x + 16.0)},
@@ -130,6 +135,16 @@ def test_each_time_that_a_thermometer_stands_still_is_lost(good: pd.DataFrame) -
     assert values[AIR].isna().sum() == 1499 + 1999
 
 
+def test_a_sensor_that_failed_for_hours_is_lost_there_alone_however_often(good: pd.DataFrame) -> None:
+    (check,) = (each for each in CHECKS if each.name == "failed")
+    x = good["outdoor_temperature_C"]
+    lost = between(x, 700, 1000) | between(x, 2000, 2100)
+    values = good.assign(outdoor_temperature_C=x.mask(lost, -50.0).mask(between(x, 998, 1001)))
+    run([check], Record(values, INTERVAL_S, False, full_flow_L_h=None), notes := Notes("data.csv"))
+    assert (values["outdoor_temperature_C"].isna() == (lost | between(x, 998, 1001))).all()
+    assert "398 samples are of one value" in notes.warnings[0]
+
+
 @pytest.mark.parametrize("places", [[700], list(range(700, 760))], ids=["once", "for an hour"])
 def test_a_room_of_0_C_is_a_bus_that_failed_unless_the_room_is_that_cold(places: list[int], good: pd.DataFrame) -> None:
     (check,) = (each for each in CHECKS if each.name == "code")
@@ -150,6 +165,21 @@ MEANT: dict[str, Change] = {
         "ventilation_supply_temperature_C", lambda x: x.where(np.arange(len(x)) > 1500, 18.0)
     ),
     "still in fog": changed("outdoor_temperature_C", lambda x: x.where(np.arange(len(x)) > 1500, 0.0).round()),
+    "failed of a setpoint": changed("setpoint_C", lambda x: x.mask(between(x, 700, 760), 5.0)),
+    "failed of a switched supply": changed(
+        "supply_temperature_C", lambda x: x.mask(np.arange(len(x)) % 400 < 30, 60.0).mask(between(x, 900, 950), 61.0)
+    ),
+    "failed of a supply of two values": changed(
+        "supply_temperature_C", lambda x: pd.Series(np.where(np.arange(len(x)) % 400 < 30, 60.0, 20.0), x.index)
+    ),
+    "failed that is a window": changed(
+        AIR, lambda x: x.mask(between(x, 700, 702), 15.0).mask(between(x, 702, 704), 18.0)
+    ),
+    "failed that never comes back": changed(AIR, lambda x: x.mask(np.arange(len(x)) > len(x) - 60, 5.0)),
+    "failed that is a step over days without samples": changed(
+        "outdoor_temperature_C",
+        lambda x: x.mask(between(x, 700, 4000)).mask(between(x, 4000, 4060), 25.0).mask(between(x, 4060, 8000)),
+    ),
     "code of a setpoint": changed("setpoint_C", lambda x: x.where(np.arange(len(x)) > 300, 0.0)),
     "dead-meter that was off": lambda values: values.assign(
         flow_L_h=values["flow_L_h"].where(values["displacement"] <= 0.0) * 0.0

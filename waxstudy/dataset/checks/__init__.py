@@ -10,7 +10,7 @@ from waxstudy.dataset.checks.check import Check, Record, run
 __all__ = ["AS_LOGGED", "CHECKS", "DEAD", "ON_GRID", "SAMPLES", "Check", "Record", "run"]
 
 # of rows as they were logged: first their samples, and of what is left the units
-SAMPLES = (samples.code, samples.impossible_sample, samples.spike, samples.peak, samples.stray)
+SAMPLES = (samples.code, samples.impossible_sample, samples.spike, samples.failed, samples.peak, samples.stray)
 AS_LOGGED = (units.temperature, units.level, units.gain, units.light, units.flow)
 DEAD = (causes.dead_meter, samples.still)  # of rows on the grid, and before what is missing is told
 ON_GRID = (

@@ -21,7 +21,9 @@ from waxstudy.dataset.limits import (
     CODES,
     CODES_ABOVE,
     CONTINUOUS,
+    FAILED_SHARE,
     FAR_ABOVE,
+    FAR_JUMP,
     FEW_IMPOSSIBLE,
     LEVEL_NOISE,
     MOVING,
@@ -46,6 +48,7 @@ STEADY = ("ventilation_supply_temperature_C",)  # what a controller may hold
 
 MEASURED = [(name,) for name, channel in CHANNELS.items() if not channel.is_assumed]
 MOVING_ONES = [names for names in TEMPERATURES if names in MEASURED and names[0] not in STEADY]
+MEASURED_TEMPERATURES = [names for names in TEMPERATURES if names in MEASURED]
 faulty = partial(check, "samples", "discards", fewest=0, mend="leave it out of the file, or leave it as it is")
 INSTRUMENT = "look at the instrument; leave the channel out"
 moving = partial(check, "course", "warns", fewest=0, mend=INSTRUMENT)
@@ -108,6 +111,40 @@ def spike(record: Record, channel: pd.Series) -> Findings:
     if _outside(channel) is not None:
         spikes = _jumps(channel.to_numpy(), limit_K)
         yield Discard(channel.name, spikes, f"more than {limit_K:.3g} K off both neighbours")
+
+
+@faulty(*MEASURED_TEMPERATURES)
+def failed(record: Record, channel: pd.Series) -> Findings:
+    """A temperature that jumps to one exact value, stays there and jumps back, each time by over {SPIKES_K[indoor]:g} K
+    (outdoors {SPIKES_K[outdoor]:g}, water {SPIKES_K[water]:g}; twice as much in an hour) and {FAR_JUMP:g} times as far
+    as it ever moves else; in at most {FAILED_SHARE:.0%} of its samples."""
+    limit_K = SPIKES_K[quantity_of(channel)]
+    lost = _left(channel.to_numpy(), limit_K, record.interval_s)
+    yield Discard(channel.name, lost, f"of one value, over {limit_K:g} K off what is before and after")
+
+
+def _left(x: FloatArray, limit: float, interval_s: float) -> np.ndarray:
+    """Return samples of values that are jumped to and from, over gaps by more than in a sample."""
+    places = np.flatnonzero(np.isfinite(x))
+    known, found = x[places], np.zeros(len(x), dtype=bool)
+    moves = np.diff(known)
+    is_far = np.abs(moves) > limit * (1.0 + np.diff(places) * interval_s / HOUR_S)
+    for value in {known[first] for first, end in _visits(moves, is_far)}:
+        is_there = known == value
+        rest = np.abs(moves[~is_there[1:] & ~is_there[:-1]])
+        is_rare = is_there.sum() <= FAILED_SHARE * len(known)
+        if is_rare and len(np.unique(known[~is_there])) >= CONTINUOUS:
+            for first, end in _visits(moves, is_far & (np.abs(moves) > FAR_JUMP * rest.max(initial=0.0))):
+                found[places[first:end]] |= known[first] == value
+    return found
+
+
+def _visits(moves: FloatArray, is_far: np.ndarray) -> list[tuple[int, int]]:
+    """Return first sample and end of each run of one value between far moves of opposite sense."""
+    runs = [(first, first + length + 1) for first, length in _runs(moves == 0.0)]
+    inner = [(first, end) for first, end in runs if first > 0 and end <= len(moves)]
+    far = np.where(is_far, np.sign(moves), 0.0)
+    return [(first, end) for first, end in inner if far[first - 1] * far[end - 1] < 0.0]
 
 
 def _jumps(x: FloatArray, limit: float) -> np.ndarray:
@@ -183,7 +220,7 @@ def constant(record: Record, channel: pd.Series) -> Findings:
         yield Warn(f"{channel.name} is {channel.dropna().iloc[0]:g} throughout")
 
 
-@moving(*(names for names in TEMPERATURES if names in MEASURED))
+@moving(*MEASURED_TEMPERATURES)
 def stuck(record: Record, channel: pd.Series) -> Findings:
     """A temperature that stands still for over {STUCK_H:g} h ({STUCK_COARSE_H:g} h if its resolution is {COARSE_K:g} K
     or more) while another one moves."""
@@ -197,7 +234,7 @@ def stuck(record: Record, channel: pd.Series) -> Findings:
         yield Warn(f"{channel.name} is stuck at {x[first]:g} {place} while other temperatures move")
 
 
-@moving(*(names for names in TEMPERATURES if names in MEASURED))
+@moving(*MEASURED_TEMPERATURES)
 def clipped(record: Record, channel: pd.Series) -> Findings:
     """A temperature with {CLIPPED_SHARE:.0%} of its samples, at least {CLIPPED_COUNT}, exactly at an extreme, and
     {CLIPPED_FACTOR:g} times as many as at the next values."""
