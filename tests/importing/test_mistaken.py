@@ -18,6 +18,7 @@ from waxstudy.importing.seen import seen
 from waxstudy.plugin import FloatArray
 
 AIR = ("--map", "air_temperature_C=room_temperature")
+MAPPED = (*AIR, "--map", "supply_temperature_C=supply_temperature")
 
 
 @pytest.fixture
@@ -151,3 +152,26 @@ def test_a_unit_of_two_states_is_that_of_0_and_1_and_one_that_nobody_knows_is_to
     assert ("heating_signal" in read(Path("living"))) is is_used
     told = "the unit is none that is known: heating_valve ('Status'); to use one, say --unit NAME=UNIT"
     assert (told in done.stderr) is not is_used
+
+
+# --- tenths of a degree
+
+
+@pytest.mark.parametrize("has_siblings", [True, False])
+def test_water_in_tenths_is_not_told_to_be_in_kelvins_alone(
+    has_siblings: bool, frame: pd.DataFrame, entry: Entry
+) -> None:
+    """Of 24 to 33.5 °C, tenths are as large as kelvins."""
+    tenths = ["room_temperature", "supply_temperature"] if has_siblings else ["supply_temperature"]
+    odd = 0.5 if has_siblings else 0.0  # what is not whole is told by others
+    frame["supply_temperature"] += 4.0
+    done = imported(entry, frame.assign(**{name: (10.0 * frame[name]).round() + odd for name in tenths}), *MAPPED)
+    refused(done, "it looks like tenths of a degree or kelvins")
+    refused(done, "--unit 'supply_temperature=0.1degC' or --unit 'supply_temperature=K'")
+    units = [word for name in tenths for word in ("--unit", f"{name}=0.1degC")]
+    assert entry("import", "house.csv", *MAPPED, *units, "--out", "living").code == 0
+
+
+def test_water_in_kelvins_is_told_to_be_in_these(frame: pd.DataFrame, entry: Entry) -> None:
+    done = imported(entry, frame.assign(supply_temperature=frame["supply_temperature"] + 273.15), *MAPPED)
+    refused(done, "it looks like kelvins", "say its unit: --unit 'supply_temperature=K' or what it is")

@@ -114,6 +114,7 @@ CLIPPED_SHARE, CLIPPED_COUNT, CLIPPED_FACTOR = 0.01, 20, 5.0  # at an extreme; o
 
 # --- checks: values of another unit
 WIDEST_K = 70.0  # between 10 % and 90 % quantiles outdoors; a year in Siberia has 65
+WIDE_TENTHS = 20.0  # between such quantiles of whole numbers: 2 K in tenths, but in kelvins more than a floor's water
 MOST = 0.99  # share of samples between 0 and 1, from which all are: no temperature of a room stays there
 DOUBTFUL, LEVEL_NOISE = 0.05, 0.15  # beyond 0 to 1: a level with noise, and none
 LOWEST_LEVEL, HIGHEST_LEVEL = -0.5, 1.5  # no offset of a stroke reaches as low; another unit begins

@@ -23,7 +23,7 @@ from waxstudy.importing.reading import Logged, refusal
 from waxstudy.importing.request import Imported, Request
 from waxstudy.importing.seen import Seen, level_unit
 from waxstudy.plugin import FloatArray
-from waxstudy.study.problems import StudyError
+from waxstudy.study.problems import Problem, StudyError
 
 # tell no interval
 SLOW = ("outdoor_temperature_C", "setpoint_C", "solar_gain_W", "neighbour_temperature_C", *LIGHT)
@@ -144,18 +144,24 @@ def _made(match: Match, stated: Mapping[str, str], notes: Notes) -> _Made:
 def _refuse_misfits(values: pd.DataFrame, made: Mapping[str, _Made], grid: Grid) -> None:
     """Refuse a unit that does not fit its values, with what datasets check of them."""
     found = []
-    for channel, each in made.items():
-        notes = Notes(each.logged.where)
-        run(AS_LOGGED, Record(values[[channel]].copy(), grid.step_ns / NS), notes)
-        entity, unit = each.match.seen.entity, each.match.seen.unit
-        for one in notes.problems:
-            other = "degC" if units.plain_unit(unit).lower() == "degf" else "degF"  # never what made the misfit
-            usual = other if channel.endswith("_C") else UNITS[CHANNELS[channel].quantity]
-            like = next((written for words, written in LIKE.items() if words in one.wrong), usual)
-            mend = f"say its unit: --unit '{entity}={like}' or what it is; or another: --map {channel}=NAME"
-            found.append(replace(one, key=f"{entity} in '{unit}' as {channel}", allowed=mend))
+    temperatures = [channel for channel in made if channel.endswith("_C")]  # which tell of each other's unit
+    for beside in (temperatures, *([channel] for channel in made if channel not in temperatures)):
+        notes = Notes("")
+        run(AS_LOGGED, Record(values[beside].copy(), grid.step_ns / NS), notes)
+        found += [_misfit(one, made[one.key].match) for one in notes.problems]
     if found:
         raise StudyError(found)
+
+
+def _misfit(problem: Problem, match: Match) -> Problem:
+    """Return what a check refuses with the units to say: what it looks like, or another than made the misfit."""
+    entity, unit, channel = match.seen.entity, match.seen.unit, match.channel
+    other = "degC" if units.plain_unit(unit).lower() == "degf" else "degF"
+    usual = other if channel.endswith("_C") else UNITS[CHANNELS[channel].quantity]
+    looks = sorted((problem.wrong.find(words), written) for words, written in LIKE.items() if words in problem.wrong)
+    options = " or ".join(f"--unit '{entity}={each}'" for each in [written for _, written in looks] or [usual])
+    mend = f"say its unit: {options} or what it is; or another: --map {channel}=NAME"
+    return replace(problem, file=match.seen.logged.where, key=f"{entity} in '{unit}' as {channel}", allowed=mend)
 
 
 # --- states -------------------------------------------------------------------------------------------

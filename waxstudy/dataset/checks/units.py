@@ -31,6 +31,7 @@ from waxstudy.dataset.limits import (
     UNUSUAL,
     USUAL_HIGH,
     VOLTS,
+    WIDE_TENTHS,
     WIDEST_K,
 )
 from waxstudy.dataset.pulses import pulses_of
@@ -50,11 +51,12 @@ TYPICAL: dict[Quantity, Typical] = {
     "water": Typical(10.0, 60.0, -5.0, 75.0),
     "outdoor": Typical(-40.0, 35.0, -60.0, 45.0),
 }
+TENTHS = "tenths of a degree"
 # units that a temperature far too high may be in, in degrees Celsius, and what brings it there
 HOT: tuple[tuple[str, Callable[[float], float], str], ...] = (
     ("kelvins", lambda t: t - 273.15, "offset = -273.15"),
     ("degrees Fahrenheit", lambda t: (t - 32.0) / 1.8, "scale = 0.5556, offset = -17.78"),
-    ("tenths of a degree", lambda t: t / 10.0, "scale = 0.1"),
+    (TENTHS, lambda t: t / 10.0, "scale = 0.1"),
     ("hundredths of a degree", lambda t: t / 100.0, "scale = 0.01"),
     ("thousandths of a degree", lambda t: t / 1000.0, "scale = 0.001"),
 )
@@ -80,23 +82,36 @@ def temperature(record: Record, x: pd.Series) -> Findings:
     elif x.isin([0.0, 1.0]).all() and x.nunique() > 1:
         yield Refuse(x.name, "is 0 or 1, as a signal is: are columns swapped?")
     elif median > typical.impossible_above:
-        unit, mend = _unit_of_temperature(median, typical)
-        yield Refuse(x.name, f"has a median of {median:.4g} C, which is impossible{unit}", mend)
+        fitting = _units_of_temperature(x, record.values)
+        looks = f": it looks like {' or '.join(unit for unit, _ in fitting)}" if fitting else ""
+        mend = _mapping(" or ".join(entries for _, entries in fitting)) if fitting else ""
+        yield Refuse(x.name, f"has a median of {median:.4g} C, which is impossible{looks}", mend)
     elif median < typical.impossible_below:
         yield Refuse(x.name, f"has a median of {median:.4g} C, which is impossible: is it an outdoor temperature?")
     elif quantity == "outdoor" and (span_K := float(x.quantile(0.9) - x.quantile(0.1))) > WIDEST_K:
         wrong = f"has 10 % and 90 % quantiles that are {span_K:.0f} K apart"
-        yield Refuse(x.name, f"{wrong}: it looks like tenths of a degree", _mapping("scale = 0.1"))
+        yield Refuse(x.name, f"{wrong}: it looks like {TENTHS}", _mapping("scale = 0.1"))
     elif not typical.low <= median <= typical.high:
         yield Warn(f"{x.name} has a median of {median:.4g} C, which is unusual: is it the right column, in Celsius?")
 
 
-def _unit_of_temperature(median: float, typical: Typical) -> tuple[str, str]:
-    """Return the unit that a temperature far too high looks like, and the mapping that mends it."""
-    for unit, celsius, mapping in HOT:
-        if typical.low <= celsius(median) <= typical.high:
-            return f": it looks like {unit}", _mapping(mapping)
-    return "", ""
+def _units_of_temperature(x: pd.Series, values: pd.DataFrame) -> list[tuple[str, str]]:
+    """Return the unit that a temperature far too high looks like, and what mends it: two where tenths are likelier."""
+    fitting = _fitting(x)
+    tenths = [each for each in fitting if each[0] == TENTHS]
+    is_coarse = bool((x == x.round()).all()) and float(x.quantile(0.9) - x.quantile(0.1)) > WIDE_TENTHS
+    others = (values[name].dropna() for (name,) in TEMPERATURES if name in values and name != x.name)
+    if is_coarse or any([unit for unit, _ in _fitting(each)] == [TENTHS] for each in others if len(each)):
+        return [*tenths, *(each for each in fitting[:1] if each not in tenths)]
+    return fitting[:1]
+
+
+def _fitting(x: pd.Series) -> list[tuple[str, str]]:
+    """Return the units in which a temperature that is far too high in degrees Celsius is usual, and what mends it."""
+    median, typical = float(x.median()), TYPICAL[quantity_of(x)]
+    if median <= typical.impossible_above:
+        return []
+    return [(unit, entries) for unit, celsius, entries in HOT if typical.low <= celsius(median) <= typical.high]
 
 
 def _mapping(entries: str) -> str:
