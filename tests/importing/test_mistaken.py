@@ -175,3 +175,42 @@ def test_water_in_tenths_is_not_told_to_be_in_kelvins_alone(
 def test_water_in_kelvins_is_told_to_be_in_these(frame: pd.DataFrame, entry: Entry) -> None:
     done = imported(entry, frame.assign(supply_temperature=frame["supply_temperature"] + 273.15), *MAPPED)
     refused(done, "it looks like kelvins", "say its unit: --unit 'supply_temperature=K' or what it is")
+
+
+# --- numbers that are states
+
+
+@pytest.mark.parametrize(("off", "on"), [(0, 255), (0, 10), (0, 3), (0, 100)])
+def test_two_numbers_are_off_and_on_where_one_is_0(off: int, on: int, frame: pd.DataFrame, entry: Entry) -> None:
+    done = imported(entry, frame.assign(heating_valve=frame["heating_valve"].map({0.0: off, 1.0: on})), *AIR)
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["heating_signal"].to_list() == frame["heating_valve"].to_list()
+
+
+@pytest.mark.parametrize("name", ["heating_valve", "Valve position"])
+@pytest.mark.parametrize(("off", "on"), [(1, 2), (2, 1), (3, 1)])
+def test_of_two_numbers_without_0_it_is_asked_which_is_on(
+    off: int, on: int, name: str, frame: pd.DataFrame, entry: Entry
+) -> None:
+    low, high = sorted((off, on))
+    valve = frame.pop("heating_valve")
+    done = imported(entry, frame.assign(**{name: valve.map({0.0: off, 1.0: on})}), *AIR, "--yes")
+    refused(done, f"{name} is {low} or {high}. Which is on: {high}, as {low}/{high}, or {low}, as {high}/{low}?")
+    refused(done, f"say --unit {name}=..." if name == "heating_valve" else f"say --unit '{name}=...'")
+    signal = ("--map", f"heating_signal={name}", "--unit", f"{name}={off}/{on}")
+    assert entry("import", "house.csv", *AIR, *signal, "--out", "living").code == 0
+    assert read(Path("living"))["heating_signal"].to_list() == valve.to_list()
+
+
+def test_two_numbers_with_a_unit_are_no_states(frame: pd.DataFrame, entry: Entry) -> None:
+    position = frame["heating_valve"].map({0.0: 20.0, 1.0: 60.0})
+    frame = frame.drop(columns="heating_valve").assign(**{"valve position [%]": position})
+    done = imported(entry, frame, *AIR)
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["displacement"].to_list() == (position / 100.0).to_list()
+
+
+def test_a_setpoint_of_two_whole_numbers_is_a_temperature(frame: pd.DataFrame, entry: Entry) -> None:
+    dial = pd.Series(np.where(frame.index.hour < 7, 18, 21), frame.index)
+    assert imported(entry, frame.assign(setpoint=dial), *AIR).code == 0
+    assert read(Path("living"))["setpoint_C"].to_list() == dial.to_list()

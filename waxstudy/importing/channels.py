@@ -98,6 +98,10 @@ def _asked_unit(match: Match, ask: Ask) -> str:
     if quantity in ("flow", "gain") and each.is_counter:
         text = f"{each.entity} is a counter without a unit ({each.low:.4g} to {each.high:.4g}). What does it count"
         return ask(Question(text, (), "L" if quantity == "flow" else "kWh", option, where))
+    if quantity == "level" and each.states and not each.states.startswith("0/"):
+        low, high = each.states.split("/")
+        text = f"{each.entity} is {low} or {high}. Which is on: {high}, as {low}/{high}, or {low}, as {high}/{low}"
+        return ask(Question(text, (f"{low}/{high}", f"{high}/{low}"), None, option, where, each.states))
     if quantity == "level" and level_unit(each) == "0-10 V":
         text = f"{each.entity} goes up to {each.high:.3g} and has no unit. In which one is it"
         return ask(Question(text, ("0-10 V", "%", "1"), "0-10 V", option, where))
@@ -172,8 +176,11 @@ def _while_alive(each: _Made, entities: Sequence[Seen]) -> _Made:
 
     A valve is shut and a meter shows 0 for days: a logger that lives and says nothing of them says that they rest.
     """
-    is_state = each.logged.is_words or each.match.seen.is_binary
-    if each.kind.is_regular or not (is_state or CHANNELS[each.match.channel].quantity in RESTING):
+    quantity = CHANNELS[each.match.channel].quantity
+    is_state = (
+        each.logged.is_words or each.match.seen.is_binary or (quantity == "level" and each.match.seen.is_two_state)
+    )
+    if each.kind.is_regular or not (is_state or quantity in RESTING):
         return each
     logged = each.logged
     own = [one.logged for one in entities if one.logged.is_of_house]
@@ -258,7 +265,7 @@ def _on_grid(each: _Made, grid: Grid, hold_s: float, notes: Notes) -> tuple[Floa
     taken = on_grid(ns, values, each.kind, grid, hold_s, channel.is_mean)
     # where readings come as often as samples, these tell their noise themselves
     is_held = each.kind.usual_s > COARSER * interval_s
-    if not is_held or each.match.seen.is_binary or channel.is_assumed:
+    if not is_held or each.match.seen.is_two_state or channel.is_assumed:
         return taken, 0.0
     return taken, UNIFORM * threshold(values, each.kind.is_regular)
 

@@ -107,9 +107,9 @@ def _match(each: Seen, channel: str, room: str) -> Match | None:
     if each.unit:
         score += UNIT if each.is_unit_written else 0.0
         why.append(f"unit '{each.unit}', {each.why_unit}")
-    if channel == "heating_signal" and not each.is_binary:
+    if channel == "heating_signal" and not each.is_two_state:
         is_like = False  # a signal is on or off, an output or opening is anything between
-    if channel == "displacement" and each.is_binary:
+    if channel == "displacement" and each.is_two_state:
         is_like = False
     if score != EXACT:  # what a name says to the letter, the checks of datasets judge
         score += VALUES if is_like else -STRANGE

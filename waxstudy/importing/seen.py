@@ -35,6 +35,7 @@ from waxstudy.plugin import FloatArray
 
 AMOUNTS = ("flow_L_h", "control_output", "displacement")  # of which a setpoint may be, too
 NO_TEMPERATURES = (*AMOUNTS, "heating_signal")
+ON = (1.0, 100.0, units.FULL_BYTE)  # numbers that are on where nothing else than 0 is beside them
 WRITTEN = STATED, IN_FILE, IN_NAME = ("stated", "in the file", "in its name")
 IS_FAHRENHEIT = "as rooms of this source are at 50 to 95, which is degrees Fahrenheit"
 ABOUT_ROOM = ("sensor_temperature_C", "air_temperature_C", "setpoint_C")
@@ -53,6 +54,7 @@ class Seen:
     is_counter: bool
     unit: str  # as stated, as written, or as taken from the values
     why_unit: str
+    states: str = ""  # its two numbers, of which nobody knows yet which is on, as a unit: "1/2"
     following: float = 0.0  # correlation with the valve's signal
 
     @property
@@ -62,6 +64,10 @@ class Seen:
     @property
     def is_unit_written(self) -> bool:
         return self.why_unit in WRITTEN
+
+    @property
+    def is_two_state(self) -> bool:
+        return self.is_binary or bool(self.states)
 
     @property
     def range_words(self) -> str:
@@ -93,9 +99,18 @@ def _looked_at(logged: Logged, stated: str) -> Seen:
     low, median, high = (float(each) for each in np.quantile(known, (0.01, 0.5, 0.99)))
     different = np.unique(known)
     why = STATED if stated else IN_FILE if logged.unit else ""
-    is_binary = len(different) <= 2 and set(different) <= {0.0, 1.0, 100.0}
+    is_binary = any(set(different) <= {0.0, on} for on in ON)
     unit = stated or logged.unit
-    return Seen(logged, low, median, high, len(different), is_binary, is_counter(known), unit, why)
+    states = "" if is_binary else _states(different, unit)
+    return Seen(logged, low, median, high, len(different), is_binary, is_counter(known), unit, why, states)
+
+
+def _states(different: FloatArray, unit: str) -> str:
+    """Return two whole numbers without a unit, as building automation numbers states, with a stroke between."""
+    is_open = not unit or units.STATES.fullmatch(unit.strip()) is not None
+    if len(different) != 2 or not is_open or different[0] < 0.0 or (different != np.round(different)).any():
+        return ""
+    return f"{different[0]:.0f}/{different[1]:.0f}"
 
 
 def _may_be_C(unit: str) -> bool:
@@ -163,7 +178,9 @@ def _in_name(entity: str) -> str:
 
 
 def level_unit(each: Seen) -> str:
-    """Return the unit that a level without one is in, by how high it reaches: per cent, volts, a byte's, or none."""
+    """Return the unit that a level without one is in: its two states, or by how high it reaches."""
+    if each.states:
+        return each.states
     if each.high <= FRACTION:
         return "1"
     if each.high <= VOLTS and not each.is_binary:

@@ -42,6 +42,9 @@ FULL_V = 10.0  # of a signal of 0 to 10 V
 FULL_BYTE = 255.0  # of a level in eight bits, as KNX counts per cent (data point type 5.001)
 
 
+STATES = re.compile(r"(\d{1,9})/(\d{1,9})")  # what is off and what is on, where these are two numbers
+
+
 class CountsPulses(ValueError):
     """What is written are pulses, and nobody says what one of them is."""
 
@@ -68,9 +71,11 @@ def conversion(unit: str, quantity: Quantity) -> Conversion | None:
 
     Raises `ValueError` for what is no unit.
 
-    >>> conversion("m3/h", "flow"), conversion("kWh", "level")
-    (Conversion(scale=1000.0, offset=0.0, is_counter=False), None)
+    >>> conversion("m3/h", "flow"), conversion("kWh", "level"), conversion("1/2", "level")[:2]
+    (Conversion(scale=1000.0, offset=0.0, is_counter=False), None, (1.0, -1.0))
     """
+    if states := STATES.fullmatch(unit.strip()):
+        return _of_states(float(states[1]), float(states[2])) if quantity == "level" else None
     one = _quantity(unit)
     if quantity == "level":
         return _level(one)
@@ -78,6 +83,12 @@ def conversion(unit: str, quantity: Quantity) -> Conversion | None:
         if base and one.is_compatible_with(base):
             return _affine(one, base, is_counter)
     return None
+
+
+def _of_states(off: float, on: float) -> Conversion:
+    if on == off:
+        raise ValueError(f"'{off:g}/{on:g}' has one number for off and on")
+    return Conversion(1.0 / (on - off), -off / (on - off) + 0.0, False)
 
 
 def _affine(one: Any, base: str, is_counter: bool) -> Conversion:
