@@ -214,3 +214,35 @@ def test_a_setpoint_of_two_whole_numbers_is_a_temperature(frame: pd.DataFrame, e
     dial = pd.Series(np.where(frame.index.hour < 7, 18, 21), frame.index)
     assert imported(entry, frame.assign(setpoint=dial), *AIR).code == 0
     assert read(Path("living"))["setpoint_C"].to_list() == dial.to_list()
+
+
+# --- numbers of rows
+
+
+@pytest.mark.parametrize("name", ["Nr", "Sequence", "index", ""])
+@pytest.mark.parametrize("step", [1, -1])
+def test_a_number_of_the_row_is_no_meter(name: str, step: int, frame: pd.DataFrame, entry: Entry) -> None:
+    Path("house").mkdir()
+    for column in frame:
+        table = frame[column].rename("Wert").reset_index()[::step]
+        table.insert(0, name, np.arange(7, 7 + len(table))[::step])
+        table.to_csv(f"house/{column}.csv", index=False)
+    done = entry("import", "house", *AIR, "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["flow_L_h"].to_list() == frame["flow_L_h"].to_list()
+    assert f"Left out, as it numbers the rows: {name}".strip() in done.stdout
+    assert "not used" not in done.stdout
+
+
+def test_a_meter_whose_every_pulse_is_a_row_is_a_meter(frame: pd.DataFrame, entry: Entry) -> None:
+    for name in ("water meter", "pulses"):
+        meter = frame.drop(columns="flow_L_h").assign(**{name: np.arange(len(frame))})
+        done = imported(entry, meter, *AIR, "--unit", f"{name}=10 L", "--replace", "--yes")
+        assert done.code == 0, done.stderr
+        assert read(Path("living"))["flow_L_h"].iloc[-1] == pytest.approx(40.0), done.stderr
+    lone = frame.drop(columns="flow_L_h")
+    Path("house").mkdir()
+    lone.to_csv("house/room.csv")
+    pd.DataFrame({"time": frame.index, "value": np.arange(len(frame))}).to_csv("house/water meter.csv", index=False)
+    done = entry("import", "house", *AIR, "--unit", "water meter=10 L", "--yes", "--out", "lone")
+    assert read(Path("lone"))["flow_L_h"].iloc[-1] == pytest.approx(40.0), done.stderr

@@ -17,6 +17,7 @@ from waxstudy.importing.begin import UNITS as UNITS_OF_TIME
 from waxstudy.importing.headers import is_value, parted, units_row
 from waxstudy.importing.limits import AGAIN, AUTUMNS_D, LOOKED_AT, MIXED, MOST_ENTITIES, REPEATED, TWICE
 from waxstudy.importing.reading import Readings, Table, refusal
+from waxstudy.importing.row_numbers import without_row_numbers
 from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.status import without_bad, without_status
 from waxstudy.importing.time_columns import EXPECTED, dated, may_be_stamps, time_column
@@ -73,6 +74,7 @@ def _readings_of(
     frame, counting = dated(Table(table.where, frame), units, time_format, begin)
     time_format = None if time_format in UNITS_OF_TIME else time_format
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
+    frame, numbered = without_row_numbers(frame, (time.strip().lower(), *VALUE))
     frame, bad = without_status(frame)
     entity = _entity_column(frame, time)
     if entity:
@@ -80,7 +82,7 @@ def _readings_of(
     frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or "", *_units(frame)))
     split = _long if entity else _wide
     zone = zone_told(frame[time], time_format, table.where)
-    said = tuple(filter(None, (zone, counting, lost, *table.notes)))
+    said = tuple(filter(None, (zone, counting, numbered, lost, *table.notes)))
     for each in split(Table(table.where, frame), file, time, units, time_format, entity or ""):
         yield replace(each, notes=(*each.notes, *said)) if said else each
 

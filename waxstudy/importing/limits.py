@@ -40,6 +40,7 @@ LONGEST = 60  # characters of a line or name of a log
 NEAR_THOUSAND = 100.0  # that whole numbers reach of which larger ones may have a comma between thousands
 
 # --- tables of readings
+FEWEST_NUMBERED = 5  # rows whose numbers rise by exactly one each: fewer readings may do so by chance
 MOST_ENTITIES = 2000  # a table with more is none of readings: each of them would become a column
 REPEATED = 2.0  # rows to an entity, at least
 AGAIN = 0.3  # share of rows whose stamp came before, above which a row is one reading: two sensors at once have 0.5
