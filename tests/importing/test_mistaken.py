@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -131,6 +132,11 @@ def test_the_mode_of_a_thermostat_is_no_signal(frame: pd.DataFrame, entry: Entry
     assert read(Path("stated"))["heating_signal"].mean() == pytest.approx(60 / 96)
 
 
+def test_a_source_of_modes_alone_is_refused(frame: pd.DataFrame, entry: Entry) -> None:
+    modes = pd.DataFrame({"climate.living_room": "heat"}, index=frame.index)
+    refused(imported(entry, modes, "--room", "living"), "no outdoor temperature was found")
+
+
 @pytest.mark.parametrize("unit", ["Ein/Aus", "offen/zu", "AUF/ZU", "Status", "°C"])
 def test_of_words_that_are_understood_no_unit_matters(unit: str, frame: pd.DataFrame, entry: Entry) -> None:
     words = frame["heating_valve"].map({0.0: "Aus", 1.0: "Ein"})
@@ -246,3 +252,62 @@ def test_a_meter_whose_every_pulse_is_a_row_is_a_meter(frame: pd.DataFrame, entr
     pd.DataFrame({"time": frame.index, "value": np.arange(len(frame))}).to_csv("house/water meter.csv", index=False)
     done = entry("import", "house", *AIR, "--unit", "water meter=10 L", "--yes", "--out", "lone")
     assert read(Path("lone"))["flow_L_h"].iloc[-1] == pytest.approx(40.0), done.stderr
+
+
+# --- one reading
+
+
+def per_sensor(frame: pd.DataFrame) -> None:
+    Path("house").mkdir()
+    for name in frame:
+        frame[[name]].dropna().set_axis(["value"], axis="columns").to_csv(f"house/{name}.csv")
+
+
+@pytest.mark.parametrize("name", ["room_setpoint", "Sollwert"])
+def test_a_setpoint_that_was_logged_once_is_held_from_then_on(name: str, frame: pd.DataFrame, entry: Entry) -> None:
+    per_sensor(frame.assign(**{name: pd.Series([21.5], frame.index[4:5])}))
+    done = entry("import", "house", *AIR, "--out", "living")
+    assert done.code == 0, done.stderr
+    setpoint = read(Path("living"))["setpoint_C"]
+    assert setpoint[:4].isna().all()
+    assert (setpoint[4:] == 21.5).all()
+
+
+def test_the_day_of_a_lone_reading_is_told_by_those_of_others(entry: Entry) -> None:
+    frame = house("2026-01-10", days=5.0, minutes=15.0)
+    frame.index = frame.index.strftime("%m/%d/%Y %H:%M").rename("time")
+    per_sensor(frame.assign(setpoint=pd.Series([21.5], frame.index[96:97])))
+    done = entry("import", "house", *AIR, "--out", "living")
+    assert done.code == 0, done.stderr
+    assert "setpoint.csv: its stamp is taken as %m/%d/%Y %H:%M, as the other files" in " ".join(done.stdout.split())
+    setpoint = read(Path("living"))["setpoint_C"].dropna()
+    assert setpoint.index[0] == pd.Timestamp("2026-01-11")
+    shutil.rmtree("living")
+    Path("house/setpoint.csv").write_text("time,value\n03/02/2026 00:00,21.5\n")
+    refused(entry("import", "house", *AIR, "--out", "living"), "setpoint.csv", "day and month cannot be told apart")
+
+
+@pytest.mark.parametrize("state", [0, "off"])
+def test_a_state_that_was_logged_once_is_held_while_the_house_logs(
+    state: object, frame: pd.DataFrame, entry: Entry
+) -> None:
+    once = pd.Series([state], frame.index[:1], dtype=object)
+    per_sensor(frame.drop(columns="flow_L_h").assign(heating_valve=once))
+    done = entry("import", "house", *AIR, "--out", "living")
+    assert done.code == 0, done.stderr
+    assert (read(Path("living"))["heating_signal"] == 0.0).all()
+
+
+def test_another_lone_reading_is_left_out_and_named(frame: pd.DataFrame, entry: Entry) -> None:
+    once = pd.Series([24.0], frame.index[:1])
+    per_sensor(frame.assign(return_temperature=once))
+    done = entry("import", "house", *AIR, "--out", "living")
+    assert done.code == 0, done.stderr
+    told = "one reading and no more: return_temperature in house/return_temperature.csv"
+    assert told in " ".join(done.stderr.split())
+    assert "return_temperature_C" not in read(Path("living"))
+
+
+def test_a_source_of_one_row_is_refused(frame: pd.DataFrame, entry: Entry) -> None:
+    refused(imported(entry, frame[:1]), "house.csv", "holds less than two rows of readings")
+    refused(imported(entry, frame[:0]), "house.csv", "holds less than two rows of readings")

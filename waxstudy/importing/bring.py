@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -18,10 +17,11 @@ from waxstudy.importing.asking import NONE, Ask, Question
 from waxstudy.importing.channels import channels_of
 from waxstudy.importing.joining import joined
 from waxstudy.importing.layouts import readings_of
+from waxstudy.importing.left_out import without_lone, without_modes
 from waxstudy.importing.limits import FRACTION, NAMED
 from waxstudy.importing.matching import Match, matched
 from waxstudy.importing.names import CHANNEL_NAMES, OTHERS, is_of_room, plain, rooms_of, says
-from waxstudy.importing.reading import Logged, NoStamps, Readings, Table, problem, refusal
+from waxstudy.importing.reading import Logged, NoStamps, Readings, Table, Unordered, problem, refusal
 from waxstudy.importing.request import Imported, Request
 from waxstudy.importing.seen import Seen, is_plausible, seen
 from waxstudy.importing.sources import files_of, tables_of
@@ -31,7 +31,6 @@ from waxstudy.plugin.registry import hint, nearest
 from waxstudy.study.problems import StudyError, listed
 
 OUTDOORS = "outdoor_temperature_C"
-MODE, ACTION = re.compile(r"(?:climate|water_heater)\.\w+"), "hvac_action"  # of Home Assistant's thermostats
 LONGEST_WORD = 20  # letters of a reading that a message shows
 NO_OUTDOORS = (
     "no outdoor temperature was found: without it nothing can be said of a room. A history of a weather service does "
@@ -58,7 +57,8 @@ def bring(request: Request, ask: Ask) -> Imported:
         notes.warn(f"not used, because the readings are unknown words: {listed(worded, NAMED)}")
     if blank:
         notes.warn(f"not used, because no reading is a value: {listed(blank, NAMED)}")
-    logged = _without_modes(logged, list(request.entities.values()), notes)
+    logged = without_modes(logged, list(request.entities.values()), notes)
+    logged = without_lone(logged, list(request.entities.values()), notes)
     request, logged = _of_room(request, logged, ask)
     entities = seen(logged, dict(request.units))
     _refuse_unknown(request, entities)
@@ -78,12 +78,34 @@ def bring(request: Request, ask: Ask) -> Imported:
 def _read(request: Request) -> list[Readings]:
     files = files_of(request.sources)
     found: list[Readings] = []
+    unordered: list[tuple[Path, Unordered]] = []
     for file in files:
-        found += _of_file(request, file)
+        try:
+            found += _of_file(request, file)
+        except Unordered as error:
+            unordered.append((file, error))
+    found += [each for file, error in unordered for each in _of_their_days(request, file, error, found)]
     found = [without_unset(each) for each in found if len(each.times)]
     if not found:
         raise refusal(str(request.sources[0]), "holds no readings")
     return found
+
+
+def _of_their_days(request: Request, file: Path, error: Unordered, others: Sequence[Readings]) -> list[Readings]:
+    """Return a lone reading, whose day may be its month, where that puts it among the others; else raise the error."""
+    times = [each.times.tz_localize(None) for each in others if len(each.times) and each.place is None]
+    if not times:
+        raise error
+    first, last = min(each.min() for each in times), max(each.max() for each in times)
+    fitting = []
+    for form in error.forms:
+        read = _of_file(replace(request, time_format=form), file)
+        if all(len(each.times) == 1 and first <= each.times.tz_localize(None)[0] <= last for each in read):
+            said = f"{file.name}: its stamp is taken as {form}, as the other files are of those days."
+            fitting.append([replace(each, notes=(*each.notes, said)) for each in read])
+    if len(fitting) != 1:
+        raise error
+    return fitting[0]
 
 
 def _of_file(request: Request, file: Path) -> list[Readings]:
@@ -145,17 +167,6 @@ def _logged(readings: Readings, notes: Notes, worded: list[str], blank: list[str
     )
 
 
-def _without_modes(logged: list[Logged], stated: Sequence[str], notes: Notes) -> list[Logged]:
-    """Return readings without modes of thermostats, which stand at heat whether or not they heat."""
-    modes = [each.entity for each in logged if each.is_words and MODE.fullmatch(each.entity)]
-    modes = [entity for entity in modes if entity not in stated]
-    names = {each.entity for each in logged}
-    if silent := [entity for entity in modes if f"{entity}:{ACTION}" not in names]:
-        why = f"a thermostat's state is its mode, and only its {ACTION} tells whether it heats"
-        notes.warn(f"not used, because {why}: {listed(silent, NAMED)}")
-    return [each for each in logged if each.entity not in modes]
-
-
 def _refuse_units(readings: Readings, written: Sequence[str]) -> None:
     """Refuse readings with several units behind them, as a page shows them that fits each to its size."""
     known = sorted({units.plain_unit(one): one for one in written if units.fitting(one, list(units.BASE))}.values())
@@ -187,7 +198,7 @@ def _of_room(request: Request, logged: list[Logged], ask: Ask) -> tuple[Request,
     room = request.room
     if room is None and len(names) > 1 and not set(request.entities) & {"sensor_temperature_C", "air_temperature_C"}:
         room = ask(Question("Readings of several rooms. Which one", names, None, "--room ", logged[0].where))
-    if room is None:
+    if room is None or not logged:
         return request, logged
     if not any(is_of_room(each.entity, room) for each in logged):
         near = f"rooms: {listed(names)}" if names else f"names: {listed([each.entity for each in logged], NAMED)}"

@@ -30,6 +30,7 @@ ENTITY = ("entity_id", "entity", "sensor", "sensor_id", "name", "tag", "variable
           "metric", "device", "id", "friendly_name", "topic", "messstelle", "statistic_id", "item")  # fmt: skip
 VALUE = ("state", "value", "_value", "reading", "mean", "wert", "val", "messwert", "measurement")
 UNIT = ("unit", "unit_of_measurement", "units", "einheit", "_unit")
+NO_ROWS = "holds less than two rows of readings"
 FIELD = "_field"  # of InfluxDB
 START, MEAN = ("start", "start_ts"), "mean"  # of Home Assistant's statistics
 PLACED = re.compile(r"column \d+")  # of a table without names
@@ -67,10 +68,10 @@ def _readings_of(
     table: Table, file: Path, time_format: str | None, begin: pd.Timestamp | None = None
 ) -> Iterator[Readings]:
     frame = table.frame.dropna(axis="columns", how="all")
-    if len(frame) < 2:
-        raise refusal(table.where, "holds less than two rows of readings", EXPECTED)
+    if not len(frame):
+        raise refusal(table.where, NO_ROWS, EXPECTED)
     _refuse_turned(table)
-    units, frame = units_row(frame)
+    units, frame = units_row(frame) if len(frame) > 1 else ({}, frame)
     frame, counting = dated(Table(table.where, frame), units, time_format, begin)
     time_format = None if time_format in UNITS_OF_TIME else time_format
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
@@ -244,7 +245,7 @@ def _long(
     is_plain = all(name == plain for name, plain in written_as.items())
     names = frame[entity] if is_plain else frame[entity].map(written_as)  # a long table is mapped only if it must be
     count = len(set(written_as.values()))
-    if count > MOST_ENTITIES or count * REPEATED > len(frame):
+    if count > MOST_ENTITIES or (count > 1 and count * REPEATED > len(frame)):
         wrong = f"column '{entity}' has {count} names in {len(frame)} rows: it names no sensors"
         raise refusal(table.where, wrong, EXPECTED)
     values = _value_columns(table, time, entity)

@@ -65,7 +65,7 @@ CHANNEL_NAMES = {
     ),
     "air_temperature_C": Names("air|luft|lufttemp\\w*|indoor air", never=f"{OTHER_AIR}|{SET}|operative|globe|water"),
     "operative_temperature_C": Names("operative|globe|empfunden\\w*"),
-    "setpoint_C": Names(SET, never="flow|supply|vorlauf|outdoor"),
+    "setpoint_C": Names(SET, "sp|stpt", "flow|supply|vorlauf|outdoor"),
     "control_output": Names(
         "output|demand|pwm|duty|stellgroesse|stellsignal|stellwert|reglerausgang|controller out\\w*|anforderung",
         "control|controller|regler|percentage",

@@ -61,6 +61,12 @@ class NoStamps(StudyError):
     """A table has no column of stamps: it is none of readings."""
 
 
+class Unordered(StudyError):
+    """Stamps whose days may be their months."""
+
+    forms: tuple[str, ...] = ()  # that they may have
+
+
 def refusal(where: str, wrong: str, mend: str = "", *, row: Hashable = 0, key: str = "", value: str = "") -> StudyError:
     """Return the error of a source that cannot be used: where, what was seen, what to do next."""
     return StudyError([problem(where, wrong, mend, row=row, key=key, value=value)])

@@ -15,7 +15,7 @@ from waxstudy.dataset.limits import YEARS
 from waxstudy.dataset.stamps import ZONED
 from waxstudy.importing.limits import LOOKED_AT, MOSTLY, TRIED, YEAR_DAYS
 from waxstudy.importing.months import in_english
-from waxstudy.importing.reading import refusal
+from waxstudy.importing.reading import Unordered, problem, refusal
 from waxstudy.study.problems import shown
 
 # least and unit of an epoch by its size: the years 1973 to 5138 in seconds, and so on
@@ -56,6 +56,8 @@ OFFSET = r"([+-])(\d\d):?(\d\d)?\s*$"
 class Ambiguous(ValueError):
     """Stamps that can be read in two ways, which are different days."""
 
+    forms: tuple[str, ...] = ()
+
 
 def is_stamps(written: pd.Series, name: str = "") -> bool:
     """Whether a column holds stamps, by its first cells; numbers do if they grow as an epoch does."""
@@ -88,6 +90,10 @@ def stamps_of(written: pd.Series, time_format: str | None, where: str) -> pd.Dat
     else:
         try:
             times = _texts(_plain(written), time_format)
+        except Ambiguous as error:
+            unordered = Unordered([problem(where, str(error), SAY_FORMAT, key=name)])
+            unordered.forms = error.forms
+            raise unordered from error
         except ValueError as error:
             raise refusal(where, str(error), SAY_FORMAT, key=name) from error
     bad = times.isna().to_numpy()
@@ -260,7 +266,9 @@ def _formats(first: pd.Series, known: pd.Series) -> Iterator[str]:
             fits = _year_told(known, [form for form in forms if _read(known, form, False).notna().all()])
             if len(fits) > 1 and not _is_same(known, fits):
                 which = "day, month and year" if any(form.startswith("%y") for form in fits) else "day and month"
-                raise Ambiguous(f"{which} cannot be told apart")
+                error = Ambiguous(f"{which} cannot be told apart")
+                error.forms = tuple(fits)
+                raise error
         yield from fits[:1]
 
 
