@@ -283,3 +283,37 @@ def test_a_sheet_without_stamps_beside_one_with_readings_is_left_out(entry: Entr
     legend.to_csv("legend.csv", index=False)
     refused_alone = entry("import", "legend.csv", *AIR, "--out", "other")
     assert "no column holds stamps" in refused_alone.stderr
+
+
+# --- tables below each other
+
+
+@pytest.mark.parametrize("field", ["value", ""], ids=["one field", "two fields"])
+def test_tables_of_annotated_csv_below_each_other_are_one(entry: Entry, frame: pd.DataFrame, field: str) -> None:
+    """InfluxDB begins another one where the type of values changes."""
+    written = ""
+    for name in frame:
+        words = name == "heating_valve"
+        values = frame[name].map({0.0: "off", 1.0: "on"}) if words else frame[name]
+        rows = pd.DataFrame({"result": "", "table": 0, "_time": frame.index.strftime("%Y-%m-%dT%H:%M:%SZ")})
+        rows = rows.assign(_value=values.to_numpy(), _field=field or ("state" if words else "value"), entity_id=name)
+        kind = "string" if words else "double"
+        written += f"#group,false,false,false,false,true,true\n#datatype,string,long,dateTime,{kind},string,string\n"
+        written += "#default,_result,,,,,\n" + rows.to_csv() + "\n"
+    Path("influx.csv").write_text(written)
+    done = entry("import", "influx.csv", "--timezone", "UTC", "--yes", "--out", "living")
+    assert done.code == 0, done.stderr
+    found = read(Path("living"))
+    assert found["heating_signal"].to_list() == frame["heating_valve"].to_list()
+    assert found["outdoor_temperature_C"].to_list() == frame["outdoor_temperature"].to_list()
+
+
+def test_a_row_of_annotated_csv_that_is_no_reading_is_told_with_its_line(entry: Entry) -> None:
+    text = "#group,false,false,true\n#datatype,string,dateTime,double\n,result,_time,outdoor_temperature\n"
+    rows = "".join(f",,2026-01-01T{hour:02}:00:00Z,{hour}.5\n" for hour in range(12))
+    Path("influx.csv").write_text(text + rows + "\n" + text + rows.replace("01-01", "01-02") + ",,soon,1.0\n")
+    refused(entry("import", "influx.csv", "--out", "living"), "influx.csv:32", "soon")
+    Path("influx.csv").write_text(text + rows + "\n" + text + rows + "1,2,3,4,5,6\n")
+    refused(entry("import", "influx.csv", "--out", "living"), "annotated CSV of InfluxDB")
+    Path("influx.csv").write_text("#group,false,false,true\n#datatype,string,dateTime,double\n")
+    refused(entry("import", "influx.csv", "--out", "living"), "annotated CSV of InfluxDB without a table")

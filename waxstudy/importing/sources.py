@@ -15,6 +15,8 @@ import pandas as pd
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.tables import DatasetTable
 from waxstudy.dataset.text import read_table
+from waxstudy.importing.annotated import BEGINNING as ANNOTATED
+from waxstudy.importing.annotated import read_annotated
 from waxstudy.importing.file_log import BEGINNING as OF_LOG
 from waxstudy.importing.file_log import read_file_log
 from waxstudy.importing.history import read_history
@@ -62,7 +64,7 @@ def _beginning(path: Path) -> bytes:
 def log_reader(beginning: bytes) -> Callable[[Path, str], Table] | None:
     """Return what reads a log that begins so, None for what is no log of readings."""
     start = beginning.removeprefix(codecs.BOM_UTF8).lstrip()
-    readers = ((OF_LOG, read_file_log), (OF_MESSAGES, read_message_log))
+    readers = ((OF_LOG, read_file_log), (OF_MESSAGES, read_message_log), (ANNOTATED, read_annotated))
     return next((read for begin, read in readers if begin.match(start)), None)
 
 
