@@ -317,3 +317,24 @@ def test_a_row_of_annotated_csv_that_is_no_reading_is_told_with_its_line(entry: 
     refused(entry("import", "influx.csv", "--out", "living"), "annotated CSV of InfluxDB")
     Path("influx.csv").write_text("#group,false,false,true\n#datatype,string,dateTime,double\n")
     refused(entry("import", "influx.csv", "--out", "living"), "annotated CSV of InfluxDB without a table")
+
+
+# --- names of groups above names
+
+
+@pytest.mark.parametrize("names", [True, False], ids=["", "a nameless column"])
+def test_names_of_groups_above_those_of_columns_of_a_sheet_are_passed_over(
+    entry: Entry, frame: pd.DataFrame, names: bool
+) -> None:
+    head = [["Protocol of the house"], ["by", "K. H."], [], ["", "Room", "", "Circuit", "", ""]] if names else []
+    columns = ["time", *frame] if names else ["time", "room_temperature", "", "", "", "outdoor_temperature"]
+    rows = [
+        [time.to_pydatetime(), *values] for time, values in zip(frame.index, frame.to_numpy().tolist(), strict=True)
+    ]
+    padded = [[*row, *[""] * (len(columns) - len(row))] for row in (*head, columns, *rows)]
+    pd.DataFrame(padded).to_excel("house.xlsx", index=False, header=False)
+    done = entry("import", "house.xlsx", *AIR, "--out", "living")
+    assert done.code == 0, done.stderr
+    found = read(Path("living"))
+    assert found["air_temperature_C"].to_list() == frame["room_temperature"].to_list()
+    assert ("supply_temperature_C" in found) is names

@@ -51,6 +51,7 @@ MIXED = 0.3  # steps of each sensor by itself, over those from row to row, below
 
 # --- sheets that are tables
 LEAST_ROWS, LEAST_COLUMNS = 3, 2  # of a sheet that is a table
+TITLED = 20  # rows in which its names are looked for: protocols of a building have a few lines above them
 
 # --- which name is which channel
 # how much a name says, or values without one; a vague word, with all that adds to it, is still asked for

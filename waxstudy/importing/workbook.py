@@ -9,7 +9,7 @@ from zipfile import BadZipFile, ZipFile, is_zipfile
 
 import pandas as pd
 
-from waxstudy.importing.limits import LEAST_COLUMNS, LEAST_ROWS
+from waxstudy.importing.limits import LEAST_COLUMNS, LEAST_ROWS, TITLED
 from waxstudy.importing.reading import Table, refusal
 from waxstudy.plugin.files import DATA_BYTES
 
@@ -57,10 +57,23 @@ def _locked(where: str) -> Exception:
     return refusal(where, "this workbook has a password", "save it without, or export the sheet as CSV")
 
 
+def _names_at(rows: list[list[Any]]) -> int | None:
+    """Return where the names of columns stand: the first texts in over half of the cells that any row has.
+
+    Names of groups above them, and titles, are fewer. Where no such row is there, as of columns without names, the
+    first one of more than one cell is taken.
+    """
+    filled = [[cell for cell in row if cell != ""] for row in rows]
+    most = max(map(len, filled), default=0)
+    several = [place for place, cells in enumerate(filled) if len(cells) >= LEAST_COLUMNS]
+    wide = [place for place in several if 2 * len(filled[place]) > most]
+    are_texts = bool(wide) and all(isinstance(cell, str) for cell in filled[wide[0]])
+    return wide[0] if are_texts else next(iter(several), None)
+
+
 def _table(where: str, rows: list[list[Any]]) -> Table | None:
-    """Return a sheet below its titles: the first row with more than one cell names the columns."""
-    filled = [sum(cell != "" for cell in row) for row in rows[:20]]
-    first = next((place for place, count in enumerate(filled) if count >= LEAST_COLUMNS), None)
+    """Return a sheet below its titles, without which it is none."""
+    first = _names_at(rows[:TITLED])
     if first is None or len(rows) - first < LEAST_ROWS:
         return None
     names = [str(cell).strip() for cell in rows[first]]
