@@ -117,7 +117,7 @@ def test_pulses_that_heat_while_nobody_asks_are_warned_of(tmp_path: Path) -> Non
 def test_the_first_batch_that_fails_is_told_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     said: list[str] = []
 
-    def failing(fleet: object, batch: range) -> pd.DataFrame:
+    def failing(fleet: object, batch: range, stop: object) -> pd.DataFrame:
         raise SimulationError(f"loop {batch[0]}, cold: no")
 
     monkeypatch.setattr("waxstudy.fleet.run.computed", failing)
