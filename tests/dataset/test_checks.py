@@ -12,7 +12,7 @@ import pytest
 from tests.dataset.regenerate_checks import PAGE, page
 from tests.synthetic.conftest import Simulated, written
 from waxstudy.dataset.channels import GLOBAL
-from waxstudy.dataset.checks import CHECKS, Check, Record, run
+from waxstudy.dataset.checks import CHECKS, Check, Record, run, samples
 from waxstudy.dataset.notes import Notes
 from waxstudy.dataset.read import read_dataset
 from waxstudy.study.model import Study
@@ -213,3 +213,15 @@ def test_what_is_run_channel_by_channel_stands_together_in_the_list() -> None:
 def test_the_page_lists_every_check() -> None:
     current = PAGE.read_text(encoding="utf-8") == page()
     assert current, f"the table of {PAGE.name} is old: python -m tests.dataset.regenerate_checks"
+
+
+def test_two_values_of_a_failed_sensor_do_not_hide_each_other_and_switched_water_is_none() -> None:
+    air = 20.0 + np.sin(np.arange(3000) / 40.0) + 0.01 * (np.arange(3000) % 7)
+    air[700:800], air[1500:1600] = -15.0, 45.0
+    lost = samples._left(air, 4.0, 60.0)
+    assert lost.sum() == 200
+    assert lost[700:800].all()
+    assert lost[1500:1600].all()
+    names = {name for check in CHECKS if check.name == "failed" for (name,) in check.of}
+    assert AIR in names
+    assert not names & {"supply_temperature_C", "return_temperature_C", "ventilation_supply_temperature_C"}

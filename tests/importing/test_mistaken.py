@@ -15,7 +15,7 @@ from tests.importing.test_bad_input import house, imported, refused
 from tests.importing.test_names import COUNT, MINUTE_NS, course
 from waxstudy.importing.matching import matched
 from waxstudy.importing.reading import Logged
-from waxstudy.importing.seen import seen
+from waxstudy.importing.seen import level_unit, seen
 from waxstudy.plugin import FloatArray
 
 AIR = ("--map", "air_temperature_C=room_temperature")
@@ -70,13 +70,43 @@ def channels_of(*entities: tuple[str, str, FloatArray]) -> dict[str, str]:
     [
         "Living air humidity", "sensor.outdoor_humidity", "Luftfeuchte außen", "Raumluftfeuchtigkeit", "air quality",
         "Luftdruck", "outdoor pressure", "sensor.outdoor_dew_point", "Taupunkttemperatur außen", "target humidity",
-        "room CO2", "sensor.zigbee_hub_temperature", "CPU temperature", "outdoor feels like temperature",
+        "room CO2", "CPU temperature", "outdoor feels like temperature",
     ],
 )  # fmt: skip
 def test_humidity_and_its_like_are_no_temperatures(name: str) -> None:
     for low in (0.0, 20.0):
         assert channels_of((name, "", low + course("outdoors"))) == {}
         assert channels_of((name, "", np.full(COUNT, low))) == {}
+
+
+def test_a_hub_s_thermometer_is_asked_for() -> None:
+    assert all(
+        told.startswith("?") for told in channels_of(("sensor.zigbee_hub_temperature", "", course("outdoors"))).values()
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "channel"),
+    [
+        ("Luft Fenster", "air_temperature_C"),
+        ("Vorlauf Lift", "supply_temperature_C"),
+        ("Außen Wind", "outdoor_temperature_C"),
+    ],
+)
+def test_words_of_other_things_do_not_stand_against_degrees(name: str, channel: str) -> None:
+    warm = {"air_temperature_C": 20.0, "supply_temperature_C": 30.0}.get(channel, 0.0)
+    found = channels_of((name, "°C", warm + 0.2 * course("outdoors")))
+    assert found.get(name, "").removeprefix("?") == channel
+    assert channels_of((name, "%", warm + 0.2 * course("outdoors"))).get(name) != channel
+
+
+def test_an_output_that_is_0_or_half_is_no_state() -> None:
+    half = np.where(np.arange(COUNT) % 40 < 20, 50.0, 0.0)
+    (output,) = seen(
+        [Logged("Stellgröße", "a.csv", np.arange(COUNT) * MINUTE_NS, half, np.arange(COUNT), "", False, False)], {}
+    )
+    assert not output.is_two_state
+    assert level_unit(output) == "%"
 
 
 @pytest.mark.parametrize(

@@ -265,7 +265,8 @@ def _on_grid(each: _Made, grid: Grid, hold_s: float, notes: Notes) -> tuple[Floa
     taken = on_grid(ns, values, each.kind, grid, hold_s, channel.is_mean)
     # where readings come as often as samples, these tell their noise themselves
     is_held = each.kind.usual_s > COARSER * interval_s
-    if not is_held or each.match.seen.is_two_state or channel.is_assumed:
+    is_state = each.match.seen.is_binary or (channel.quantity == "level" and each.match.seen.is_two_state)
+    if not is_held or is_state or channel.is_assumed:
         return taken, 0.0
     return taken, UNIFORM * threshold(values, each.kind.is_regular)
 

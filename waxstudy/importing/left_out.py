@@ -30,7 +30,8 @@ def without_modes(logged: list[Logged], stated: Sequence[str], notes: Notes) -> 
 
 def without_lone(logged: list[Logged], stated: Sequence[str], notes: Notes) -> list[Logged]:
     """Return readings without those that are one alone, unless it stays: a setpoint, or a state."""
-    lone = [each for each in logged if len(each.ns) < 2 and each.entity not in stated and not _stays(each)]
+    short = [each for each in logged if len(each.ns) < 2 and each.entity not in stated]
+    lone = [each for each in short if not (len(each.ns) and _stays(each))]
     if logged and all(len(each.ns) < 2 for each in logged):
         raise refusal(logged[0].where, NO_ROWS, EXPECTED)
     if lone:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from waxstudy.dataset.channels import CHANNELS
+from waxstudy.importing import units
 from waxstudy.importing.limits import (
     ALIKE,
     BY_VALUES,
@@ -131,7 +132,7 @@ def _by_name(each: Seen, channel: str) -> tuple[float, list[str]]:
     if each.entity == channel:
         return EXACT, ["the channel's own name"]
     name, words = plain(each.entity), CHANNEL_NAMES[channel]
-    if says_no(name, channel):
+    if says_no(name, channel, _has_degrees(each)):
         return 0.0, []
     if says(name, words.clear):
         return CLEAR, ["name"]
@@ -144,7 +145,14 @@ def _names_another(each: Seen, channel: str) -> bool:
     """Whether a name says clearly that an entity is something else, or is not of a channel."""
     name = plain(each.entity)
     others = [words.clear for other, words in CHANNEL_NAMES.items() if other != channel]
-    return says_no(name, channel) or any(says(name, words) for words in (*others, OTHERS, NEITHER))
+    has_degrees = _has_degrees(each)
+    against = (*others, NEITHER) if has_degrees else (*others, OTHERS, NEITHER)
+    return says_no(name, channel, has_degrees) or any(says(name, words) for words in against)
+
+
+def _has_degrees(each: Seen) -> bool:
+    """Whether the unit of a temperature is written."""
+    return each.is_unit_written and bool(units.fitting(each.unit, ["indoor"]))
 
 
 def _water(found: dict[str, Match]) -> dict[str, Match]:

@@ -42,8 +42,8 @@ OTHERS = (
 )
 # what is no temperature of a room, its water or the outdoors, even where a name says temperature
 NEITHER = (
-    "dew ?point|dew|taupunkt\\w*|frost point|feels like|apparent|wind chill|heat index|hub|cpu|processor|chip|gateway|"
-    "router|battery|device temp\\w*|fridge|freezer"
+    "dew ?point|dew|taupunkt\\w*|frost point|feels like|apparent|wind chill|heat index|cpu|processor|chip|gateway|"
+    "router|battery temp\\w*|device temp\\w*|fridge|freezer"
 )
 OPENINGS = (
     "\\w*blinds?|\\w*shutters?|\\w*shades?|covers?|curtains?|awnings?|\\w*rolll?ad[ae]n|\\w*jalousien?|\\w*raffstores?|"
@@ -134,9 +134,10 @@ def plain(entity: str) -> str:
     return f" {' '.join(re.findall(r'[a-z]+|[0-9]+', name.lower()))} "
 
 
-def says_no(name: str, channel: str) -> bool:
-    """Whether a name says that an entity is not of a channel, as humidity is no temperature."""
-    is_other = says(name, NEITHER) or (says(name, f"{OTHERS}|{OPENINGS}|{POSITION}") and not says(name, TEMPERATURE))
+def says_no(name: str, channel: str, has_degrees: bool) -> bool:
+    """Whether a name says that an entity is not of a channel, as humidity is no temperature, unless it has degrees."""
+    is_warm = has_degrees or says(name, TEMPERATURE)
+    is_other = says(name, NEITHER) or (says(name, f"{OTHERS}|{OPENINGS}|{POSITION}") and not is_warm)
     return says(name, CHANNEL_NAMES[channel].never) or (channel.endswith("_C") and is_other)
 
 

@@ -13,10 +13,13 @@ from waxstudy.importing.names import CHANNEL_NAMES, plain, says
 from waxstudy.study.problems import listed
 
 # of a meter each pulse of which is a row
-COUNTED = "|".join(
-    f"{words.clear}|{words.weak}"
-    for name, words in CHANNEL_NAMES.items()
-    if CHANNELS[name].quantity in ("flow", "gain")
+COUNTED = (
+    "|".join(
+        f"{words.clear}|{words.weak}"
+        for name, words in CHANNEL_NAMES.items()
+        if CHANNELS[name].quantity in ("flow", "gain")
+    )
+    + "|impulse?|pulses?"
 )
 
 

@@ -106,9 +106,14 @@ def _looked_at(logged: Logged, stated: str) -> Seen:
 
 
 def _states(different: FloatArray, unit: str) -> str:
-    """Return two whole numbers without a unit, as building automation numbers states, with a stroke between."""
+    """Return two whole numbers without a unit, as building automation numbers states, with a stroke between.
+
+    0 and a large number may be a level as well, as of an output that is limited.
+    """
     is_open = not unit or units.STATES.fullmatch(unit.strip()) is not None
     if len(different) != 2 or not is_open or different[0] < 0.0 or (different != np.round(different)).any():
+        return ""
+    if different[0] == 0.0 and different[1] > VOLTS:
         return ""
     return f"{different[0]:.0f}/{different[1]:.0f}"
 

@@ -46,6 +46,7 @@ HOUR_S = 3600.0  # between samples, in which a temperature may change by as much
 NAMED = 3  # channels that a sentence lists
 STEADY = ("ventilation_supply_temperature_C",)  # what a controller may hold
 
+WATER = ("supply_temperature_C", "return_temperature_C")  # what may be switched
 MEASURED = [(name,) for name, channel in CHANNELS.items() if not channel.is_assumed]
 MOVING_ONES = [names for names in TEMPERATURES if names in MEASURED and names[0] not in STEADY]
 MEASURED_TEMPERATURES = [names for names in TEMPERATURES if names in MEASURED]
@@ -113,10 +114,10 @@ def spike(record: Record, channel: pd.Series) -> Findings:
         yield Discard(channel.name, spikes, f"more than {limit_K:.3g} K off both neighbours")
 
 
-@faulty(*MEASURED_TEMPERATURES)
+@faulty(*(names for names in MEASURED_TEMPERATURES if not (set(names) & {*STEADY, *WATER})))
 def failed(record: Record, channel: pd.Series) -> Findings:
     """A temperature that jumps to one exact value, stays there and jumps back, each time by over {SPIKES_K[indoor]:g} K
-    (outdoors {SPIKES_K[outdoor]:g}, water {SPIKES_K[water]:g}; twice as much in an hour) and {FAR_JUMP:g} times as far
+    (outdoors {SPIKES_K[outdoor]:g}; twice as much in an hour) and {FAR_JUMP:g} times as far
     as it ever moves else; in at most {FAILED_SHARE:.0%} of its samples."""
     limit_K = SPIKES_K[quantity_of(channel)]
     lost = _left(channel.to_numpy(), limit_K, record.interval_s)
@@ -129,13 +130,12 @@ def _left(x: FloatArray, limit: float, interval_s: float) -> np.ndarray:
     known, found = x[places], np.zeros(len(x), dtype=bool)
     moves = np.diff(known)
     is_far = np.abs(moves) > limit * (1.0 + np.diff(places) * interval_s / HOUR_S)
-    for value in {known[first] for first, end in _visits(moves, is_far)}:
-        is_there = known == value
-        rest = np.abs(moves[~is_there[1:] & ~is_there[:-1]])
-        is_rare = is_there.sum() <= FAILED_SHARE * len(known)
-        if is_rare and len(np.unique(known[~is_there])) >= CONTINUOUS:
-            for first, end in _visits(moves, is_far & (np.abs(moves) > FAR_JUMP * rest.max(initial=0.0))):
-                found[places[first:end]] |= known[first] == value
+    visited = {known[first] for first, end in _visits(moves, is_far)}
+    is_there = np.isin(known, [value for value in visited if (known == value).sum() <= FAILED_SHARE * len(known)])
+    rest = np.abs(moves[~is_there[1:] & ~is_there[:-1]])
+    if len(np.unique(known[~is_there])) >= CONTINUOUS:
+        for first, end in _visits(moves, is_far & (np.abs(moves) > FAR_JUMP * rest.max(initial=0.0))):
+            found[places[first:end]] |= is_there[first]
     return found
 
 
