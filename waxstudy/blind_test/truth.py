@@ -30,9 +30,8 @@ from waxstudy.synthetic.effects import EffectError, applied
 
 TIMES = 4  # that a record is measured for its floor: whether a switch comes early hangs on single samples
 TIMING = 12.0**-0.5  # of an interval: no switch is known better
-AS_NEAR = (
-    1.05  # times what the best fit of the true effect leaves, that another one leaves as well: searches end near it
-)
+# chosen: times what the best fit of the true effect leaves, that another one may: searches end near each other
+AS_NEAR = 1.05
 HARDLY = 0.3  # of what is missed of a measured record anyway, or of a gap
 HOUSE_K, RETURN_K = (
     0.1,

@@ -97,7 +97,7 @@ BOUNDS: dict[Quantity, tuple[float, float]] = {
 FEW_IMPOSSIBLE = 0.05  # share of impossible samples that may be faults; more of them are another quantity
 SPIKES_K: dict[Quantity, float] = {"indoor": 4.0, "outdoor": 10.0, "water": 25.0}  # water may rush for a minute
 # times as far as a temperature ever moves else, from which a value that it jumps to and from is none; a share of the
-# samples at that value, beyond which it may be meant so, as of water that is switched
+# samples at that value, beyond which it may be meant so
 FAR_JUMP, FAILED_SHARE = 3.0, 0.2
 # times what all but a few samples reach, and least: an oven may run for one sample
 PEAKS: dict[Quantity, tuple[float, float]] = {"flow": (1.5, 0.0), "gain": (20.0, 5000.0)}

@@ -176,11 +176,8 @@ def _while_alive(each: _Made, entities: Sequence[Seen]) -> _Made:
 
     A valve is shut and a meter shows 0 for days: a logger that lives and says nothing of them says that they rest.
     """
-    quantity = CHANNELS[each.match.channel].quantity
-    is_state = (
-        each.logged.is_words or each.match.seen.is_binary or (quantity == "level" and each.match.seen.is_two_state)
-    )
-    if each.kind.is_regular or not (is_state or quantity in RESTING):
+    is_state = each.logged.is_words or _has_states(each.match)
+    if each.kind.is_regular or not (is_state or CHANNELS[each.match.channel].quantity in RESTING):
         return each
     logged = each.logged
     own = [one.logged for one in entities if one.logged.is_of_house]
@@ -265,10 +262,14 @@ def _on_grid(each: _Made, grid: Grid, hold_s: float, notes: Notes) -> tuple[Floa
     taken = on_grid(ns, values, each.kind, grid, hold_s, channel.is_mean)
     # where readings come as often as samples, these tell their noise themselves
     is_held = each.kind.usual_s > COARSER * interval_s
-    is_state = each.match.seen.is_binary or (channel.quantity == "level" and each.match.seen.is_two_state)
-    if not is_held or is_state or channel.is_assumed:
+    if not is_held or _has_states(each.match) or channel.is_assumed:
         return taken, 0.0
     return taken, UNIFORM * threshold(values, each.kind.is_regular)
+
+
+def _has_states(match: Match) -> bool:
+    """Whether readings are off and on; a thermometer may show two whole numbers as well."""
+    return match.seen.is_binary or (CHANNELS[match.channel].quantity == "level" and match.seen.is_two_state)
 
 
 def _tell_silence(each: _Made, hold_s: float, notes: Notes) -> None:

@@ -25,10 +25,9 @@ PIECE_S, STEP_S, VALVE_S = 60.0, 15.0, 120.0  # of inputs, of steps, of a stroke
 ROUGH_S = 300.0
 FLOWING = 0.2  # of the largest flow, from which on a return is judged
 START_K = 2.0  # nobody knows the weather before the record
-# chosen: how well gains and sun are known, as logarithms of a factor: measured, assumed; of what nobody saw a third of
-# it is as good as all, or three times as much
+# chosen: how well gains and sun are known, as logarithms of a factor: measured, assumed
 GAINS = {"internal_gain_W": (0.05, 0.15), "solar_gain_W": (0.07, 0.12)}
-UNSEEN = 1.1
+UNSEEN = 1.1  # chosen: the same of what nobody recorded, a factor of three
 
 
 @dataclass(frozen=True)

@@ -116,9 +116,9 @@ def spike(record: Record, channel: pd.Series) -> Findings:
 
 @faulty(*(names for names in MEASURED_TEMPERATURES if not (set(names) & {*STEADY, *WATER})))
 def failed(record: Record, channel: pd.Series) -> Findings:
-    """A temperature that jumps to one exact value, stays there and jumps back, each time by over {SPIKES_K[indoor]:g} K
-    (outdoors {SPIKES_K[outdoor]:g}; twice as much in an hour) and {FAR_JUMP:g} times as far
-    as it ever moves else; in at most {FAILED_SHARE:.0%} of its samples."""
+    """A temperature, but of water or supply air, which may be switched, that jumps to one exact value, stays there and
+    jumps back, each time by over {SPIKES_K[indoor]:g} K (outdoors {SPIKES_K[outdoor]:g}; twice as much in an hour) and
+    {FAR_JUMP:g} times as far as it ever moves else; in at most {FAILED_SHARE:.0%} of its samples."""
     limit_K = SPIKES_K[quantity_of(channel)]
     lost = _left(channel.to_numpy(), limit_K, record.interval_s)
     yield Discard(channel.name, lost, f"of one value, over {limit_K:g} K off what is before and after")

@@ -112,7 +112,7 @@ class Switching:
         """Return the same of two outputs (n,), around switches that are judged.
 
         Where one calls for heat and the other does not, that is how far the reading falls; where one stops, how far it
-        rises. It has gone the other way as well where one missed a switch by a hair.
+        rises. That it goes the other way tells nothing: there one missed a switch by a hair.
         """
         reading, most = self.record.drive(self.reads), Past()
         differs = (np.abs(one - other) > 0.5) & self.known & self.judged[self.windows]

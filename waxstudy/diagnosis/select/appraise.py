@@ -210,7 +210,7 @@ class Appraisal:
         return max(0.0, float(self._squares(fitted, residual).sum()) - self.healthy.usual_loss(residual))
 
     def _squares(self, fitted: Hypothesis, residual: Residual) -> FloatArray:
-        """Return the squares that a hypothesis misses of a channel (m,), let through as much noise as nothing does."""
+        """Return the squares that a hypothesis misses of a channel (m,), with the noise that it smooths away."""
         spared = self.filtered.squares(fitted, self._none_read(fitted.convention))
         return np.asarray(residual.whitened**2 + residual.judged * spared.get(residual.channel, 0.0))
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
+from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.observations.record import CONTINUOUS
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.plugin import FloatArray
@@ -19,6 +20,7 @@ class Filtered:
     def __init__(self, problem: SegmentProblem, healthy: Healthy) -> None:
         self.problem, self.healthy = problem, healthy
         self._seen = problem.record.memory(arrays=len(problem.segment.judged))
+        self._of_nothing: dict[Convention, list[FloatArray | None]] = {}  # how noise moves what nothing misses
 
     def squares(self, fitted: Hypothesis, nothing: Hypothesis) -> Mapping[str, FloatArray]:
         """Return by channel the whitened squares (m,) that noise adds to nothing and not to a hypothesis.
@@ -31,7 +33,9 @@ class Filtered:
         return self._seen.get((*key, fitted.convention), lambda: self._squares(fitted, nothing))
 
     def _squares(self, fitted: Hypothesis, nothing: Hypothesis) -> Mapping[str, FloatArray]:
-        both = self.problem.moved_by_noise(nothing), self.problem.moved_by_noise(fitted)
+        if nothing.convention not in self._of_nothing:
+            self._of_nothing[nothing.convention] = self.problem.moved_by_noise(nothing)
+        both = self._of_nothing[nothing.convention], self.problem.moved_by_noise(fitted)
         found = zip(nothing.residuals, *both, strict=True)
         return {
             residual.channel: self._share(residual, before) * (before**2 - after**2)

@@ -9,8 +9,7 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.result import When
 from waxstudy.diagnosis.weights import WEIGHTS
-
-DAY_H = 24.0
+from waxstudy.plugin.hours import DAY_H, clock
 
 
 def past_switch(problem: SegmentProblem, healthy: Healthy, fitted: Hypothesis) -> float:
@@ -24,7 +23,7 @@ def past_switch(problem: SegmentProblem, healthy: Healthy, fitted: Hypothesis) -
 
 
 def when_past_switch(problem: SegmentProblem, fitted: Hypothesis) -> When | None:
-    """Return when a reading went on past a switch by more than noise makes something unknown likelier than not by."""
+    """Return when a reading went on past a switch so far that this alone makes something unknown likely; else None."""
     past, record = problem.past_switch(fitted), problem.record
     least = exp(WEIGHTS.coarse_scatter * (2.0 * WEIGHTS.unknown_price) ** 0.5)
     if past.reading_K <= least * problem.noise_past_switch_K:
@@ -32,11 +31,6 @@ def when_past_switch(problem: SegmentProblem, fitted: Hypothesis) -> When | None
     hours = [place * record.interval_s / 3600.0 for place in (past.begin, past.end)]
     begin, end = (each + record.start_s / 3600.0 for each in hours)
     last = f"day {int(end // DAY_H) + 1} " if end // DAY_H > begin // DAY_H else ""
-    words = f"from day {int(begin // DAY_H) + 1} {_clock(begin)} to {last}{_clock(end)}"
+    words = f"from day {int(begin // DAY_H) + 1} {clock(begin)} to {last}{clock(end)}"
     told = f"{words}, when its reading went on {past.reading_K:.2g} K past where it switches"
     return When(told, [(hours[0], hours[1])])
-
-
-def _clock(hour: float) -> str:
-    minutes = round(60.0 * hour) % (60 * 24)
-    return f"{minutes // 60:02d}:{minutes % 60:02d}"
