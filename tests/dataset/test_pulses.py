@@ -67,6 +67,18 @@ def test_pulses_are_told_from_water_that_flows(interval_s: float) -> None:
     assert Pulses.of(np.zeros(len(opening)), opening) is None
 
 
+@pytest.mark.parametrize(("pulse_L", "interval_s"), [(3.0, 60.0), (1.6, 60.0), (0.9, 60.0), (6.7, 120.0)])
+def test_pulses_are_told_through_noise_that_a_logger_adds(pulse_L: float, interval_s: float) -> None:
+    opening = heated(20, 40)
+    one_L_h = pulse_L * 3600.0 / interval_s
+    seen = counted(FULL_L_H * opening, pulse_L, interval_s)
+    noise = np.random.default_rng(3).normal(0.0, 1.2, len(seen))
+    pulses = Pulses.of(np.where(seen > 0.0, seen + noise, 0.0), opening)
+    assert pulses
+    assert pulses.pulse_L_h == pytest.approx(one_L_h, rel=0.005)
+    assert pulses.usual_L_h == pytest.approx(FULL_L_H, rel=0.03)
+
+
 def test_a_lost_sample_loses_its_span_for_the_valve_and_nothing_for_the_room() -> None:
     opening = heated(20, 40)
     seen = counted(FULL_L_H * opening, 7.0)

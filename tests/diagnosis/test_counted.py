@@ -13,6 +13,7 @@ from tests.diagnosis.realities import dataset, effects, rows
 from waxstudy.believing.shown import full_flow_L_h
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import diagnose, record_of
+from waxstudy.diagnosis.result import Diagnosis
 
 DAYS = 7
 
@@ -66,3 +67,34 @@ def test_the_full_flow_of_a_room_is_read_between_pulses() -> None:
     fine, counts = (full_flow_L_h(dataset(each, "REAL")) for each in (data, with_counted(data, 10.0)))
     assert fine
     assert counts == pytest.approx(fine, rel=0.03)
+
+
+def beside(pulse_L: float, before_L: float = 0.0) -> Diagnosis:
+    """What is said of motor and valve that nothing is wrong with, where a flow is counted, and maybe was before."""
+    columns = ["time", "heating_signal", "displacement", "flow_L_h"]
+    healthy, later = (rows("REAL", days=5, seed=seed)[columns] for seed in (1, 2))
+    before_it = pd.DatetimeIndex(healthy["time"]) - pd.Timedelta(days=14)
+    earlier = healthy.assign(time=before_it.astype(str))
+    pairs = (earlier, before_L), (later, pulse_L)
+    made = [dataset(with_counted(data, each_L) if each_L else data, "REAL") for data, each_L in pairs]
+    before, now = (replace(each, setpoint_C=None, room=None) for each in made)
+    return diagnose(now, baseline=before, quick=True)
+
+
+@pytest.mark.parametrize(("pulse_L", "before_L", "then"), [(3.0, 0.0, "it did not"), (10.0, 1.5, "of 1.5 L")])
+def test_a_meter_that_has_come_to_count_is_something_unknown_at_the_valve(
+    pulse_L: float, before_L: float, then: str
+) -> None:
+    diagnosis = beside(pulse_L, before_L)
+    (left,) = (each for each in diagnosis.unexplained if each.is_finding)
+    assert (diagnosis.verdict, left.stage, left.channel) == ("unknown", "valve", "flow_L_h")
+    assert left.probability > 0.8
+    said = f"flow_L_h comes in pulses of {pulse_L:g} L, in the baseline {then}: its meter or logger is another one"
+    assert said in diagnosis.warnings
+
+
+@pytest.mark.parametrize(("pulse_L", "before_L"), [(3.0, 3.0), (0.0, 3.0)])
+def test_a_meter_that_counts_as_it_did_or_no_longer_is_no_finding(pulse_L: float, before_L: float) -> None:
+    diagnosis = beside(pulse_L, before_L)
+    assert diagnosis.verdict == "none"
+    assert not any("another one" in each for each in diagnosis.warnings)

@@ -40,9 +40,9 @@ FEW_BETWEEN, FEWEST_BETWEEN = 0.1, 3  # share of those, and count, that may be f
 BEYOND_END = 1e-3  # from which it is worth a word
 
 # --- a flow that was counted in pulses
-WHOLE_PULSE = 0.02  # of a pulse, by which a value may be off a whole number of them: it was rounded when written
+WHOLE_PULSE = 0.1  # of a pulse, by which a value may be off a whole number of them: it was rounded, or has noise
 ODD_PULSES = 0.02  # of the samples with flow, those that may be odd, as means over lost rows are
-MOST_PULSES = 3.0  # in a sample: of more the next sample makes up for the rounding
+MOST_PULSES = 3  # in a sample: of more the next sample makes up for the rounding
 OPEN_FOR_PULSES = 0.5  # of the largest opening, from which on water flows
 # of neighbouring samples with an open valve and flow, those that differ by whole pulses: what flows evenly does not
 PULSES_CHANGE = 0.05

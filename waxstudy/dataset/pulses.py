@@ -67,8 +67,11 @@ class Pulses:
 
     @cached_property
     def noise(self) -> FloatArray:
-        """Standard deviation of the mean flow over the span of each sample (n,): nobody knows when a pulse came."""
-        return np.asarray(self.usual_L_h * UNSURE_SAMPLES / self.samples)
+        """Standard deviation of the mean flow over the span of each sample (n,): nobody knows when a pulse came.
+
+        Where several come in a sample, no more than one of them may belong to the next.
+        """
+        return np.asarray(min(self.usual_L_h, self.pulse_L_h) * UNSURE_SAMPLES / self.samples)
 
     def sums(self, values: FloatArray) -> FloatArray:
         """Return the sum of values (n,) over the span of each sample."""
@@ -143,13 +146,22 @@ def pulse_L_h(flow: FloatArray, opening: FloatArray) -> float:
     flows = flow[flow > 0.0]
     if not len(flows) or np.nanmin(flow) < 0.0:
         return 0.0
-    one_L_h = float(np.quantile(flows, ODD_PULSES, method="lower"))
-    pulses = flows / one_L_h
-    is_odd = np.abs(pulses - np.round(pulses)) > WHOLE_PULSE
-    if np.mean(is_odd) > ODD_PULSES or np.quantile(pulses, 1.0 - ODD_PULSES) > MOST_PULSES:
+    one_L_h = _common_step(flows)
+    if not one_L_h:
         return 0.0
     is_open = opening > OPEN_FOR_PULSES * np.max(opening)
     pairs = is_open[1:] & is_open[:-1] & ((flow[1:] > 0.0) | (flow[:-1] > 0.0)) & np.isfinite(np.diff(flow))
     opened = np.count_nonzero(is_open[1:] & ~is_open[:-1]) + 1
     changes = np.count_nonzero(np.abs(np.diff(flow)[pairs]) > 0.5 * one_L_h) - opened
     return one_L_h if changes > PULSES_CHANGE * np.count_nonzero(pairs) else 0.0
+
+
+def _common_step(flows: FloatArray) -> float:
+    """Return the largest flow [L/h] of which nearly all others (n,) are whole multiples, few of them; 0 without one."""
+    most = float(np.quantile(flows, 1.0 - ODD_PULSES, method="higher"))
+    for step in (most / count for count in range(1, MOST_PULSES + 1)):
+        for _ in range(2):  # the largest flow has noise on top: what is counted most often tells the step best
+            step = float(np.median(flows / np.maximum(np.round(flows / step), 1.0)))
+        if np.mean(np.abs(flows / step - np.round(flows / step)) > WHOLE_PULSE) <= ODD_PULSES:
+            return step
+    return 0.0

@@ -46,6 +46,7 @@ from waxstudy.diagnosis.result import (
 from waxstudy.diagnosis.select.candidate import Candidate
 from waxstudy.diagnosis.select.changed import joint
 from waxstudy.diagnosis.select.intervals import shrink
+from waxstudy.diagnosis.select.meter import change_of_meter
 from waxstudy.diagnosis.select.posterior import UNKNOWN
 from waxstudy.diagnosis.select.search import Found, Selection
 from waxstudy.diagnosis.select.stated import stated
@@ -173,6 +174,7 @@ def _of_baseline(work: Work, cut: Sequence[Segment]) -> Iterator[str]:
         if (healthy := work.calibration.healthy.get(segment.name)) is None:
             yield f"too little happened at {segment.name} in the baseline: it is compared with what is stated"
             continue
+        yield from change_of_meter(segment, work.record, healthy)
         judged = {each.channel for each in healthy.fitted.residuals}
         for channel in (each for each in segment.judged if each not in judged):
             yield f"the baseline cannot judge {channel} at {segment.name}: what is off there may have been so before"

@@ -15,6 +15,7 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.edits import Edits
+from waxstudy.diagnosis.observations.record import FLOW
 from waxstudy.diagnosis.residuals.noise_floor import PERTURBATIONS, of_noise
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.weights import WEIGHTS
@@ -83,6 +84,11 @@ class Healthy:
     def past_switch_K(self) -> float:
         """How far a thermostat's reading goes on past where it switches, or noise makes it; 0 where none is judged."""
         return max(self.problem.past_switch(self.fitted).reading_K, self.problem.noise_past_switch_K)
+
+    def step_L_h(self, interval_s: float) -> float:
+        """Return in which steps a flow is told, in samples so long: of a pulse, else of noise; 0 without one."""
+        record = self.problem.record
+        return record.pulse_L * 3600.0 / interval_s if record.pulses else record.noise.get(FLOW, 0.0)
 
     @property
     def tolerated_travel(self) -> float:
@@ -214,6 +220,10 @@ class AsBelieved(Healthy):
     @cached_property
     def past_switch_K(self) -> float:
         return self.problem.noise_past_switch_K
+
+    def step_L_h(self, interval_s: float) -> float:
+        """Return 0: nobody knows how the flow was told."""
+        return 0.0
 
     @property
     def tolerated_travel(self) -> float:

@@ -101,6 +101,16 @@ class Record:
         stated = self.stated_noise.get(name)
         return max(stated, left_out(name, measured(values))) if stated else estimated(name, values)
 
+    @property
+    def pulse_L_h(self) -> float:
+        """The flow that one pulse in a sample is written as, 0 where flow was not counted so."""
+        return self.pulses.pulse_L_h if self.pulses else 0.0
+
+    @property
+    def pulse_L(self) -> float:
+        """The volume of such a pulse, 0 where flow was not counted so."""
+        return self.pulse_L_h * self.interval_s / 3600.0
+
     def between(self, channel: str) -> float:
         """Return what a straight line from sample to sample misses of a channel (root mean square).
 

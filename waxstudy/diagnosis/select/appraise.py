@@ -22,6 +22,7 @@ from waxstudy.diagnosis.select.days import days_of
 from waxstudy.diagnosis.select.evidence import departure, travel_left
 from waxstudy.diagnosis.select.filtered import Filtered
 from waxstudy.diagnosis.select.gain_spread import along_change, gain_spread, strength
+from waxstudy.diagnosis.select.meter import coarser_steps
 from waxstudy.diagnosis.select.patterns import Pattern, day_of
 from waxstudy.diagnosis.select.posterior import Weighed
 from waxstudy.diagnosis.select.thermostat import past_switch
@@ -326,7 +327,8 @@ class Appraisal:
         pairs = zip(self._none_read(fitted.convention).by_motion, fitted.by_motion, strict=True)
         counted = [self._misfit(fitted, old, new) for old, new in pairs if not self._is_covered(fitted, new)]
         whole = self._nothing(fitted) if fitted.is_at_times else fitted
-        return max([*counted, past_switch(self.problem, self.healthy, whole)])
+        coarser = coarser_steps(self.problem.segment, self.problem.record, self.healthy)
+        return max([*counted, past_switch(self.problem, self.healthy, whole), coarser])
 
     def _is_covered(self, fitted: Hypothesis, residual: Residual) -> bool:
         """Whether a motor is missed by no more than real ones stray."""

@@ -211,10 +211,9 @@ def clear(effect: EffectType, believed: Belief) -> Iterator[Mapping[str, float]]
 def doubts_of_sampling(record: Record, segments: Sequence[Segment]) -> Iterator[str]:
     """Yield what to say of samples that hide what flowed, or so far apart that their noise may be real change."""
     if record.pulses:
-        litres = record.pulses.pulse_L_h * record.interval_s / 3600.0
         yield (
-            f"flow_L_h was counted in pulses of {litres:.3g} L: its means between pulses are judged, and what a valve "
-            "does between two of them is not seen"
+            f"flow_L_h was counted in pulses of {record.pulse_L:.3g} L: its means between pulses are judged, and what "
+            "a valve does between two of them is not seen"
         )
     if record.interval_s < SPARSE_S:
         return
