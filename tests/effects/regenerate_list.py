@@ -31,7 +31,9 @@ OF_ROOMS = """
 def page() -> str:
     """The page as it should be: every effect with its range, in the order of the loop."""
     order = sorted(EFFECTS.values(), key=lambda effect: (STAGES.index(effect.stage), effect.name))
-    uncertain = [f"| `{each.name}` | {each.description} | {each.sd:g} |\n" for each in UNKNOWNS]
+    uncertain = [
+        f"| `{each.name}` | {'log of the ' * each.is_log}{each.description} | {each.sd:g} |\n" for each in UNKNOWNS
+    ]
     return INTRO + "".join(map(_row, order)) + OF_ROOMS + "".join(uncertain)
 
 

@@ -98,7 +98,8 @@ class When:
 class Calibrated:
     """What differs from the documents always, by a healthy record: a value with its 95 % interval.
 
-    Of an effect's parameter, as factor or in its unit; of what the room itself says is uncertain, a departure.
+    Of an effect's parameter, as factor or in its unit; of what the room itself says is uncertain, a departure, or the
+    factor whose logarithm that is.
     """
 
     name: str
@@ -107,7 +108,7 @@ class Calibrated:
     sentence: str
     part: Part
     is_clear: bool = False  # it differs by more than is noticeable, and by its interval, if it has one, not by chance
-    description: str = ""  # what a departure of the room is, as the logarithm of a factor
+    description: str = ""  # what a value of the room is, as a factor on something
 
 
 @dataclass(frozen=True)

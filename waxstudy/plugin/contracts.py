@@ -265,13 +265,14 @@ class Uncertainty:
     """Something that nobody knows of a room exactly: `apply(room, departure)` edits a room; 0 is what is believed.
 
     The departure has a normal prior of standard deviation `sd`. The edited room may be another component, and takes
-    the other edits too.
+    the other edits too. Where it `is_log`, the departure is the logarithm of the factor that is described.
     """
 
     name: str
     description: str
     sd: float
     apply: Callable[[Choice, float], Choice]
+    is_log: bool = False
 
 
 class Room(Component):

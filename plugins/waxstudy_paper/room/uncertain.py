@@ -37,11 +37,14 @@ class Unknown:
     description: str
     sd: float
     edit: Edit
+    is_log: bool = True
 
 
 def uncertainties(describe: Callable[[Choice], RoomDescription], room: type[Room]) -> Sequence[Uncertainty]:
     """Return what is uncertain of rooms that can be described; an edit makes a `room` of the edited description."""
-    return [Uncertainty(u.name, u.description, u.sd, partial(_applied, describe, room, u.edit)) for u in UNKNOWNS]
+    return [
+        Uncertainty(u.name, u.description, u.sd, partial(_applied, describe, room, u.edit), u.is_log) for u in UNKNOWNS
+    ]
 
 
 def _applied(
@@ -209,19 +212,19 @@ def water_m2K_W(room: RoomDescription) -> float:
 
 
 UNKNOWNS = (
-    Unknown("film-floor", "log of the factor on the floor's convective film", 0.7, _film_floor),
-    Unknown("film-walls", "log of the factor on the convective films of walls, windows and ceiling", 0.8, _film_walls),
-    Unknown("air-capacity", "log of the factor on the capacity of air and furniture", 0.2, _air_capacity),
-    Unknown("floor-capacity", "log of the factor on the mass of the heated floor", 0.1, _floor_capacity),
-    Unknown("boards-capacity", "log of the factor on the mass of all other surfaces", 0.2, _boards_capacity),
-    Unknown("heat-loss", "log of the factor on U-values, thermal bridges, ventilation and leaks", 0.07, _heat_loss),
-    Unknown("sun-on-floor", "added to the share of the sun that falls on the floor", 0.15, _sun_on_floor),
-    Unknown("sun-to-air", "added to the share of the sun that heats the air at once", 0.1, _sun_to_air),
-    Unknown("operative-air", "added to the share of air in the operative temperature", 0.1, _operative),
-    Unknown("water-exchange", "log of the factor on the exchange between water and floor", 1.0, _exchange),
+    Unknown("film-floor", "factor on the floor's convective film", 0.7, _film_floor),
+    Unknown("film-walls", "factor on the convective films of walls, windows and ceiling", 0.8, _film_walls),
+    Unknown("air-capacity", "factor on the capacity of air and furniture", 0.2, _air_capacity),
+    Unknown("floor-capacity", "factor on the mass of the heated floor", 0.1, _floor_capacity),
+    Unknown("boards-capacity", "factor on the mass of all other surfaces", 0.2, _boards_capacity),
+    Unknown("heat-loss", "factor on U-values, thermal bridges, ventilation and leaks", 0.07, _heat_loss),
+    Unknown("sun-on-floor", "added to the share of the sun that falls on the floor", 0.15, _sun_on_floor, is_log=False),
+    Unknown("sun-to-air", "added to the share of the sun that heats the air at once", 0.1, _sun_to_air, is_log=False),
+    Unknown("operative-air", "added to the share of air in the operative temperature", 0.1, _operative, is_log=False),
+    Unknown("water-exchange", "factor on the exchange between water and floor", 1.0, _exchange),
     Unknown(
         "above-pipes",
-        "log of the factor by which the resistance below the pipes' plane lies above it",
+        "factor by which the resistance below the pipes' plane lies above it",
         0.8,
         _above_pipes,
     ),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import isfinite, log, nan
+from math import exp, isfinite, log, nan
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from waxstudy.diagnosis.model.edits import EffectType, Values
 from waxstudy.diagnosis.model.nuisance import Nuisance
 from waxstudy.diagnosis.result import NORMAL, BaselineFit, Calibrated, Interval, Part
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import Belief, Prior, Room
+from waxstudy.plugin import Belief, Prior, Room, Uncertainty
 
 
 def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibrated]:
@@ -25,7 +25,7 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
     chain, always, said = (
         {knob.name for knob, _ in known.chain},
         _always(calibration, documented),
-        _descriptions(documented),
+        _unknown(documented),
     )
     for knob, departure, each in of_loop:
         if knob.is_habit:
@@ -34,7 +34,7 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
         is_of_chain = knob.name in chain or (isinstance(knob, Knob) and knob.effect.stage not in ROOM_STAGES)
         part: Part = "room" if is_of_room else "chain" if is_of_chain else "drives"
         if not isinstance(knob, Knob):
-            yield _of_room(knob, departure, each, part, said.get(knob.name, ""))
+            yield _of_room(knob, departure, each, part, said.get(knob.name))
         elif knob.effect not in always or _has_hours(knob.effect, always[knob.effect]):
             values = {
                 other.parameter: other.values(at)[other.parameter]
@@ -87,11 +87,12 @@ def _always(calibration: Calibration, documented: Belief) -> dict[EffectType, Va
     return found
 
 
-def _descriptions(documented: Belief) -> dict[str, str]:
+def _unknown(documented: Belief) -> dict[str, Uncertainty]:
+    """Return what is uncertain of the room itself, by name."""
     if documented.room is None:
         return {}
     assert issubclass(documented.room.component, Room)
-    return {each.name: each.description for each in documented.room.component.uncertainties(documented.room.parameters)}
+    return {each.name: each for each in documented.room.component.uncertainties(documented.room.parameters)}
 
 
 def _of_effect(knob: Knob, departure: float, sd: float, part: Part, values: Mapping[str, float]) -> Calibrated:
@@ -117,20 +118,27 @@ def _leaves_out(interval: Interval, still: float) -> bool:
     return not interval.low <= still <= interval.high
 
 
-def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, description: str) -> Calibrated:
+def _of_room(knob: Nuisance, departure: float, sd: float, part: Part, unknown: Uncertainty | None) -> Calibrated:
     interval = Interval(departure, departure - NORMAL * sd, departure + NORMAL * sd)
     is_clear = abs(departure) > WEIGHTS.clear_sd * knob.sd / WEIGHTS.wider and _leaves_out(interval, 0.0)
-    return Calibrated(knob.name, interval, 0.0, _in_words(knob, departure, description), part, is_clear, description)
+    description, is_log = (unknown.description, unknown.is_log) if unknown else ("", False)
+    sentence = _in_words(knob, departure, description, is_log)
+    if is_log:
+        interval = Interval(*(exp(end) for end in (interval.value, interval.low, interval.high)))
+    return Calibrated(knob.name, interval, 1.0 if is_log else 0.0, sentence, part, is_clear, description)
 
 
-def _in_words(knob: Nuisance, departure: float, description: str) -> str:
+def _in_words(knob: Nuisance, departure: float, description: str, is_log: bool) -> str:
     """Return a departure as a sentence.
 
-    >>> _in_words(Nuisance("film", 0.5, lambda belief, departure: belief), -0.9, "log of the factor on the film")
-    'film departs by -0.9 (log of the factor on the film), 1.8 standard deviations of what is usual.'
+    >>> film = Nuisance("film", 0.5, lambda belief, departure: belief)
+    >>> _in_words(film, -0.9, "factor on the film", True)
+    'film: the factor on the film is 0.41, 1.8 standard deviations of what is usual.'
+    >>> _in_words(film, -0.9, "added to the share of the film", False)
+    'film: -0.9 is added to the share of the film, 1.8 standard deviations of what is usual.'
     """
-    about = f" ({description})" if description else ""
-    return f"{knob.name} departs by {departure:.2g}{about}, {_deviations(knob, departure)} of what is usual."
+    told = f"the {description} is {exp(departure):.2g}" if is_log else f"{departure:.2g} is {description or 'added'}"
+    return f"{knob.name}: {told}, {_deviations(knob, departure)} of what is usual."
 
 
 def _deviations(knob: Nuisance, departure: float) -> str:

@@ -141,8 +141,12 @@ def ends(value: Interval) -> tuple[str, str]:
     """
     >>> ends(Interval(181.2, 172.0, 190.0))
     ('172', '190')
+    >>> ends(Interval(5.7, 0.18, 176.0))
+    ('0.180', '176')
     """
-    return number(value.low, _places(value)), number(value.high, _places(value))
+    places = _places(value)
+    is_lost = 0.0 < abs(value.low) < 0.5 * 10.0**-places
+    return number(value.low, None if is_lost else places), number(value.high, places)
 
 
 def _places(value: Interval) -> int:
