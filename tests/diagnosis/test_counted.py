@@ -69,19 +69,26 @@ def test_the_full_flow_of_a_room_is_read_between_pulses() -> None:
     assert counts == pytest.approx(fine, rel=0.03)
 
 
-def beside(pulse_L: float, before_L: float = 0.0) -> Diagnosis:
+def rounded(data: pd.DataFrame, step_L_h: float) -> pd.DataFrame:
+    return data.assign(flow_L_h=(data["flow_L_h"] / step_L_h).round() * step_L_h)
+
+
+def beside(pulse_L: float, before_L: float = 0.0, step_L_h: float = 0.1) -> Diagnosis:
     """What is said of motor and valve that nothing is wrong with, where a flow is counted, and maybe was before."""
     columns = ["time", "heating_signal", "displacement", "flow_L_h"]
     healthy, later = (rows("REAL", days=5, seed=seed)[columns] for seed in (1, 2))
     before_it = pd.DatetimeIndex(healthy["time"]) - pd.Timedelta(days=14)
     earlier = healthy.assign(time=before_it.astype(str))
     pairs = (earlier, before_L), (later, pulse_L)
-    made = [dataset(with_counted(data, each_L) if each_L else data, "REAL") for data, each_L in pairs]
+    told = [with_counted(data, each_L) if each_L else data for data, each_L in pairs]
+    made = [dataset(each, "REAL") for each in (told[0], rounded(told[1], step_L_h))]
     before, now = (replace(each, setpoint_C=None, room=None) for each in made)
     return diagnose(now, baseline=before, quick=True)
 
 
-@pytest.mark.parametrize(("pulse_L", "before_L", "then"), [(3.0, 0.0, "it did not"), (10.0, 1.5, "of 1.5 L")])
+@pytest.mark.parametrize(
+    ("pulse_L", "before_L", "then"), [(3.0, 0.0, "steps of 0.1 L/h"), (10.0, 1.5, "pulses of 1.5 L")]
+)
 def test_a_meter_that_has_come_to_count_is_something_unknown_at_the_valve(
     pulse_L: float, before_L: float, then: str
 ) -> None:
@@ -98,3 +105,10 @@ def test_a_meter_that_counts_as_it_did_or_no_longer_is_no_finding(pulse_L: float
     diagnosis = beside(pulse_L, before_L)
     assert diagnosis.verdict == "none"
     assert not any("another one" in each for each in diagnosis.warnings)
+
+
+def test_a_meter_that_has_come_to_round_is_something_unknown_at_the_valve() -> None:
+    diagnosis = beside(0.0, step_L_h=20.0)
+    assert [each.stage for each in diagnosis.unexplained if each.is_finding] == ["valve"]
+    said = "flow_L_h comes in steps of 20 L/h, in the baseline steps of 0.1 L/h: its meter or logger is another one"
+    assert said in diagnosis.warnings

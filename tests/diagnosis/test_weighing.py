@@ -388,9 +388,9 @@ def bare(
     """What weighs a link whose healthy record left so much of each channel; a pair is it without an effect and with."""
     made: Any = object.__new__(Weighing)
     segment = SimpleNamespace(with_room=is_room, judged=("air_temperature_C", "return_temperature_C", "heating_signal"))
-    made.problem = SimpleNamespace(
-        **{"segment": segment, "sd": np.zeros(0), "as_built": None, "past_switch": lambda fitted: Past(), **problem}
-    )
+    record = SimpleNamespace(flow_step_L_h=0.0)
+    own = {"segment": segment, "record": record, "sd": np.zeros(0), "as_built": None}
+    made.problem = SimpleNamespace(**{**own, "past_switch": lambda fitted: Past(), **problem})
     made.filtered = SimpleNamespace(squares=lambda fitted, nothing: {})
     usual: Any = Healthy
     made.healthy = SimpleNamespace(
@@ -695,7 +695,9 @@ def told_of(
 ) -> Told:
     """What is told of hypotheses of a link with these misfits; the intervals of all but some hold what is believed."""
     weighed = [
-        SimpleNamespace(names=tuple(n.split("+")) if n != "none" else (), misfit=m, pattern=None, fitted=None)
+        SimpleNamespace(
+            names=tuple(n.split("+")) if n != "none" else (), misfit=m, pattern=None, fitted=None, off_by=None
+        )
         for n, m in misfits.items()
     ]
     place = "waxstudy.diagnosis.select.changed."

@@ -163,6 +163,7 @@ class Unexplained:
     channel: str = ""  # that it is judged by
     probability: float = nan  # that something unknown is there, or where it `is_nameless` anything
     when: When | None = None  # where it is missed by more at certain times
+    like: str = ""  # what it looks as if, where an instrument explains it
     is_nameless: bool = False  # something is surely amiss, which may be of the library: no effect is sure enough
 
     @property

@@ -53,6 +53,7 @@ def _unnamed(remains: Sequence[Unexplained], what: str) -> Iterator[str]:
     nameless = dict.fromkeys(each.stage for each in findings if each.is_nameless)
     if unknown:
         yield f"Something that {what} lies at: {', '.join(unknown)}."
+    yield from (f"It looks as if {each.like}." for each in findings if each.like)
     if nameless:
         yield f"Something is amiss at: {', '.join(nameless)}. No effect is sure enough to be named."
 

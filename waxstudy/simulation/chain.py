@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,9 +25,14 @@ from waxstudy.study.model import Choice
 
 
 class Chain:
-    """The blocks of one case, ready to run."""
+    """The blocks of one case, ready to run; `begins`: numbers of states that start otherwise, by kind and name."""
 
-    def __init__(self, blocks: Mapping[str, Choice], step_s: float) -> None:
+    def __init__(
+        self,
+        blocks: Mapping[str, Choice],
+        step_s: float,
+        begins: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
+    ) -> None:
         self.blocks: list[type[Block] | None] = [None] * len(CHAIN)
         self.plain: list[Any] = [()] * len(CHAIN)
         for kind, choice in blocks.items():
@@ -34,7 +40,7 @@ class Chain:
             assert issubclass(choice.component, Block)
             self.blocks[place] = _sound(choice.component)  # type: ignore[arg-type]  # a class is hashable
             self.plain[place] = plain_parameters(choice.parameters)
-        self.step_s = step_s
+        self.step_s, self.begins = step_s, begins
         ports = [block.output if block else None for block in self.blocks]
         self.low = np.array([port.low if port else 0.0 for port in ports])
         self.high = np.array([port.high if port else 0.0 for port in ports])
@@ -52,6 +58,8 @@ class Chain:
             problem = f"its start failed: {described(error)}"
         if problem := problem or state_problem(state):
             raise SimulationError(f"{block.kind} '{block.name}': {problem}")
+        for name, value in self.begins.get(block.kind, {}).items():
+            setattr(state, name, value)
         return state
 
     def odd_state(self, states: list[Any]) -> int | None:

@@ -86,9 +86,11 @@ class Healthy:
         return max(self.problem.past_switch(self.fitted).reading_K, self.problem.noise_past_switch_K)
 
     def step_L_h(self, interval_s: float) -> float:
-        """Return in which steps a flow is told, in samples so long: of a pulse, else of noise; 0 without one."""
+        """Return in which steps a flow is told, in samples so long: of a pulse, else of noise or rounding."""
         record = self.problem.record
-        return record.pulse_L * 3600.0 / interval_s if record.pulses else record.noise.get(FLOW, 0.0)
+        if record.pulses:
+            return record.pulse_L * 3600.0 / interval_s
+        return max(record.noise.get(FLOW, 0.0), record.flow_step_L_h)
 
     @property
     def tolerated_travel(self) -> float:

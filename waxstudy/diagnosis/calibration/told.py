@@ -14,7 +14,7 @@ from waxstudy.diagnosis.model.edits import EffectType, Values
 from waxstudy.diagnosis.model.nuisance import Nuisance
 from waxstudy.diagnosis.result import NORMAL, BaselineFit, Calibrated, Interval, Part
 from waxstudy.diagnosis.weights import WEIGHTS
-from waxstudy.plugin import Belief, Prior, Room, Uncertainty
+from waxstudy.plugin import HOURS, Belief, Prior, Room, Uncertainty
 
 
 def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibrated]:
@@ -53,12 +53,18 @@ def calibrated(calibration: Calibration, documented: Belief) -> Iterator[Calibra
                 before,
                 sentence,
                 "room" if is_of_room else "chain",
-                _is_clear(effect, name, value, before),
+                _is_clear(effect, name, value, before) and _is_there(effect, found, still),
             )
 
 
 def _has_hours(effect: EffectType, values: Values) -> bool:
     return effect.hours(effect.Parameters(**values)) is not None
+
+
+def _is_there(effect: EffectType, values: Values, still: Values) -> bool:
+    """Whether an effect is worth a word by anything but its hours, which nothing has as well."""
+    names = [name for name in values if name not in HOURS]
+    return any(_is_clear(effect, name, values[name], still.get(name, nan)) for name in names)
 
 
 def _is_clear(effect: EffectType, name: str, value: float, still: float) -> bool:
@@ -167,8 +173,7 @@ def doubts(calibration: Calibration, documented: Belief) -> Iterator[str]:
             usual = _deviations(knob, departure)
             yield f"the baseline itself: {knob.name} lies {usual} from the documents, or farther; is it healthy?"
     for effect, values in always.items():
-        still = effect.neutral(documented) or {}
-        if not any(_is_clear(effect, name, value, still.get(name, nan)) for name, value in values.items()):
+        if not _is_there(effect, values, effect.neutral(documented) or {}):
             continue
         sentence = effect.sentence(effect.Parameters(**values))
         yield f"the baseline shows {effect.name} too, so it counts as there from the start; is it healthy? {sentence}"

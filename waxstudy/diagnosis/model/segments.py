@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 
 from waxstudy.diagnosis.criteria import ROOM_STAGES
+from waxstudy.diagnosis.model.beginning import begun
 from waxstudy.diagnosis.model.conventions import AFTER, BEFORE, LATE, LONG_S, MEAN_WORDS, PLAIN, RAW, Convention
 from waxstudy.diagnosis.model.modulator_clock import late_s
 from waxstudy.diagnosis.model.opening_path import cells, path
@@ -135,7 +136,8 @@ class Segment:
                 return hides
             drive = blocks, first, signal, record.filled_or_zero("setpoint_C"), record.interval_s, start_s
             # a switch may have been thrown anywhere in its interval, else the signal runs from sample to sample
-            return _thrown(*drive, step_s) if has_cells else (*replayed(*drive, jump, step_s=step_s), {})
+            output = self._output(record, chain)
+            return _thrown(*drive, step_s) if has_cells else (*replayed(*drive, jump, "valve", step_s, output), {})
 
         ways = convention.is_raw, convention.is_late, step_s
         slot, key = ("chain", first, self.driven_by), (*ways, start_s, *blocks.items())
@@ -153,6 +155,12 @@ class Segment:
             shown[SHOWN["controller"]] = record.smooth(shown[SHOWN["controller"]])
         shown.shifted = {SHOWN[kind]: each for kind, each in shifted.items()}
         return shown
+
+    def _output(self, record: Record, chain: list[str]) -> FloatArray | None:
+        """Return a recorded output that runs on, which tells the state in which its controller begins."""
+        channel = SHOWN["controller"]
+        is_told = "controller" in chain and channel in self.judged and channel not in record.binary
+        return record.values[channel] if is_told else None
 
     def _hidden(
         self, blocks: Mapping[str, Choice], first: str, signal: FloatArray, record: Record, step_s: float
@@ -327,9 +335,16 @@ def replayed(
     jump: FloatArray | None = None,
     last: str = CHAIN[-1],
     step_s: float = STEP_S,
+    output: FloatArray | None = None,
 ) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
-    """Return what `replay` makes of blocks at a step that divides the interval, `step_s` or somewhat less."""
-    chain = Chain(blocks, interval_s / max(1, int(np.ceil(interval_s / step_s))))
+    """Return what `replay` makes of blocks at a step that divides the interval, `step_s` or somewhat less.
+
+    A controller begins in the state that its recorded output (n,) tells, where that is given.
+    """
+    step_s = interval_s / max(1, int(np.ceil(interval_s / step_s)))
+    drive = first, signal, setpoint_C
+    begins = {} if output is None else begun(blocks, *drive, output, interval_s, start_s, step_s)
+    chain = Chain(blocks, step_s, begins)
     return replay(chain, first, signal, setpoint_C, interval_s=interval_s, start_s=start_s, jump=jump, last=last)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from waxstudy.dataset.limits import FEW_SAMPLES
 from waxstudy.dataset.pulses import Pulses
+from waxstudy.dataset.resolution import step
 from waxstudy.dataset.stand_ins import FIELDS, GAINS, SUN, StandIn
 from waxstudy.diagnosis.observations.noise import ON, estimated, left_out, measured, snapped
 from waxstudy.plugin import FloatArray, Inputs
@@ -101,15 +102,17 @@ class Record:
         stated = self.stated_noise.get(name)
         return max(stated, left_out(name, measured(values))) if stated else estimated(name, values)
 
-    @property
-    def pulse_L_h(self) -> float:
-        """The flow that one pulse in a sample is written as, 0 where flow was not counted so."""
-        return self.pulses.pulse_L_h if self.pulses else 0.0
+    @cached_property
+    def flow_step_L_h(self) -> float:
+        """The step in which flow is told: what one pulse in a sample is written as, else rounding; 0 without one."""
+        if self.pulses:
+            return self.pulses.pulse_L_h
+        return step(measured(self.values[FLOW])) if FLOW in self.values else 0.0
 
     @property
     def pulse_L(self) -> float:
-        """The volume of such a pulse, 0 where flow was not counted so."""
-        return self.pulse_L_h * self.interval_s / 3600.0
+        """The volume of a pulse in which flow was counted, 0 where it was not."""
+        return self.pulses.pulse_L_h * self.interval_s / 3600.0 if self.pulses else 0.0
 
     def between(self, channel: str) -> float:
         """Return what a straight line from sample to sample misses of a channel (root mean square).

@@ -39,7 +39,7 @@ def changed(search: Search, healthy: Healthy, whole: SegmentProblem, tick: Tick)
         unsure = [each for each, rest in zip(found, rests, strict=True) if _may_be_blurred(best, rest, each)]
         blurred = [each for each in unsure if distinct_in(whole, last, each.effect, intervals) <= WEIGHTS.notable]
         if not blurred:
-            return replace(search.selection(found, tried, intervals, last), posterior=beliefs)
+            return replace(search.selection(found, tried, intervals, last), posterior=beliefs, off_by=best.off_by)
         kept = WEIGHTS.blurred if search.problem.segment.with_room else 0.0
         beliefs = _without(beliefs, {each.effect.name for each in blurred}, kept)
 

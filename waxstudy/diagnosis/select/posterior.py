@@ -10,6 +10,7 @@ import numpy as np
 from waxstudy.diagnosis.criteria import limits
 from waxstudy.diagnosis.estimate.hypothesis import Hypothesis
 from waxstudy.diagnosis.select.gain_spread import told_apart
+from waxstudy.diagnosis.select.instruments import OffBy
 from waxstudy.diagnosis.select.patterns import Pattern
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin import FloatArray
@@ -39,6 +40,7 @@ class Weighed:
     stands: float = np.inf  # how far what is missed without it stands out where it acts, in standard deviations
     pattern: Pattern | None = None  # where it does not act always
     strength: float = 1.0  # of its effect then, over that which suits all of the record best
+    off_by: OffBy | None = None  # the instrument that would explain most of what it leaves
 
 
 def score(weighed: Weighed) -> float:
@@ -62,7 +64,10 @@ def posterior(found: Sequence[Weighed], soft: float | None = None, unseen: float
     gains = _gains(found, best)
     logs: dict[str, float] = {}
     for each, own, gain in zip(found, gains, _with_peers(found, gains), strict=True):
-        _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
+        told = gain - max(0.0, each.always) - each.price
+        _add(logs, each.names, told, each.misfit)
+        if each.off_by:
+            _raise(logs, (*each.names, UNKNOWN), told + each.off_by.told - WEIGHTS.unknown_price)
         if each.fitted.effects:
             _raise(logs, (UNKNOWN,), _mimicked(each, own))
         if each.always > 0.0:

@@ -30,6 +30,7 @@ from waxstudy.diagnosis.select.evidence import (
     explained,
     strongest,
 )
+from waxstudy.diagnosis.select.instruments import OffBy
 from waxstudy.diagnosis.select.intervals import Intervals, parameter_intervals
 from waxstudy.diagnosis.select.null import inclusion, null
 from waxstudy.diagnosis.select.patterns import Pattern, acting
@@ -92,6 +93,7 @@ class Selection:
     withdrawn: tuple[Withdrawn, ...] = ()
     intervals: Intervals = field(default_factory=dict)  # of what was found
     posterior: Mapping[str, float] = field(default_factory=dict)  # of hypotheses, where they were weighed
+    off_by: OffBy | None = None  # the instrument that would explain most of what the last model leaves
     course: FloatArray | None = None  # (n,) share of what the last model's effect does; None for all, always
 
     @property

@@ -50,15 +50,18 @@ def _unknown(selection: Selection) -> Iterator[Unexplained]:
     if unknown < WEIGHTS.likelier and not is_nameless:
         yield from _strayed(selection, unknown)
     else:
+        off_by = selection.off_by if selection.off_by and selection.off_by.told > 0.0 else None
         worst = max(selection.after.residuals, key=lambda each: in_floors(each.gap(), floor[each.channel]))
+        worst = next((each for each in selection.after.residuals if off_by and each.channel == off_by.channel), worst)
         stage = stage_of(selection, worst.channel)
         once = when_past_switch(selection.problem, selection.after) if worst.channel == OUTPUT else None
-        course = None if once else concentrated(worst, together(worst), selection.problem.record)
+        course = None if once or off_by else concentrated(worst, together(worst), selection.problem.record)
         when = When(course.words, list(course.spans_h)) if course else once
         gap = worst.gap(), floor[worst.channel]
         is_nameless &= unknown < WEIGHTS.likelier
         p = nothing if is_nameless else 1.0 - unknown
-        yield Unexplained(stage, *gap, p, channel=worst.channel, when=when, is_nameless=is_nameless)
+        like = off_by.words if off_by else ""
+        yield Unexplained(stage, *gap, p, channel=worst.channel, when=when, like=like, is_nameless=is_nameless)
 
 
 def _strayed(selection: Selection, unknown: float) -> Iterator[Unexplained]:

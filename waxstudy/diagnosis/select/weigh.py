@@ -18,6 +18,7 @@ from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.select.appraise import Appraisal
 from waxstudy.diagnosis.select.day import SPANS
 from waxstudy.diagnosis.select.days import courses
+from waxstudy.diagnosis.select.instruments import Instruments
 from waxstudy.diagnosis.select.looks import acts_all_day, has_hours
 from waxstudy.diagnosis.select.patterns import acting, patterns
 from waxstudy.diagnosis.select.posterior import Weighed, score
@@ -60,7 +61,16 @@ class Weighing(Appraisal):
                 others = [effect for effect in self.effects if _may_be_beside(effect, each.fitted)]
                 pairs = list(self._one_more(others, each.fitted, self.tick))
                 found += [self.beside(each, pair) for pair in self._timely(pairs, each.fitted)]
-        return found
+        return self._beside_instruments(found)
+
+    def _beside_instruments(self, found: list[Weighed]) -> list[Weighed]:
+        """Return hypotheses, the first that nothing changed, of a room each with the instrument that may be off."""
+        if not self.problem.segment.with_room or self.problem.as_built is None:
+            return found
+        instruments = Instruments(self.estimator, self.none, self.share, self.healthy.problem.record)
+        alone = instruments.best(found[0].fitted)
+        beside = [instruments.beside(alone, each.gain, each.ease, each.spread, each.fitted) for each in found[1:]]
+        return [replace(each, off_by=off_by) for each, off_by in zip(found, (alone, *beside), strict=True)]
 
     @cached_property
     def _superposed(self) -> Superposed:

@@ -264,7 +264,10 @@ def _gap_left(diagnosis: Diagnosis, left: Unexplained) -> str:
     gap = with_unit(number(left.gap), unit_of(diagnosis, left))
     channel = f" {channel_words(left.channel)}" if left.channel else ""
     when = f", mostly {left.when.pattern}" if left.when else ""
-    return f"{stage_words(left.stage)}:{channel} {gap}{when}, floor {number(left.noise_floor)}, {_how_sure_of(left)}"
+    like = f", as if {left.like}" if left.like else ""
+    return (
+        f"{stage_words(left.stage)}:{channel} {gap}{when}{like}, floor {number(left.noise_floor)}, {_how_sure_of(left)}"
+    )
 
 
 def _how_sure_of(left: Unexplained) -> str:
@@ -281,7 +284,8 @@ def remarks(left: Unexplained) -> list[str]:
     drives = "sun or gains that nobody recorded may leave as much"
     told = ((form, left.is_room_form), (covered, left.is_covered), (drives, left.is_of_drives))
     why = ", and ".join(words for words, holds in told if holds)
-    return [*([f"mostly {left.when.pattern}"] if left.when else []), *([f"no finding: {why}"] if why else [])]
+    when = [f"mostly {left.when.pattern}"] if left.when else []
+    return [*when, *([f"as if {left.like}"] if left.like else []), *([f"no finding: {why}"] if why else [])]
 
 
 def _not_tested(diagnosis: Diagnosis) -> list[str]:
