@@ -684,6 +684,7 @@ class Told:
 
     names: list[str]
     posterior: dict[str, float] = field(default_factory=dict)
+    off_by: None = None
 
 
 def told_of(
