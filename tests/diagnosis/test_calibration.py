@@ -417,6 +417,13 @@ def test_what_was_calibrated_is_what_is_believed_from_then_on() -> None:
     assert all(one[name] == pytest.approx(other[name], rel=0.05) for name, each in other.items() if type(each) is float)
 
 
+def test_an_effect_of_nothing_is_not_there_whatever_its_hours() -> None:
+    offset, hours = EFFECTS["setpoint-offset"], {"from_h": 22.0, "to_h": 6.0}
+    still = {"offset_K": 0.0}
+    assert not told._is_there(offset, {"offset_K": 0.0, **hours}, still)
+    assert told._is_there(offset, {"offset_K": -1.0, **hours}, still)
+
+
 def test_the_examples_of_how_departures_are_worded_hold() -> None:
     tried = doctest.testmod(told)
     assert (tried.attempted, tried.failed) == (3, 0)

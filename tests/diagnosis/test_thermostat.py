@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -25,13 +26,18 @@ K_MIN, LAG_MIN = 0.005, 20.0  # how fast the room warms or cools, and how late t
 HELD = range(3000, 3360)  # minutes
 
 
-def recorded(seed: int, is_locked: bool = False, stands_K: float | None = None) -> Record:
+AGAIN = range(7000, 7400)
+
+
+def recorded(
+    seed: int, is_locked: bool = False, stands_K: float | None = None, held: Sequence[range] = (HELD,)
+) -> Record:
     """A room that warms while its thermostat is on and cools else; locked off, or standing near where that switches."""
     air_C, is_on, rate_K_min, rows = SETPOINT_C, 0.0, 0.0, []
     random = np.random.default_rng(seed)
     for minute in range(MINUTES):
         edge_C = SETPOINT_C - HALF_BAND_K
-        if air_C < edge_C and not (is_locked and minute in HELD):
+        if air_C < edge_C and not any(minute in each for each in held):
             is_on = 1.0
         elif air_C > SETPOINT_C + HALF_BAND_K:
             is_on = 0.0
@@ -56,12 +62,23 @@ def weighing(record: Record) -> Weighing:
 
 
 def test_a_switch_past_which_the_reading_went_on_is_something_unknown_at_that_time() -> None:
-    locked = weighing(recorded(2, is_locked=True))
+    locked = weighing(recorded(2, (HELD,)))
     assert posterior(locked.weighed())["unknown"] > 0.9
     when = when_past_switch(locked.problem, locked.none)
     assert when
     assert when.spans_h[0][1] == pytest.approx(HELD.stop / 60.0, abs=0.05)
     words = r"from day 3 0\d:\d\d to 08:0\d, when its reading went on \d.\d K past where it switches"
+    assert re.fullmatch(words, when.pattern)
+
+
+def test_each_time_that_a_reading_went_on_is_told() -> None:
+    twice = weighing(recorded(2, (HELD, AGAIN)))
+    when = when_past_switch(twice.problem, twice.none)
+    assert when
+    assert [end for _, end in when.spans_h] == pytest.approx([HELD.stop / 60.0, AGAIN.stop / 60.0], abs=0.1)
+    words = (
+        r"from day 3 0\d:\d\d to 08:0\d, from day 6 00:\d\d to 03:2\d, when its reading went on up to \d.\d K past .*"
+    )
     assert re.fullmatch(words, when.pattern)
 
 

@@ -27,7 +27,6 @@ from waxstudy.diagnosis.model.segments import segments
 from waxstudy.diagnosis.observations.partition import ALL, FIT
 from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
-from waxstudy.diagnosis.residuals.switching import Past
 from waxstudy.diagnosis.select.appraise import _of_form, _price
 from waxstudy.diagnosis.select.changed import (
     Choice,
@@ -390,7 +389,7 @@ def bare(
     segment = SimpleNamespace(with_room=is_room, judged=("air_temperature_C", "return_temperature_C", "heating_signal"))
     record = SimpleNamespace(flow_step_L_h=0.0)
     own = {"segment": segment, "record": record, "sd": np.zeros(0), "as_built": None}
-    made.problem = SimpleNamespace(**{**own, "past_switch": lambda fitted: Past(), **problem})
+    made.problem = SimpleNamespace(**{**own, "past_switch": lambda fitted: [], **problem})
     made.filtered = SimpleNamespace(squares=lambda fitted, nothing: {})
     usual: Any = Healthy
     made.healthy = SimpleNamespace(

@@ -83,7 +83,8 @@ class Healthy:
     @cached_property
     def past_switch_K(self) -> float:
         """How far a thermostat's reading goes on past where it switches, or noise makes it; 0 where none is judged."""
-        return max(self.problem.past_switch(self.fitted).reading_K, self.problem.noise_past_switch_K)
+        seen_K = (each.reading_K for each in self.problem.past_switch(self.fitted))
+        return max([*seen_K, self.problem.noise_past_switch_K])
 
     def step_L_h(self, interval_s: float) -> float:
         """Return in which steps a flow is told, in samples so long: of a pulse, else of noise or rounding."""

@@ -185,10 +185,10 @@ class SegmentProblem:
         pairs = zip(self.judge.residuals(still), self.judge.residuals(moved), strict=True)
         return [None if now.channel in self.record.binary else then.whitened - now.whitened for now, then in pairs]
 
-    def past_switch(self, fitted: Hypothesis) -> Past:
-        """Return how far a thermostat's reading goes on past where a hypothesis switches; 0 K where none is judged."""
+    def past_switch(self, fitted: Hypothesis) -> list[Past]:
+        """Return where a thermostat's reading goes on past where a hypothesis switches; empty where none is judged."""
         if self._thermostat is None:
-            return Past()
+            return []
         return self._thermostat.past(self.predicted(self.belief_of(fitted), fitted.convention))
 
     @property

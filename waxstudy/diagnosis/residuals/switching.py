@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from typing import NamedTuple
 
@@ -59,7 +60,8 @@ class Switching:
         still = self.still[self.channel]
         self._moved_s.append(self._off_s(np.abs(moved[self.channel] - still)))
         if self.reads:
-            self._noise_past_K = max(self._noise_past_K, self._past(moved[self.channel], still).reading_K)
+            pasts_K = [each.reading_K for each in self._past(moved[self.channel], still)]
+            self._noise_past_K = max([self._noise_past_K, *pasts_K])
 
     @cached_property
     def scale_s(self) -> FloatArray:
@@ -97,9 +99,9 @@ class Switching:
         names = ("sensor_temperature_C", self.segment.driven_by)
         return next((name for name in names if name in CONTINUOUS and self.record.has(name)), "")
 
-    def past(self, predicted: Predicted) -> Past:
-        """Return where the reading goes on farthest past where one of prediction and record switched alone."""
-        return self._past(predicted[self.channel], self.measured)
+    def past(self, predicted: Predicted) -> list[Past]:
+        """Return where the reading goes on past where one of prediction and record switched alone."""
+        return list(self._past(predicted[self.channel], self.measured))
 
     @property
     def noise_past_K(self) -> float:
@@ -108,21 +110,20 @@ class Switching:
         within_K = float(np.sqrt(np.mean(np.diff(self.record.drive(self.reads)) ** 2)))  # a sample
         return max(self._noise_past_K, WEIGHTS.surely_off * noise_K, within_K)
 
-    def _past(self, one: FloatArray, other: FloatArray) -> Past:
-        """Return the same of two outputs (n,), around switches that are judged.
+    def _past(self, one: FloatArray, other: FloatArray) -> Iterator[Past]:
+        """Yield the same of two outputs (n,), around switches that are judged.
 
         Where one calls for heat and the other does not, that is how far the reading falls; where one stops, how far it
         rises. That it goes the other way tells nothing: there one missed a switch by a hair.
         """
-        reading, most = self.record.drive(self.reads), Past()
+        reading = self.record.drive(self.reads)
         differs = (np.abs(one - other) > 0.5) & self.known & self.judged[self.windows]
         ends = np.flatnonzero(np.diff(np.concatenate(([False], differs, [False]))))
         for begin, end in ends.reshape(-1, 2).tolist():
             calls = [each[begin] for each in (one, other) if begin and each[begin] != each[begin - 1]]
             if len(calls) == 1:
                 way = -1.0 if calls[0] > 0.5 else 1.0
-                most = max(most, Past(float(np.max(way * (reading[begin:end] - reading[begin]))), begin, end))
-        return most
+                yield Past(float(np.max(way * (reading[begin:end] - reading[begin]))), begin, end)
 
     def residual(self, predicted: Predicted) -> Residual:
         """Return how long, around each measured switch, the prediction differs from the record [s]."""
