@@ -29,9 +29,7 @@ HELD = range(3000, 3360)  # minutes
 AGAIN = range(7000, 7400)
 
 
-def recorded(
-    seed: int, is_locked: bool = False, stands_K: float | None = None, held: Sequence[range] = (HELD,)
-) -> Record:
+def recorded(seed: int, held: Sequence[range] = (), stands_K: float | None = None) -> Record:
     """A room that warms while its thermostat is on and cools else; locked off, or standing near where that switches."""
     air_C, is_on, rate_K_min, rows = SETPOINT_C, 0.0, 0.0, []
     random = np.random.default_rng(seed)
