@@ -19,7 +19,7 @@ from waxstudy.importing.joining import joined
 from waxstudy.importing.layouts import readings_of
 from waxstudy.importing.left_out import without_lone, without_modes
 from waxstudy.importing.limits import FRACTION, NAMED
-from waxstudy.importing.matching import Match, matched
+from waxstudy.importing.matching import Match, is_kept_by_unit, matched
 from waxstudy.importing.names import CHANNEL_NAMES, OTHERS, is_of_room, plain, rooms_of, says
 from waxstudy.importing.reading import Logged, NoStamps, Readings, Table, Unordered, problem, refusal
 from waxstudy.importing.request import Imported, Request
@@ -67,6 +67,7 @@ def bring(request: Request, ask: Ask) -> Imported:
         raise _no_outdoors(request, entities, matches, blank)
     _tell_unseen_room(request, entities, matches, notes)
     _tell_unknown_units(entities, matches, notes)
+    _tell_other_units(entities, matches, notes)
     imported = channels_of(request, matches, entities, notes, ask)
     taken = [places[match.seen.entity] for match in matches.values() if match.seen.entity in places]
     return replace(imported, place=taken[0]) if taken else imported
@@ -300,6 +301,17 @@ def _tell_unknown_units(entities: Sequence[Seen], matches: Mapping[str, Match], 
         notes.warn(
             f"not used, because the unit is none that is known: {listed(unknown, NAMED)}; to use one, say "
             "--unit NAME=UNIT"
+        )
+
+
+def _tell_other_units(entities: Sequence[Seen], matches: Mapping[str, Match], notes: Notes) -> None:
+    """Say of what is called as a channel why it is none, where its unit is that of something else."""
+    used = {match.seen.entity for match in matches.values()}
+    others = [each for each in entities if each.entity not in used and each.is_unit_written and not _is_odd(each)]
+    if found := [f"{each.entity} ('{each.unit}')" for each in others if is_kept_by_unit(each)]:
+        notes.warn(
+            f"not used, because the unit is of something else than the name: {listed(found, NAMED)}; if it is misread, "
+            "say --unit NAME=UNIT"
         )
 
 

@@ -55,10 +55,10 @@ def units_row(frame: pd.DataFrame) -> tuple[dict[str, str], pd.DataFrame]:
 
 
 def is_value(cell: str) -> bool:
-    if cell.lower() in WRITTEN and not cell.isdigit():
-        return False
+    if is_told_in_words(cell):
+        return True
     begins_as_number = re.fullmatch(SIGN + r"[.,]?\d[\d.,:eE \-/TZ+]*", cell)  # T1 and E2 are names
-    return begins_as_number is not None or is_told_in_words(cell)
+    return begins_as_number is not None and (cell.lower() not in WRITTEN or cell.isdigit())
 
 
 def _is_unlike(frame: pd.DataFrame, told: dict[Hashable, str]) -> bool:

@@ -141,6 +141,12 @@ def _by_name(each: Seen, channel: str) -> tuple[float, list[str]]:
     return (VAGUE, ["a word of its name that other things have, too"]) if says(name, words.vague) else (0.0, [])
 
 
+def is_kept_by_unit(each: Seen) -> bool:
+    """Whether a name says clearly that an entity is a channel, and its unit fits none that the name says."""
+    named = [channel for channel in CHANNELS if _by_name(each, channel)[0] >= CLEAR]
+    return bool(named) and all(is_plausible(each, CHANNELS[channel].quantity) is None for channel in named)
+
+
 def _names_another(each: Seen, channel: str) -> bool:
     """Whether a name says clearly that an entity is something else, or is not of a channel."""
     name = plain(each.entity)

@@ -38,6 +38,7 @@ NO_TEMPERATURES = (*AMOUNTS, "heating_signal")
 ON = (1.0, 100.0, units.FULL_BYTE)  # numbers that are on where nothing else than 0 is beside them
 WRITTEN = STATED, IN_FILE, IN_NAME = ("stated", "in the file", "in its name")
 IS_FAHRENHEIT = "as rooms of this source are at 50 to 95, which is degrees Fahrenheit"
+WARM = "|".join((TEMPERATURE, *(words.clear for name, words in CHANNEL_NAMES.items() if name.endswith("_C"))))
 ABOUT_ROOM = ("sensor_temperature_C", "air_temperature_C", "setpoint_C")
 
 
@@ -93,7 +94,9 @@ def _beside_the_valve(found: list[Seen]) -> list[Seen]:
 
 def _looked_at(logged: Logged, stated: str) -> Seen:
     known = logged.values[np.isfinite(logged.values)]
-    logged = logged._replace(unit="") if logged.is_words else logged  # beside words that are understood none tells more
+    # beside words that are understood a unit tells no more, and a mere degree none of which scale
+    says_nothing = logged.is_words or (logged.unit.lower() in units.BARE_DEGREES and says(plain(logged.entity), WARM))
+    logged = logged._replace(unit="") if says_nothing else logged
     if _may_be_C(stated or logged.unit) and (measured := known[~power_on(known)]).size:
         known = measured
     low, median, high = (float(each) for each in np.quantile(known, (0.01, 0.5, 0.99)))
@@ -160,16 +163,18 @@ def _is_temperature(name: str, each: Seen) -> bool:
     return not each.is_binary and (says(name, f"{TEMPERATURE}|t") or (is_said and not is_other))
 
 
+# at a name's end: letters alone as they are written as units, as a small one may say where or which; others in any case
+LETTERS = {"_C": "degC", "_F": "degF", "_W": "W", "_V": "V", "_L": "L"}
 IN_NAMES = {
-    "_C": "degC", "_degC": "degC", "_F": "degF", "_degF": "degF", "_L_h": "L/h", "_l_h": "L/h", "_lh": "L/h",
-    "_m3h": "m3/h", "_m3_h": "m3/h", "_L_min": "L/min", "_lpm": "L/min", "_gpm": "gpm", "_kW": "kW", "_W": "W",
-    "_kWh": "kWh", "_pct": "%", "_percent": "%", "_V": "V", "_L": "L", "_litres": "L", "_liters": "L", "_m3": "m3",
+    "_degc": "degC", "_degf": "degF", "_l_h": "L/h", "_lh": "L/h", "_m3h": "m3/h", "_m3_h": "m3/h", "_l_min": "L/min",
+    "_lmin": "L/min", "_lpm": "L/min", "_l_s": "L/s", "_kg_h": "kg/h", "_kg_s": "kg/s", "_gpm": "gpm", "_kw": "kW",
+    "_kwh": "kWh", "_pct": "%", "_percent": "%", "_litres": "L", "_liters": "L", "_m3": "m3",
 }  # fmt: skip
 
 
 # behind a blank; no letters alone, which may name a room or the west, but as they are written as a unit
 BEHIND = (
-    "%", "°c", "°f", "℃", "℉", "degc", "degf", "l/h", "l/min", "l/s", "m3/h", "m³/h", "lpm", "gpm", "m³",
+    "%", "°c", "°f", "℃", "℉", "degc", "degf", "l/h", "l/min", "l/m", "l/s", "kg/h", "m3/h", "m³/h", "lpm", "gpm", "m³",
     "kwh", "mwh", "w/m2", "w/m²",
 )  # fmt: skip
 AS_WRITTEN = ("kW", "Wh", "m3")
@@ -179,7 +184,8 @@ def _in_name(entity: str) -> str:
     before, _, last = entity.rpartition(" ")
     if before and (last.lower() in BEHIND or last in AS_WRITTEN):
         return last
-    return next((unit for end, unit in IN_NAMES.items() if entity.endswith(end)), "")
+    ends = ((entity, LETTERS), (entity.lower(), IN_NAMES))
+    return next((unit for name, units_of in ends for end, unit in units_of.items() if name.endswith(end)), "")
 
 
 def level_unit(each: Seen) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from functools import cache
+from tokenize import TokenError
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from waxstudy.dataset.channels import Quantity
@@ -15,18 +16,21 @@ if TYPE_CHECKING:
 
 # as people and loggers write them, in pint's words; pint takes C for coulombs and F for farads
 WRITTEN = {
-    "c": "degC", "celsius": "degC", "°c": "degC", "℃": "degC", "grad c": "degC", "deg c": "degC",
+    "c": "degC", "celsius": "degC", "°c": "degC", "ºc": "degC", "℃": "degC", "grad c": "degC", "deg c": "degC",
     "f": "degF", "fahrenheit": "degF", "°f": "degF", "℉": "degF", "deg f": "degF",
     "k": "kelvin", "gpm": "gallon/minute", "gph": "gallon/hour", "cfm": "foot**3/minute",
     # of water, a litre of which has a kilogram within 1 % up to 45 °C
     "kg/s": "liter/second", "kg/min": "liter/minute", "kg/h": "liter/hour", "t/h": "meter**3/hour",
-    "lpm": "liter/minute", "lph": "liter/hour", "cbm": "m**3", "cbm/h": "m**3/hour", "kbtu/h": "kBTU/hour",
-    "mbh": "kBTU/hour", "btuh": "BTU/hour", "btu/hr": "BTU/hour", "btu/h": "BTU/hour", "w": "watt", "kw": "kilowatt",
-    "wh": "watt_hour", "kwh": "kilowatt_hour", "mwh": "megawatt_hour", "l": "liter", "gal": "gallon",
-    "v": "volt", "0-10 v": "volt", "0-10v": "volt", "0..10 v": "volt", "0...10 v": "volt", "vdc": "volt",
-    "%": "percent", "percent": "percent", "prozent": "percent", "1": "1", "0/1": "1", "0-1": "1", "0..1": "1",
-    "on/off": "1", "bool": "1", "0-255": "byte_level", "0..255": "byte_level", "byte": "byte_level",
+    "l/m": "liter/minute", "lpm": "liter/minute", "lph": "liter/hour", "cbm": "m**3", "cbm/h": "m**3/hour",
+    "kbtu/h": "kBTU/hour", "mbh": "kBTU/hour", "btuh": "BTU/hour", "btu/hr": "BTU/hour", "btu/h": "BTU/hour",
+    "w": "watt", "kw": "kilowatt", "wh": "watt_hour", "kwh": "kilowatt_hour", "mwh": "megawatt_hour", "l": "liter",
+    "gal": "gallon", "v": "volt", "0-10 v": "volt", "0-10v": "volt", "0..10 v": "volt", "0...10 v": "volt",
+    "vdc": "volt", "%": "percent", "percent": "percent", "prozent": "percent", "1": "1", "0/1": "1", "0-1": "1",
+    "0..1": "1", "-": "1", "on/off": "1", "bool": "1", "0-255": "byte_level", "0..255": "byte_level",
+    "byte": "byte_level",
 }  # fmt: skip
+BARE_DEGREES = ("°", "º", "grad", "deg", "degrees")  # of a temperature they tell no scale, of anything else an angle
+PER = {"h": "hour", "min": "minute", "s": "second"}  # in either case: pint takes H for henries and S for siemens
 PULSES = ("imp", "impulse", "impulses", "pulse", "pulses", "count", "counts", "imp.", "ticks")
 STOREYS = ("EG", "OG", "UG", "DG", "KG")  # of German houses; pint takes the first for exagrams
 POWER_SIGN = {"²": "2", "³": "3", "·": "*", "−": "-"}
@@ -38,6 +42,8 @@ COUNTED: dict[Quantity, str] = {"flow": "liter", "gain": "watt_hour"}  # per hou
 PLAIN = re.compile(
     r"(\d{1,9}([.]\d{1,9})?\s*)?[^\d\s]([^\d\s]|[ ²³·]|[23](?![\d*^])){0,29}|1"
 )  # no powers of numbers, which never end
+# what pint raises besides its own errors, by what the text is
+NO_UNIT = (TokenError, AssertionError, AttributeError, ValueError, TypeError, SyntaxError, ArithmeticError)
 FULL_V = 10.0  # of a signal of 0 to 10 V
 FULL_BYTE = 255.0  # of a level in eight bits, as KNX counts per cent (data point type 5.001)
 
@@ -126,10 +132,12 @@ def _quantity(unit: str) -> Any:
     for sign, plain in POWER_SIGN.items():
         text = text.replace(sign, plain)
     text = re.sub(r"([A-Za-z])([23])\b", r"\1**\2", text)
-    parts = [WRITTEN.get(part.strip().lower(), part) if "/" in text else part for part in text.split("/")]
+    first, *others = text.split("/")
+    first = WRITTEN.get(first.strip().lower(), first) if others else first
+    per = [PER.get(part.strip().lower()) or WRITTEN.get(part.strip().lower(), part) for part in others]
     try:
-        found = _registry().parse_expression("/".join(parts))
-    except (PintError, AttributeError, ValueError, TypeError, SyntaxError, ArithmeticError) as error:
+        found = _registry().parse_expression("/".join([first, *per]))
+    except (*NO_UNIT, PintError) as error:
         raise ValueError(f"'{unit}' is no unit that is known") from error
     return found if hasattr(found, "units") else _registry().Quantity(float(found), "")
 
