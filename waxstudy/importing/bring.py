@@ -20,7 +20,7 @@ from waxstudy.importing.layouts import readings_of
 from waxstudy.importing.left_out import without_lone, without_modes
 from waxstudy.importing.limits import FRACTION, NAMED
 from waxstudy.importing.matching import Match, is_kept_by_unit, matched
-from waxstudy.importing.names import CHANNEL_NAMES, OTHERS, is_of_room, plain, rooms_of, says
+from waxstudy.importing.names import CHANNEL_NAMES, OTHERS, is_contact, is_of_room, plain, rooms_of, says
 from waxstudy.importing.reading import Logged, NoStamps, Readings, Table, Unordered, problem, refusal
 from waxstudy.importing.request import Imported, Request
 from waxstudy.importing.seen import Seen, is_plausible, seen
@@ -154,11 +154,15 @@ def _logged(readings: Readings, notes: Notes, worded: list[str], blank: list[str
             f"{readings.where}: {readings.entity}: {numbers.bad_count} readings are no values ({first}): missing"
         )
     _refuse_units(readings, numbers.units)
+    values = numbers.values
+    if numbers.is_passage and is_contact(readings.entity):
+        values = 1.0 - values
+        notes.warn(f"{readings.where}: {readings.entity} is taken as on where it is closed, as a contact is")
     return Logged(
         entity=readings.entity,
         where=readings.where,
         ns=readings.times.as_unit("ns").asi8,
-        values=numbers.values,
+        values=values,
         rows=readings.written.index.to_numpy(),
         unit=readings.unit or numbers.unit,
         is_words=numbers.is_words,

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Sequence
 from itertools import combinations
 from typing import NamedTuple
 
-PLAIN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "õ": "o", "Õ": "O"})
+# letters that are written as others; of any other with an accent that is left out
+PLAIN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ø": "oe",
+                       "Ø": "Oe", "æ": "ae", "Æ": "Ae", "ł": "l", "Ł": "L"})  # fmt: skip
 DOMAINS = ("sensor", "binary_sensor", "number", "input_number", "switch", "valve", "select")
 ROOMS = (
     "living", "bedroom", "kitchen", "bathroom", "bath", "office", "study", "dining", "kids", "child", "children",
@@ -15,6 +18,8 @@ ROOMS = (
     "kinderzimmer", "flur", "diele", "esszimmer", "gaestezimmer", "attic", "basement", "upstairs", "downstairs",
     "salon", "chambre", "cuisine", "toilet", "toilette", "wc", "shower", "dusche", "sauna", "utility", "laundry",
     "cellar", "keller", "corridor", "entrance", "garage", "ankleide", "arbeitszimmer", "loft",
+    "woonkamer", "slaapkamer", "keuken", "badkamer", "soggiorno", "cucina", "bagno", "dormitorio", "cocina",
+    "sypialnia", "kuchnia", "lazienka", "vardagsrum", "sovrum", "koek", "badrum", "stue", "sovevaerelse", "koekken",
     "olohuone", "makuuhuone", "keittioe", "kylpyhuone", "elutuba", "magamistuba", "koeoek", "vannituba",
 )  # fmt: skip
 NUMBERED = re.compile(r"\b(room|zone|raum|zimmer|loop|kreis) ?(\d+)\b")
@@ -32,9 +37,22 @@ class Names(NamedTuple):
     vague: str = "(?!)"
 
 
+# besides English: German, Finnish, Estonian, Dutch, French, Spanish, Italian, Polish, Swedish, Danish
+OUTDOOR = (
+    "outdoors?|outside|aussen|ulko\\w*|vaelis\\w*|buiten\\w*|exterieure?|exterior|externa|estern[ao]|zewnetrzn\\w*|"
+    "ute|utomhus\\w*|utetemp\\w*|ude|udendoers\\w*|udetemp\\w*|udeluft\\w*|udefoeler"
+)
+SUPPLY = (
+    "supply|vorlauf|meno\\w*|pealevool\\w*|aanvoer\\w*|depart|impulsion|temp\\w* (?:de )?ida|mandata|zasilani\\w*|"
+    "framledning\\w*|tillopp\\w*|fremloeb\\w*|fremledning\\w*"
+)
+RETURN = (
+    "return|ruecklauf|paluu\\w*|tagasivool\\w*|retour\\w*|retorno|ritorno|powrot\\w*|retur|returledning\\w*|"
+    "returtemp\\w*|returloeb\\w*"
+)
 OTHER_AIR = (
-    "outdoor|outside|aussen|\\w*weather\\w*|\\w*wetter\\w*|supply|vorlauf|return|ruecklauf|floor surface|boden|"
-    "neighbou?r|ventilation|zuluft|ulko\\w*|vaelis\\w*|meno\\w*|pealevool\\w*|paluu\\w*|tagasivool\\w*|lattia\\w*|porand\\w*"
+    f"{OUTDOOR}|\\w*weather\\w*|\\w*wetter\\w*|{SUPPLY}|{RETURN}|floor surface|boden|neighbou?r|ventilation|zuluft|"
+    "lattia\\w*|porand\\w*"
 )
 OTHERS = (
     "\\w*humid\\w*|co|co 2|\\w*power|\\w*energy|battery|\\w*illuminance|brightness|\\w*pressure|\\w*feucht\\w*|"
@@ -54,26 +72,31 @@ VALVE = "valve|ventil|stellventil|actuator|stellantrieb|trv|venttiili|ventiil"
 POSITION = "position|opening|stroke|hub|lift|travel|oeffnung"
 SET = (
     "set ?point|setting|target|desired|desired temp\\w*|soll|sollwert|solltemperatur|sollwerttemperatur|wunsch|"
-    "asetus\\w*|tavoite\\w*|seadetemp\\w*|seadevaeaertus|seatud\\w*"
+    "asetus\\w*|tavoite\\w*|seadetemp\\w*|seadevaeaertus|seatud\\w*|gewenste?|ingesteld\\w*|consigne|consigna|deseada|"
+    "impostata|desiderata|zadan[ae]|boervaerde\\w*|oenskad\\w*|oensket"
 )
+CONTACT = "contact|contactor|kontakt|relay|relais|rele|relee|schuetz"  # through which current flows while it is closed
+THROTTLE = "valve|ventil|stellventil|venttiili|ventiil|vanne|valvula|valvola|zawor|klep"
 CHANNEL_NAMES = {
     "sensor_temperature_C": Names(
         "thermostat|current temperature|reading|(?:sensor|controller|room) temp\\w*|raumtemp\\w*|istwert|ist|"
-        "huonelaempoetila|sisaelaempoetila|toatemp\\w*|ruumitemp\\w*",
+        "huonelaempoetila|sisaelaempoetila|toatemp\\w*|ruumitemp\\w*|kamertemp\\w*|ruimtetemp\\w*|ambiante|ambiance|"
+        "ambiente|rumtemp\\w*|rumstemp\\w*|pokojow[ae]|temp\\w* (?:w )?pomieszczeni\\w*",
         "temp|temperature|temperatur|room|raum|zimmer|indoor|inside|innen|huone|laempoetila|tuba|ruum|temperatuur",
         f"{OTHER_AIR}|{SET}|{OTHERS}|operative|globe|water|wasser",
     ),
     "air_temperature_C": Names("air|luft|lufttemp\\w*|indoor air", never=f"{OTHER_AIR}|{SET}|operative|globe|water"),
     "operative_temperature_C": Names("operative|globe|empfunden\\w*"),
-    "setpoint_C": Names(SET, "sp|stpt", "flow|supply|vorlauf|outdoor"),
+    "setpoint_C": Names(SET, "sp|stpt", f"flow|{SUPPLY}|{RETURN}|{OUTDOOR}"),
     "control_output": Names(
         "output|demand|pwm|duty|stellgroesse|stellsignal|stellwert|reglerausgang|controller out\\w*|anforderung",
         "control|controller|regler|percentage",
         OPENINGS,
     ),
     "heating_signal": Names(
-        "valve|relay|actuator|heating|heat|hvac action|ventil|stellantrieb|heating signal|call|heizung|signal|"
-        "venttiili|toimilaite|laemmitys|ventiil|taeitur|ajam|kuete",
+        "relay|actuator|heating|heat|hvac action|stellantrieb|heating signal|call|heizung|signal|"
+        f"toimilaite|laemmitys|taeitur|ajam|kuete|{THROTTLE}|elettrovalvola|electrovalvula|electrovanne|silownik|"
+        "verwarming|chauffage|calefaccion|riscaldamento|ogrzewanie",
         "switch|state|on|status|pump",
         f"displacement|{POSITION}|meter|energy|power|demand|{OPENINGS}",
     ),
@@ -86,21 +109,21 @@ CHANNEL_NAMES = {
     ),
     "flow_L_h": Names(
         "flow|flow rate|flowrate|durchfluss|volumenstrom|volume flow|litres|liters|liter|volume|water meter|volumen|"
-        "virtaus|virtaama|vooluhulk",
+        "virtaus|virtaama|vooluhulk|debiet|debit|caudal|portata|przeplyw\\w*|floede\\w*",
         "meter|total|zaehler|v|water|wasser|pulses",
         "temp|temperature|temperatur|vorlauf|flow t",
     ),
     "supply_temperature_C": Names(
-        "supply|vorlauf|vl|hws|flow t|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*|meno\\w*|pealevool\\w*",
+        f"{SUPPLY}|vl|hws|flow t|flow temp\\w*|inlet|forward|feed|vorlauftemp\\w*",
         "water|flow|wasser|heizkreis",
-        f"air|ventilation|zuluft|return|ruecklauf|\\w*ilma|\\w*ohk|{SET}",
+        f"air|ventilation|zuluft|{RETURN}|\\w*ilma|\\w*ohk|{SET}",
     ),
     "return_temperature_C": Names(
-        "return|ruecklauf|rl|hwr|outlet|ruecklauftemp\\w*|paluu\\w*|tagasivool\\w*", "water|wasser",
-        "air|abluft|\\w*ilma|\\w*ohk",
+        f"{RETURN}|rl|hwr|outlet|ruecklauftemp\\w*", "water|wasser",
+        f"air|abluft|\\w*ilma|\\w*ohk|{SET}",
     ),
     "outdoor_temperature_C": Names(
-        "outdoors?|outside|ambient|amb|aussen|aussentemp\\w*|aussenluft(?:temp\\w*)?|oat|external|ulko\\w*|vaelis\\w*",
+        f"{OUTDOOR}|ambient|amb|aussentemp\\w*|aussenluft(?:temp\\w*)?|oat|external",
         "\\w*weather\\w*|\\w*wetter\\w*|garden"
     ),
     "solar_gain_W": Names("solar gains?|sun gains?"),
@@ -130,7 +153,9 @@ def plain(entity: str) -> str:
     """
     domain, _, rest = entity.partition(".")
     name = rest if rest and domain in DOMAINS else entity
-    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name.translate(PLAIN))
+    name = unicodedata.normalize("NFKD", unicodedata.normalize("NFC", name).translate(PLAIN))
+    name = "".join(letter for letter in name if not unicodedata.combining(letter))
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     return f" {' '.join(re.findall(r'[a-z]+|[0-9]+', name.lower()))} "
 
 
@@ -139,6 +164,11 @@ def says_no(name: str, channel: str, has_degrees: bool) -> bool:
     is_warm = has_degrees or says(name, TEMPERATURE)
     is_other = says(name, NEITHER) or (says(name, f"{OTHERS}|{OPENINGS}|{POSITION}") and not is_warm)
     return says(name, CHANNEL_NAMES[channel].never) or (channel.endswith("_C") and is_other)
+
+
+def is_contact(entity: str) -> bool:
+    """Whether what is open or shut is a contact, and none that a valve tells its opening by."""
+    return says(plain(entity), CONTACT) and not says(plain(entity), f"{THROTTLE}|{OPENINGS}")
 
 
 def says(name: str, words: str) -> bool:

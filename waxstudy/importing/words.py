@@ -14,17 +14,26 @@ from waxstudy.importing.limits import NEAR_THOUSAND
 
 # besides English: German, French, Dutch, Swedish, Danish, Finnish, Estonian, Italian, Spanish, Polish, Russian
 ON = (
-    "heat", "heating", "yes", "active", "running", "ein", "an", "auf", "offen", "heizen", "ja", "wahr",
-    "ouvert", "ouverte", "marche", "vrai", "aan", "på", "öppen", "tændt", "åben", "päällä", "auki", "sees", "lahti",
-    "acceso", "aperto", "encendido", "abierto", "włączone", "otwarte", "вкл",
+    "heat", "heating", "yes", "active", "running", "ein", "eingeschaltet", "an", "heizen", "ja", "wahr", "marche",
+    "allumé", "allumée", "vrai", "aan", "på", "til", "tændt", "päällä", "sees", "acceso", "accesa", "encendido",
+    "encendida", "włączony", "włączona", "włączone", "вкл", "включен", "включена", "включено",
 )  # fmt: skip
 OFF = (
-    "idle", "no", "inactive", "standby", "aus", "zu", "geschlossen", "nein", "cool", "close", "falsch",
-    "fermé", "fermée", "ferme", "fermee", "arrêt", "arret", "faux", "uit", "dicht", "gesloten", "av", "stängd", "af",
-    "slukket", "lukket", "pois", "kiinni", "väljas", "kinni", "spento", "chiuso", "apagado", "cerrado", "wyłączone",
-    "zamknięte", "выкл",
+    "idle", "no", "inactive", "standby", "aus", "ausgeschaltet", "nein", "cool", "falsch", "arrêt", "arret", "éteint",
+    "éteinte", "faux", "uit", "av", "af", "fra", "slukket", "pois", "väljas", "spento", "spenta", "apagado", "apagada",
+    "wyłączony", "wyłączona", "wyłączone", "выкл", "выключен", "выключена", "выключено",
 )  # fmt: skip
-WORDS = {**STATES, **dict.fromkeys(ON, 1.0), **dict.fromkeys(OFF, 0.0)}
+OPEN = (
+    "open", "auf", "offen", "geöffnet", "ouvert", "ouverte", "öppen", "öppet", "åben", "åbent", "åpen", "auki",
+    "lahti", "avatud", "aperto", "aperta", "abierto", "abierta", "otwarty", "otwarta", "otwarte", "открыт", "открыта",
+    "открыто",
+)  # fmt: skip
+SHUT = (
+    "closed", "close", "zu", "geschlossen", "fermé", "fermée", "ferme", "fermee", "dicht", "gesloten", "stängd",
+    "stängt", "lukket", "kiinni", "suljettu", "kinni", "suletud", "chiuso", "chiusa", "cerrado", "cerrada", "zamknięty",
+    "zamknięta", "zamknięte", "закрыт", "закрыта", "закрыто",
+)  # fmt: skip
+WORDS = {**STATES, **dict.fromkeys((*ON, *OPEN), 1.0), **dict.fromkeys((*OFF, *SHUT), 0.0)}
 # from here on nothing is known: what was read before is not held
 NOTHING = ("unavailable", "unknown", "none", "nan", "null", "n/a", "na", "error", "fault", "offline", "-", "--", "")
 SIGN = "[-+\u2212\u2013]?"  # also as typesetters write a minus
@@ -61,6 +70,11 @@ class Numbers(NamedTuple):
     def is_words(self) -> bool:
         """Whether words say all that is known, but for numbers that are states as well."""
         return bool(self.words) and not np.isfinite(self.said).any()
+
+    @property
+    def is_passage(self) -> bool:
+        """Whether all that is told is open and shut, of which a valve lets through the one, and a contact the other."""
+        return self.is_words and {*self.words} <= {*OPEN, *SHUT}
 
     @property
     def is_readable(self) -> bool:
