@@ -140,7 +140,8 @@ def _made(match: Match, stated: Mapping[str, str], notes: Notes) -> _Made:
     logged = each.logged
     if logged.said is not None and quantity != "level":
         count = int(np.isfinite(logged.said).sum())
-        notes.warn(f"{logged.where}: {each.entity}: {count} readings are words among numbers: missing")
+        instead = ", and the last setpoint holds there" if match.channel == "setpoint_C" else ""
+        notes.warn(f"{logged.where}: {each.entity}: {count} readings are words among numbers: missing{instead}")
         logged = logged._replace(said=None)
     return _Made(match, logged, rhythm(logged.ns, logged.values), how)
 

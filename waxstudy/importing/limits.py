@@ -86,6 +86,7 @@ DIALS = 20  # values that a setpoint takes at most
 
 # --- stamps
 UNSET = ("1970-01-01", "2000-01-01")  # days at which clocks begin that nobody has set yet
+OUT_OF_ORDER = 0.01  # share of rows before which time goes back: more are in another order, fewer are a clock's
 LOOKED_AT = 50  # stamps that tell whether a column holds stamps at all
 TRIED = 2000  # stamps that tell the format of a column
 SPREADSHEET_DAYS = (20_000, 80_000)  # what a spreadsheet counts from 1954 to 2119

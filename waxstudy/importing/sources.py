@@ -36,6 +36,11 @@ ENDINGS = (
     ".sqlite3", ".epw",
 )  # fmt: skip
 ZIP, OLE, GZIP, SQLITE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"SQLite"
+# what begins so, seen before it is parted into columns: a line of JSON may have a million
+NO_TABLES = {
+    re.compile(rb"\s*(?:\{\s*[\"}]|\[\s*[\[{\"])"): "JSON",
+    re.compile(rb"\S+[, ]\S[^\n]*=\S+ \d{10,19}\r?\n"): "InfluxDB's line protocol",
+}
 SCRATCH = "waxstudy-import-"
 
 
@@ -85,9 +90,16 @@ def tables_of(path: Path, shown: str = "") -> Iterator[Table | Readings]:
         elif read_log := log_reader(beginning):
             yield read_log(path, shown)
         else:
+            _refuse_other(beginning, shown)
             yield _text(path, shown)
     except OSError as error:
         raise refusal(shown, f"cannot be read: {why(error)}") from error
+
+
+def _refuse_other(beginning: bytes, shown: str) -> None:
+    start = beginning.removeprefix(codecs.BOM_UTF8)
+    if what := next((what for form, what in NO_TABLES.items() if form.match(start)), ""):
+        raise refusal(shown, f"is no table: it holds {what}", "export a table, with a row for each time")
 
 
 def _unpacked(path: Path, shown: str) -> Iterator[Table | Readings]:

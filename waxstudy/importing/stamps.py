@@ -28,6 +28,7 @@ ORDERS = (
     ("%d-%m-%Y", "%m-%d-%Y"),
     ("%d.%m.%y", "%y.%m.%d"),
     ("%d/%m/%y", "%m/%d/%y", "%y/%m/%d"),
+    *((form,) for form in ("%Y-%m-%d", "%Y/%m/%d")),  # with a clock of twelve hours
     *((form,) for form in ("%d-%b-%Y", "%d-%b-%y", "%d %b %Y", "%d %B %Y", "%b %d, %Y", "%B %d, %Y", "%b %d %Y")),
 )
 TWO_DIGITS = r"\d{1,2}[./]\d{1,2}[./]\d{1,2}"  # a date or an address: a time of day or a name tells
@@ -38,17 +39,20 @@ ZONES = {
     "UTC": 0, "GMT": 0, "WET": 0, "WEST": 1, "BST": 1, "CET": 1, "MEZ": 1, "CEST": 2, "MESZ": 2, "EET": 2, "EEST": 3,
     "EST": -5, "EDT": -4, "CDT": -5, "MST": -7, "MDT": -6, "PST": -8, "PDT": -7,
 }  # fmt: skip
-ZONE_BEHIND = rf"(?<=[\dM])\s+({'|'.join(ZONES)})$"
+# one of them is a word in lower case
+ZONE = rf"(?P<zone>{'|'.join(zone if zone in ('WET', 'WEST', 'EST') else f'(?i:{zone})' for zone in ZONES)})"
+ZONE_BEHIND = rf"(?<=[\dMm])\s+((?:{'|'.join(ZONES)})(?:(?<=UTC|GMT)[+\-\u2212]\d[\d:]*)?)$"
 # before a date, however the word ends: in English, German and French
 WEEKDAY = r"^(?i:mon|tue|wed|thu|fri|sat|sun|mo|di|mi|do|fr|sa|so|lun|mar|mer|jeu|ven|dim)[^\W\d_]*[.,]?\s+(?=\d)"
 BETWEEN = r"(?<=\d)\s+(?:at|@|um)\s+(?=\d)"  # a day and a clock
+DOTTED = r"(?<=\d)\s*([AaPp])[.]\s?([Mm])[.]$"  # as spreadsheets in Spanish write am and pm
 GLUED = r"(?<=\d)(?=[AaPp][Mm]$)"
 MIDNIGHT = r"(?<![\d:])24(?=:00(?::00)?(?:\.0+)?$)"  # of the day that ends
 DAYS = ("%d", "%j", "%D", "%F", "%x", "%c", "%s")  # of a format, one of which tells the date
 MEND_ROWS = "mend these rows, or leave them out"
 SAY_FORMAT = "say --time-format '%d/%m/%Y %H:%M' or as it is"
-# a name that tells the zone of its stamps, as "Time (UTC)", "timestamp_utc" or "Date Time, GMT+01:00"
-NAMED_ZONE = re.compile(r"(?<![a-z])(?:utc|gmt)(?![a-z\d])[\s(]*(?P<offset>[+\-\u2212]\s*\d[\d:.]*)?", re.IGNORECASE)
+# what tells a zone, as "Time (UTC)", "Zeit (MEZ)", "timestamp_utc" or "Date Time, GMT+01:00"
+NAMED_ZONE = re.compile(rf"(?<![A-Za-z]){ZONE}(?![A-Za-z\d])[\s(]*(?P<offset>[+\-\u2212]\s*\d[\d:.]*)?")
 NAMED_OFFSET = re.compile(r"([+\-\u2212])\s*(0?\d|1[0-4])(?::?([0-5]\d))?")
 OFFSET = r"([+-])(\d\d):?(\d\d)?\s*$"
 
@@ -117,17 +121,30 @@ def zone_told(written: pd.Series, time_format: str | None, where: str) -> str:
 
 def _in_named_zone(times: pd.DatetimeIndex, name: str) -> pd.DatetimeIndex:
     """Return stamps that tell no zone in the one that their column's name tells, if any."""
-    found = NAMED_ZONE.search(name)
-    if times.tz is not None or not found:
+    offset = _ahead(name)
+    if times.tz is not None or offset is None:
         return times
-    if not found["offset"]:
-        return times.tz_localize("UTC")
-    told = NAMED_OFFSET.fullmatch(found["offset"])
-    if not told:
-        return times  # as of a number behind it, which is none of hours
-    hours, minutes = int(told[2]), int(told[3] or 0)
-    offset = timedelta(hours=hours, minutes=minutes) * (1 if told[1] == "+" else -1)
     return times.tz_localize(timezone(offset) if offset else "UTC")
+
+
+def _ahead(text: str) -> timedelta | None:
+    """Return how far ahead of UTC the zone is that a text names; None without one, or with several.
+
+    >>> _ahead("Time (CET)"), _ahead("CEST (UTC+2)"), _ahead("Zeit MEZ/MESZ"), _ahead("time_utc-2024")
+    (datetime.timedelta(seconds=3600), datetime.timedelta(seconds=7200), None, None)
+    """
+    told = {_offset(found["zone"].upper(), found["offset"]) for found in NAMED_ZONE.finditer(text)}
+    return told.pop() if len(told) == 1 else None
+
+
+def _offset(zone: str, written: str | None) -> timedelta | None:
+    """Return how far ahead of UTC a zone is, with an offset behind it; None for a number that is none of hours."""
+    if not written:
+        return timedelta(hours=ZONES[zone])
+    told = NAMED_OFFSET.fullmatch(written)
+    if not told or ZONES[zone]:
+        return None
+    return timedelta(hours=int(told[2]), minutes=int(told[3] or 0)) * (1 if told[1] == "+" else -1)
 
 
 def _within_years(times: pd.DatetimeIndex, written: pd.Series, where: str) -> pd.DatetimeIndex:
@@ -179,12 +196,13 @@ def _epochs(written: pd.Series, where: str) -> pd.Series:
 def _plain(written: pd.Series) -> pd.Series:
     """Return texts without blanks around them; what a workbook or database gives may be of several types."""
     if isinstance(written.dtype, pd.StringDtype):
-        return written
+        return written.str.strip()
     return written.where(written.isna(), written.astype(str)).astype("str").str.strip()
 
 
 def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
     """Return texts as stamps; raise `ValueError` where they do not tell which instants they are."""
+    written = written.str.replace(DOTTED, r" \1\2", regex=True)
     times = _as_written(in_english(written) if time_format else written, time_format)
     if time_format or not (times.isna() & written.notna()).any():
         return times
@@ -210,9 +228,9 @@ def _spelt(written: pd.Series, times: pd.Series) -> pd.Series:
 
 def _in_zones(local: pd.Series, zone: pd.Series) -> pd.Series:
     """Return wall-clock times in the standard time of the zones named behind them; missing without one."""
-    hours = zone.map(ZONES)
-    utc = (local - pd.to_timedelta(hours.astype(float), unit="h")).dt.tz_localize("UTC")
-    return pd.Series(utc.dt.tz_convert(timezone(timedelta(hours=float(hours.min()))))) if hours.min() else utc
+    ahead = pd.to_timedelta(zone.map({each: _ahead(each) for each in zone.dropna().unique()}))
+    utc = (local - ahead).dt.tz_localize("UTC")
+    return pd.Series(utc.dt.tz_convert(timezone(ahead.min().to_pytimedelta()))) if ahead.min() else utc
 
 
 def _as_written(written: pd.Series, time_format: str | None) -> pd.Series:

@@ -21,12 +21,11 @@ TIME = ("time", "timestamp", "datetime", "date/time", "last_changed", "last_upda
         "datenum")  # fmt: skip
 DAY = ("date", "datum", "day", "tag")
 HOUR = ("hour", "hours", "hour of day", "hr", "stunde", "std", "heure", "tund", "tunti", "ora", "hora", "time")
+# of an interval: what is read in it is stamped at its end
+BEGIN = ("von", "from", "start", "begin", "beginn", "anfang", "start time", "startzeit", "period_start", "start_time")
+END = ("bis", "to", "end", "ende", "until", "end time", "endzeit", "period_end", "end_time")
 CLOCK = re.compile(r"\s*\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?\s*([AaPp][Mm])?\s*")
 NO_CLOCK = r"[ T]00:00(:00(\.0+)?)?$"  # as a workbook's days have
-NO_TABLES = {
-    re.compile(r"^\s*[{\[]"): "JSON",
-    re.compile(r"^\S+[, ]\S.*=\S+ \d{10,19}$"): "InfluxDB's line protocol",
-}
 EXPECTED = (
     "expected is a column of stamps, and either a column for each sensor, or one of names, one of values; "
     "units may stand in the row below the names"
@@ -80,7 +79,7 @@ def time_column(table: Table) -> tuple[str, pd.DataFrame]:
         clock = next((each for each in frame.columns if each != name and _is_clock(frame[each])), None)
         clock = next((each for each in frame.columns if _is_hour(frame[each])), None) if clock is None else clock
         if clock is None or not _is_day(frame[name]):
-            return name, frame
+            return _ending(frame, name)
         return name, _day_and_clock(frame, name, clock)
     clock = next((str(name) for name in frame.columns if _is_clock(frame[name])), None)
     day = next((lower[name] for name in DAY if name in lower and lower[name] != clock), None)
@@ -91,11 +90,15 @@ def time_column(table: Table) -> tuple[str, pd.DataFrame]:
     if by_name and (days := frame[by_name[0]].dropna()).between(*SPREADSHEET_DAYS).all() and len(days):
         wrong = f"no column holds stamps: '{by_name[0]}' has numbers, such as {days.iloc[0]}"
         raise refusal(table.where, wrong, "if they count days, as a spreadsheet does, write them as 2024-01-31 12:00")
-    first = ",".join(map(str, frame.columns))
-    for form, what in NO_TABLES.items():
-        if form.search(first):
-            raise refusal(table.where, f"is no table: it holds {what}", "export a table, with a row for each time")
     raise NoStamps([problem(table.where, f"no column holds stamps (columns: {named(frame)})", EXPECTED)])
+
+
+def _ending(frame: pd.DataFrame, begin: str) -> tuple[str, pd.DataFrame]:
+    """Return the column of stamps at which intervals end, where they begin at those that were found, and the table."""
+    is_begin = begin.strip().lower() in BEGIN
+    ends = [str(name) for name in frame.columns if is_begin and str(name).strip().lower() in END]
+    end = next((name for name in ends if is_stamps(frame[name])), None)
+    return (end, frame.drop(columns=begin)) if end else (begin, frame)
 
 
 def _day_and_clock(frame: pd.DataFrame, day: str, clock: Hashable) -> pd.DataFrame:

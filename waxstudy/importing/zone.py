@@ -12,7 +12,7 @@ import pandas as pd
 
 from waxstudy.dataset.stamps import hour_left_out
 from waxstudy.dataset.zones import fixed_zone, standard_ahead, zone_of
-from waxstudy.importing.limits import UNSET
+from waxstudy.importing.limits import OUT_OF_ORDER, UNSET
 from waxstudy.importing.reading import Readings, refusal
 
 HOUR, YEAR = timedelta(hours=1), timedelta(days=365)
@@ -43,6 +43,7 @@ def in_standard_time(readings: Sequence[Readings], zone: str) -> tuple[list[Read
         utc, sentence = _in_utc(_forward(each), zone)
         found.append(utc)
         said += [f"{each.entity}: {sentence}"] if sentence else []
+        said += [back for back in _goes_back(utc) if back not in said]
     known = [each for each in found if len(each.times)]
     if zone and known:
         shift = _standard(zone, min(each.times.min() for each in known))
@@ -86,6 +87,25 @@ def _refuse_back(readings: Readings) -> None:
         if before - after <= HOUR and before.month in (3, 4, 9, 10, 11) and before.hour <= 3:
             wrong = f"{readings.entity}: time goes back from {before} to {after}, as where summer time ends"
             raise refusal(readings.where, wrong, HINT, row=readings.written.index[back[0] + 1])
+
+
+def _goes_back(readings: Readings) -> list[str]:
+    """Return what is said of a clock that was set back while it logged: which of two hours a row is of is lost.
+
+    Nothing of rows in any order, nor of those that come late by less than their usual distance.
+    """
+    steps = np.diff(readings.times.asi8)
+    usual = float(np.median(np.abs(steps))) if len(steps) else 0.0
+    back = np.flatnonzero((steps < 0) & (-steps >= usual))
+    if not len(back) or np.sum(steps < 0) > OUT_OF_ORDER * len(steps):
+        return []
+    place, row = back[0], readings.written.index[back[0] + 1]
+    times = "" if len(back) == 1 else f" ({len(back)} times)"
+    before, after = (f"{at:%Y-%m-%d %H:%M:%S}" for at in readings.times[[place, place + 1]])
+    zone = " UTC" if readings.times.tz is not None else ""
+    at = f"row {row}: time goes back from {before} to {after}{zone}{times}"
+    return [f"{Path(readings.where).name}, {at}: rows are put in the order of their stamps, and of equal ones the last "
+            "counts. If the clock was set back there, cut the file in two."]  # fmt: skip
 
 
 def _refuse_forward(readings: Readings) -> None:
