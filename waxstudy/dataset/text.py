@@ -28,10 +28,13 @@ DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
 
 
-def read_table(path: Path, about: DatasetTable, notes: Notes, *, has_names: bool = True) -> pd.DataFrame | None:
+def read_table(
+    path: Path, about: DatasetTable, notes: Notes, *, has_names: bool = True, repeated: Sequence[str] = ()
+) -> pd.DataFrame | None:
     """Return the file's columns as they are written, an index of stamps as a column; note why it cannot be read.
 
-    Columns of a text that has no names for them are called "column 1" and so on.
+    Columns of a text that has no names for them are called "column 1" and so on. Names that may be `repeated`, in lower
+    case, are numbered.
     """
     try:
         check_file(path)
@@ -40,7 +43,7 @@ def read_table(path: Path, about: DatasetTable, notes: Notes, *, has_names: bool
         if beginning.startswith(BINARY):
             notes.refuse("", "is no text: export it as CSV, or as parquet")
             return None
-        return _parquet(path, notes) if beginning.startswith(PARQUET) else _csv(path, about, notes, has_names)
+        return _parquet(path, notes) if beginning.startswith(PARQUET) else _csv(path, about, notes, has_names, repeated)
     except OSError as error:
         notes.refuse("", f"cannot be read: {error.strerror or error}")
     except UnicodeDecodeError:
@@ -64,7 +67,9 @@ def _parquet(path: Path, notes: Notes) -> pd.DataFrame | None:
     return data
 
 
-def _csv(path: Path, about: DatasetTable, notes: Notes, has_names: bool) -> pd.DataFrame | None:
+def _csv(
+    path: Path, about: DatasetTable, notes: Notes, has_names: bool, repeated: Sequence[str]
+) -> pd.DataFrame | None:
     encoding = encoding_of(path)
     if about.separator is None and (blanks := blanks_of(path, encoding)):
         notes.line_of = lambda row: blanks.above + row - 1  # the names are row 1
@@ -82,7 +87,7 @@ def _csv(path: Path, about: DatasetTable, notes: Notes, has_names: bool) -> pd.D
     header = [name.strip() for name in next(csv.reader(rows[:1], delimiter=separator))]
     if not has_names:
         header = [f"column {place}" for place in range(1, len(header) + 1)]
-    if _has_twice(header, notes):
+    if _has_twice([name for name in header if name.lower() not in repeated], notes):
         return None
     with warnings.catch_warnings():
         warnings.simplefilter("error", pd.errors.ParserWarning)

@@ -20,6 +20,7 @@ from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.row_numbers import without_row_numbers
 from waxstudy.importing.stamps import is_stamps, stamps_of, zone_told
 from waxstudy.importing.status import without_bad, without_status
+from waxstudy.importing.summaries import without_summaries
 from waxstudy.importing.time_columns import EXPECTED, dated, may_be_stamps, time_column
 from waxstudy.importing.units import plain_unit
 from waxstudy.importing.words import SIGN, numbers_of
@@ -27,8 +28,9 @@ from waxstudy.study.problems import listed
 
 # names of columns, in lower case; what is not named so is told by what it holds
 ENTITY = ("entity_id", "entity", "sensor", "sensor_id", "name", "tag", "variable", "channel", "point", "series",
-          "metric", "device", "id", "friendly_name", "topic", "messstelle", "statistic_id", "item")  # fmt: skip
-VALUE = ("state", "value", "_value", "reading", "mean", "wert", "val", "messwert", "measurement")
+          "metric", "device", "id", "friendly_name", "topic", "messstelle", "statistic_id", "item", "destination name",
+          "destination address")  # fmt: skip
+VALUE = ("state", "value", "_value", "reading", "mean", "wert", "val", "messwert", "measurement", "info")
 UNIT = ("unit", "unit_of_measurement", "units", "einheit", "_unit")
 NO_ROWS = "holds less than two rows of readings"
 FIELD = "_field"  # of InfluxDB
@@ -71,19 +73,20 @@ def _readings_of(
     if not len(frame):
         raise refusal(table.where, NO_ROWS, EXPECTED)
     _refuse_turned(table)
+    frame, summed = without_summaries(Table(table.where, frame))
     units, frame = units_row(frame) if len(frame) > 1 else ({}, frame)
     frame, counting = dated(Table(table.where, frame), units, time_format, begin)
     time_format = None if time_format in UNITS_OF_TIME else time_format
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
     frame, numbered = without_row_numbers(frame, (time.strip().lower(), *VALUE))
-    frame, bad = without_status(frame)
+    frame, bad, judged = without_status(Table(table.where, frame))
     entity = _entity_column(frame, time)
     if entity:
         frame = _told_apart(frame, time, entity)
     frame, lost = without_bad(Table(table.where, frame), bad, (time, entity or "", *_units(frame)))
     split = _long if entity else _wide
     zone = zone_told(frame[time], time_format, table.where)
-    said = tuple(filter(None, (zone, counting, numbered, lost, *table.notes)))
+    said = tuple(filter(None, (zone, counting, numbered, *judged, lost, summed, *table.notes)))
     for each in split(Table(table.where, frame), file, time, units, time_format, entity or ""):
         yield replace(each, notes=(*each.notes, *said)) if said else each
 

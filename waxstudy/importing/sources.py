@@ -25,6 +25,7 @@ from waxstudy.importing.message_log import BEGINNING as OF_MESSAGES
 from waxstudy.importing.message_log import read_message_log
 from waxstudy.importing.reading import Readings, Table, refusal
 from waxstudy.importing.stamps import is_stamps
+from waxstudy.importing.status import NAMES as STATUS
 from waxstudy.importing.weather_file import BEGINNING, read_weather
 from waxstudy.importing.workbook import read_workbook
 from waxstudy.plugin.files import DATA_BYTES, check_file, why
@@ -134,7 +135,7 @@ class _Limited:
 def _text(path: Path, shown: str) -> Table:
     """Return a CSV or parquet file as the datasets' own reader has it, its rows counted as the file's lines."""
     notes, plain = Notes(shown), Notes(shown)
-    frame = read_table(path, DatasetTable(), notes)
+    frame = read_table(path, DatasetTable(), notes, repeated=STATUS)
     if frame is None or _begins_with_stamps(frame):  # cells of a first reading may be equal, which names are not
         nameless = read_table(path, DatasetTable(), plain, has_names=False)
         if nameless is not None and (frame is not None or any(is_stamps(nameless[name]) for name in nameless.columns)):

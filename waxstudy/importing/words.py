@@ -37,6 +37,7 @@ WORDS = {**STATES, **dict.fromkeys((*ON, *OPEN), 1.0), **dict.fromkeys((*OFF, *S
 # from here on nothing is known: what was read before is not held
 NOTHING = ("unavailable", "unknown", "none", "nan", "null", "n/a", "na", "error", "fault", "offline", "-", "--", "")
 SIGN = "[-+\u2212\u2013]?"  # also as typesetters write a minus
+RAW = re.compile(r"\$?(?:[0-9A-F]{2} ?)+\s*\|\s*")  # of a telegram, as monitors of a bus write it before its value
 MINUS = re.compile(r"^[\u2212\u2013]\s*(?=\d)")
 # what goes on as a date, a time of day or a range has no unit
 NUMBER = re.compile(
@@ -126,12 +127,13 @@ def numbers_of(written: pd.Series) -> Numbers:
 
 
 def _read(text: str, marks: frozenset[str]) -> tuple[float, str, str]:
+    text = RAW.sub("", text, count=1) if "|" in text else text
     lower = text.lower()
     if lower in WORDS:
         return WORDS[lower], "", lower
     text = _ungrouped(MINUS.sub("-", text), marks)
     if lower not in NOTHING and (found := NUMBER.fullmatch(text)):
-        return float(found["number"].replace(",", ".")), (found["unit"] or "").strip(), ""
+        return float(found["number"].replace(",", ".")), (found["unit"] or "").strip(" ()[]"), ""
     return float("nan"), "", ""
 
 
