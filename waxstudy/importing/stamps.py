@@ -202,7 +202,8 @@ def _plain(written: pd.Series) -> pd.Series:
 
 def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
     """Return texts as stamps; raise `ValueError` where they do not tell which instants they are."""
-    written = written.str.replace(DOTTED, r" \1\2", regex=True)
+    if written.iloc[:LOOKED_AT].str.contains(DOTTED, na=False).any():  # of many rows it would take seconds
+        written = written.str.replace(DOTTED, r" \1\2", regex=True)
     times = _as_written(in_english(written) if time_format else written, time_format)
     if time_format or not (times.isna() & written.notna()).any():
         return times

@@ -21,7 +21,7 @@ SUMMARIES = (
 def without_summaries(table: Table) -> tuple[pd.DataFrame, str]:
     """Return a table without rows that have such a word in place of a stamp, its first cell, and a sentence on them."""
     frame = table.frame
-    if not len(frame.columns):
+    if frame.empty:
         return frame, ""
     cells = frame.iloc[:, 0]
     if pd.api.types.is_numeric_dtype(cells) or pd.api.types.is_datetime64_any_dtype(cells):
