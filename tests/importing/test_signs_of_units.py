@@ -64,9 +64,3 @@ def test_what_is_not_used_because_of_its_unit_is_told(entry: Entry) -> None:
     assert "not used, because the unit is of something else than the name: Flow ('l/mm')" in " ".join(
         done.stderr.split()
     )
-
-
-def test_a_temperature_in_an_unknown_unit_is_named_as_one_that_may_be_of_the_outdoors(entry: Entry) -> None:
-    frame = house(days=1.0)
-    frame["terrace"] = frame.pop("outdoor_temperature").map(lambda value: f"{value} (Celcius)")
-    refused(imported(entry, frame), "may it be terrace? then say --map outdoor_temperature_C=NAME")

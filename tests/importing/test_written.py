@@ -54,18 +54,6 @@ def test_what_one_cell_tells_of_a_mark_holds_for_its_column(thousands: str, deci
     assert numbers_of(pd.Series(column, dtype=object)).values.tolist() == [987.5, 1051.5, 1052.0, 12.0]
 
 
-def test_a_point_beside_decimal_commas_is_one_of_thousands(entry: Entry) -> None:
-    """As a meter of litres that has no decimals."""
-    frame = house()
-    litres = 51230 + frame.pop("flow_L_h").cumsum() / 12.0
-    texts = frame.map(lambda value: f"{value:.2f}".replace(".", ","))
-    texts["Wasserzähler [l]"] = litres.map(lambda value: f"{value:,.0f}".replace(",", "."))
-    texts.to_csv("house.csv", sep=";")
-    done = entry("import", "house.csv", "--yes", "--out", "living")
-    assert done.code == 0, done.stderr
-    assert pd.read_csv(Path("living") / "data.csv")["flow_L_h"].max() == pytest.approx(60.0, abs=1.0)
-
-
 @pytest.mark.parametrize("written", ["3.7.", "2024.01.02", "1.2.3", "12,34,56.7", "192.168.100.1"])
 def test_what_is_no_number_is_none(written: str) -> None:
     read = numbers_of(pd.Series([written], dtype=object))

@@ -25,8 +25,6 @@ PARQUET = b"PAR1"
 BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b", b"\x89HDF", b"SQLite")
 PIECE = 1_000_000  # characters that are read at a time to find the encoding
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
-# beside decimal commas a point is one of thousands where it is so in all cells of a column
-THOUSANDS = r"-?[1-9]\d{0,2}(?:\.\d{3})+"
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+")
 
 
@@ -110,16 +108,7 @@ def _csv(
         except pd.errors.ParserWarning:
             notes.refuse("", "rows have more cells than the header has names; is the separator or decimal mark right?")
             return None
-    data = pd.DataFrame(data).rename(columns=str.strip)
-    return _without_thousands(data) if has_commas else data
-
-
-def _without_thousands(data: pd.DataFrame) -> pd.DataFrame:
-    """Return a table of decimal commas without points between thousands."""
-    texts = [name for name in data.columns if pd.api.types.is_string_dtype(data[name]) and data[name].notna().any()]
-    grouped = [name for name in texts if data[name].dropna().astype(str).str.strip().str.fullmatch(THOUSANDS).all()]
-    plain = {name: pd.to_numeric(data[name].str.replace(".", "", regex=False)) for name in grouped}
-    return data.assign(**plain)
+    return pd.DataFrame(data).rename(columns=str.strip)
 
 
 def _has_twice(names: Sequence[str], notes: Notes) -> bool:
@@ -191,5 +180,4 @@ def _line_of(path: Path, encoding: str, titles: int, row: int) -> int:
 def _has_decimal_commas(head: list[str], separator: str) -> bool:
     cells = [cell.strip().strip('"') for line in head[1:] for cell in line.split(separator)]
     commas = any(DECIMAL_COMMA.fullmatch(cell) for cell in cells)
-    points = [cell for cell in cells if DECIMAL_POINT.fullmatch(cell)]
-    return commas and all(re.fullmatch(THOUSANDS, cell) for cell in points)
+    return commas and not any(DECIMAL_POINT.fullmatch(cell) for cell in cells)

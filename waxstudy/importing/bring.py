@@ -352,7 +352,6 @@ def _that_may_be(channel: str, entities: Sequence[Seen], matches: Mapping[str, M
 
 
 def _may_be(channel: str, each: Seen) -> bool:
-    each = replace(each, unit="", why_unit="") if _is_odd(each) else each  # what nobody knows speaks against nothing
     is_like = is_plausible(each, CHANNELS[channel].quantity) and each.distinct > 2
     is_share = each.low >= 0.0 and each.high <= FRACTION
     return bool(is_like) and (each.is_unit_written or not (is_share or _names_no_temperature(plain(each.entity))))
