@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from tests.dataset.test_pulses import counted
-from tests.diagnosis.realities import dataset, effects, rows
+from tests.diagnosis.realities import belief, dataset, effects, rows
 from waxstudy.believing.shown import full_flow_L_h
 from waxstudy.dataset.read import Dataset
 from waxstudy.diagnosis.diagnose import diagnose, record_of
+from waxstudy.diagnosis.model.segments import segments
+from waxstudy.diagnosis.observations.record import Record
 from waxstudy.diagnosis.result import Diagnosis
+from waxstudy.diagnosis.select.meter import coarser_steps
 
 DAYS = 7
 
@@ -112,3 +117,29 @@ def test_a_meter_that_has_come_to_round_is_something_unknown_at_the_valve() -> N
     assert [each.stage for each in diagnosis.unexplained if each.is_finding] == ["valve"]
     said = "flow_L_h comes in steps of 20 L/h, in the baseline steps of 0.1 L/h: its meter or logger is another one"
     assert said in diagnosis.warnings
+
+
+def seen(flow_L_h: float, pulse_L: float, interval_s: float) -> Record:
+    """A record of a meter that counts pulses exactly, with a logger's noise on top."""
+    on = np.tile(np.repeat([1.0, 0.0], round(20 * 60 / interval_s)), 60)
+    flow = counted(flow_L_h * on, pulse_L, interval_s)
+    flow += np.random.default_rng(1).normal(0.0, 0.3, len(on)) * (flow > 0.0)
+    time = pd.date_range("2023-01-02", periods=len(on), freq=f"{interval_s:g}s").astype(str)
+    columns = {"time": time, "heating_signal": on, "displacement": on, "flow_L_h": flow}
+    return record_of(replace(dataset(pd.DataFrame(columns), "REAL"), setpoint_C=None, room=None))
+
+
+@pytest.mark.parametrize(
+    ("now", "before"),
+    [((100.0, 1.0, 60.0), (240.0, 1.0, 60.0)), ((100.0, 1.0, 60.0), (100.0, 1.0, 300.0))],
+    ids=["less flow", "other samples"],
+)
+def test_a_meter_that_counted_so_all_the_time_is_no_other_one(
+    now: tuple[float, float, float], before: tuple[float, float, float]
+) -> None:
+    record, earlier = seen(*now), seen(*before)
+    (valve,) = (each for each in segments(record, belief("REAL", record)) if "flow_L_h" in each.judged)
+    healthy: Any = SimpleNamespace(is_noise=False, problem=SimpleNamespace(record=earlier))
+    assert coarser_steps(valve, record, healthy) == 0.0
+    other: Any = SimpleNamespace(is_noise=False, problem=SimpleNamespace(record=seen(113.0, 0.01, 60.0)))
+    assert coarser_steps(valve, record, other) > 3.0

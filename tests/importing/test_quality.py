@@ -82,6 +82,43 @@ def test_of_several_columns_of_quality_each_judges_the_one_before(
     assert found["air_temperature_C"].notna().all()
 
 
+def test_a_status_and_a_quality_behind_each_reading_judge_that_reading(entry: Entry) -> None:
+    frame = house()
+    parts = []
+    for name in frame.columns:
+        judged = pd.DataFrame({"Status": "ok", "Quality": "Good"}, index=frame.index)
+        if name == "outdoor_temperature":
+            judged.iloc[60:84, 1] = "Bad"
+        parts += [frame[name], judged]
+    done = imported(entry, pd.concat(parts, axis="columns", sort=False), *ROOM)
+    assert done.code == 0, done.stderr
+    found = read(Path("living"))
+    assert found["outdoor_temperature_C"].iloc[60:84].isna().all()
+    assert found["air_temperature_C"].notna().all()
+
+
+def test_a_status_that_stands_before_its_reading_leaves_the_stamps(entry: Entry) -> None:
+    frame = house()
+    parts = []
+    for name in frame.columns:
+        status = pd.Series("ok", index=frame.index, name="Status")
+        status.iloc[60:84] = "fault" if name == "outdoor_temperature" else "ok"
+        parts += [status, frame[name]]
+    done = imported(entry, pd.concat(parts, axis="columns", sort=False), *ROOM)
+    assert done.code == 0, done.stderr
+    found = read(Path("living"))["outdoor_temperature_C"]
+    assert (found.iloc[60:84].isna().all(), found.iloc[84:].isna().any()) == (True, False)
+
+
+def test_readings_of_what_is_called_total_are_no_sums(entry: Entry) -> None:
+    frame = house().rename(columns={"room_temperature": "Total"})
+    rows = frame.melt(ignore_index=False, var_name="name", value_name="value").reset_index()
+    rows[["name", "time", "value"]].to_csv("house.csv", index=False)
+    done = entry("import", "house.csv", "--map", "air_temperature_C=Total", "--out", "living")
+    assert done.code == 0, done.stderr
+    assert read(Path("living"))["air_temperature_C"].notna().all()
+
+
 def test_rows_that_sum_up_a_month_are_left_out_and_named(entry: Entry) -> None:
     frame = house()
     sheet = frame.reset_index(drop=True)

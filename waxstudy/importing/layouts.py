@@ -79,7 +79,7 @@ def _readings_of(
     time_format = None if time_format in UNITS_OF_TIME else time_format
     time, frame = time_column(Table(table.where, _fields_with_tags(frame)))
     frame, numbered = without_row_numbers(frame, (time.strip().lower(), *VALUE))
-    frame, bad, judged = without_status(Table(table.where, frame))
+    frame, bad, judged = without_status(Table(table.where, frame), time)
     entity = _entity_column(frame, time)
     if entity:
         frame = _told_apart(frame, time, entity)

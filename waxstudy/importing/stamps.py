@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from waxstudy.dataset.limits import YEARS
-from waxstudy.dataset.stamps import ZONED
+from waxstudy.dataset.stamps import ZONED, hour_left_out
 from waxstudy.importing.limits import LOOKED_AT, MOSTLY, TRIED, YEAR_DAYS
 from waxstudy.importing.months import in_english
 from waxstudy.importing.reading import Unordered, problem, refusal
@@ -124,6 +124,8 @@ def _in_named_zone(times: pd.DatetimeIndex, name: str) -> pd.DatetimeIndex:
     offset = _ahead(name)
     if times.tz is not None or offset is None:
         return times
+    if offset and hour_left_out(times) is not None:
+        return times  # a clock on the wall, whatever its zone is called in winter
     return times.tz_localize(timezone(offset) if offset else "UTC")
 
 
@@ -202,7 +204,8 @@ def _plain(written: pd.Series) -> pd.Series:
 
 def _texts(written: pd.Series, time_format: str | None) -> pd.Series:
     """Return texts as stamps; raise `ValueError` where they do not tell which instants they are."""
-    if written.iloc[:LOOKED_AT].str.contains(DOTTED, na=False).any():  # of many rows it would take seconds
+    first = written.dropna().iloc[:LOOKED_AT]
+    if any(re.search(DOTTED, text) for text in first):  # of many rows it would take seconds
         written = written.str.replace(DOTTED, r" \1\2", regex=True)
     times = _as_written(in_english(written) if time_format else written, time_format)
     if time_format or not (times.isna() & written.notna()).any():
@@ -231,7 +234,8 @@ def _in_zones(local: pd.Series, zone: pd.Series) -> pd.Series:
     """Return wall-clock times in the standard time of the zones named behind them; missing without one."""
     ahead = pd.to_timedelta(zone.map({each: _ahead(each) for each in zone.dropna().unique()}))
     utc = (local - ahead).dt.tz_localize("UTC")
-    return pd.Series(utc.dt.tz_convert(timezone(ahead.min().to_pytimedelta()))) if ahead.min() else utc
+    least = ahead.min()
+    return pd.Series(utc.dt.tz_convert(timezone(least.to_pytimedelta()))) if pd.notna(least) and least else utc
 
 
 def _as_written(written: pd.Series, time_format: str | None) -> pd.Series:

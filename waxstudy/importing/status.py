@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection
-from itertools import pairwise
 from pathlib import Path
 
 import pandas as pd
@@ -25,11 +24,11 @@ UNCERTAIN_FROM, GOOD_FROM, GOOD_UP_TO = 64, 192, 255  # by their two highest bit
 LOST = "unavailable"  # a word after which nothing is held
 
 
-def without_status(table: Table) -> tuple[pd.DataFrame, pd.Series, list[str]]:
+def without_status(table: Table, time: str) -> tuple[pd.DataFrame, pd.Series, list[str]]:
     """Return a table without columns that say how good readings are, whether each row is bad by them, and what is said.
 
     A column with any other word, or with other numbers, is none of them: it may be what was read. Several of one name,
-    also of one that is numbered, judge the columns before them.
+    also of one that is numbered, judge the columns of readings before them, or whole rows where the first has none.
     """
     frame, file = table.frame, Path(table.where).name
     bad = pd.Series(False, index=frame.index)
@@ -37,15 +36,17 @@ def without_status(table: Table) -> tuple[pd.DataFrame, pd.Series, list[str]]:
         bad |= frame[CODE].notna() & ~frame[CODE].isin(CODE_GOOD)  # without a code nothing is said of a reading
         frame = frame.drop(columns=[CODE, *(name for name in HOW if name in frame)])
     named = {name: found for name in map(str, frame.columns) if (found := plain_name(name)) in NAMES}
-    before = {name: last for last, name in pairwise(map(str, frame.columns))}
-    said = []
+    before, last, said = dict[str, str](), "", list[str]()
+    for name in map(str, frame.columns):
+        before[name], last = last, last if name in named or name == time else name
+    has_own = bool(named) and before[next(iter(named))] != ""
     for name, found in named.items():
         if (judged := _judged(frame[name], found)) is None:
             unknown = f"'{name}' says how good readings are in a way that is not known: it judges none."
-            said += [f"{file}: {unknown}"] if found in QUALITY else []
+            said += [f"{file}: {unknown}"] if found in QUALITY and frame[name].notna().any() else []
             continue
         said += [f"{file}: {sentence}" for sentence in _uncertain(frame[name], found)]
-        if list(named.values()).count(found) > 1 and name in before:
+        if list(named.values()).count(found) > 1 and has_own:
             frame, told = _judging(frame, before[name], judged)
             said += [f"{file}: {told}"] if told else []
         else:

@@ -8,6 +8,7 @@ import pandas as pd
 
 from waxstudy.importing.limits import NAMED
 from waxstudy.importing.reading import Table
+from waxstudy.importing.stamps import is_stamps
 from waxstudy.study.problems import listed
 
 # what stands in place of a stamp, in lower case
@@ -28,7 +29,7 @@ def without_summaries(table: Table) -> tuple[pd.DataFrame, str]:
         return frame, ""
     words = [each for each in cells.dropna().unique() if str(each).strip().rstrip(".:").lower() in SUMMARIES]
     is_summed = cells.isin(words)
-    if not words or is_summed.all():
+    if not words or is_summed.all() or not is_stamps(cells[~is_summed]):
         return frame, ""
     told = listed([f"'{each}'" for each in words], NAMED)
     said = f"{Path(table.where).name}: {int(is_summed.sum())} rows are left out, as they sum up others: {told}."

@@ -97,7 +97,7 @@ def _ending(frame: pd.DataFrame, begin: str) -> tuple[str, pd.DataFrame]:
     """Return the column of stamps at which intervals end, where they begin at those that were found, and the table."""
     is_begin = begin.strip().lower() in BEGIN
     ends = [str(name) for name in frame.columns if is_begin and str(name).strip().lower() in END]
-    end = next((name for name in ends if is_stamps(frame[name])), None)
+    end = next((name for name in ends if is_stamps(frame[name]) and frame[name].notna().all()), None)
     return (end, frame.drop(columns=begin)) if end else (begin, frame)
 
 

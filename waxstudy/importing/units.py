@@ -21,6 +21,7 @@ WRITTEN = {
     "k": "kelvin", "gpm": "gallon/minute", "gph": "gallon/hour", "cfm": "foot**3/minute",
     # of water, a litre of which has a kilogram within 1 % up to 45 °C
     "kg/s": "liter/second", "kg/min": "liter/minute", "kg/h": "liter/hour", "t/h": "meter**3/hour",
+    "m3": "m**3", "m³": "m**3", "l/mn": "liter/minute",
     "l/m": "liter/minute", "lpm": "liter/minute", "lph": "liter/hour", "cbm": "m**3", "cbm/h": "m**3/hour",
     "kbtu/h": "kBTU/hour", "mbh": "kBTU/hour", "btuh": "BTU/hour", "btu/hr": "BTU/hour", "btu/h": "BTU/hour",
     "w": "watt", "kw": "kilowatt", "wh": "watt_hour", "kwh": "kilowatt_hour", "mwh": "megawatt_hour", "l": "liter",

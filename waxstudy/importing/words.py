@@ -126,6 +126,15 @@ def numbers_of(written: pd.Series) -> Numbers:
     return Numbers(values, tuple(sorted(units)), tuple(sorted(words)), said, bad, count)
 
 
+def _bare(unit: str) -> str:
+    """Return a unit without brackets around it.
+
+    >>> _bare("(Celsius)"), _bare("W/(m2)")
+    ('Celsius', 'W/(m2)')
+    """
+    return unit.strip(" ()[]") if unit[:1] in ("(", "[") else unit
+
+
 def _read(text: str, marks: frozenset[str]) -> tuple[float, str, str]:
     text = RAW.sub("", text, count=1) if "|" in text else text
     lower = text.lower()
@@ -133,7 +142,7 @@ def _read(text: str, marks: frozenset[str]) -> tuple[float, str, str]:
         return WORDS[lower], "", lower
     text = _ungrouped(MINUS.sub("-", text), marks)
     if lower not in NOTHING and (found := NUMBER.fullmatch(text)):
-        return float(found["number"].replace(",", ".")), (found["unit"] or "").strip(" ()[]"), ""
+        return float(found["number"].replace(",", ".")), _bare((found["unit"] or "").strip()), ""
     return float("nan"), "", ""
 
 

@@ -15,7 +15,6 @@ from waxstudy.diagnosis.estimate.hypothesis import Hypothesis, Residual
 from waxstudy.diagnosis.model.conventions import Convention
 from waxstudy.diagnosis.model.discrepancy import Discrepancy
 from waxstudy.diagnosis.model.edits import Edits
-from waxstudy.diagnosis.observations.record import FLOW
 from waxstudy.diagnosis.residuals.noise_floor import PERTURBATIONS, of_noise
 from waxstudy.diagnosis.residuals.segment_problem import SegmentProblem
 from waxstudy.diagnosis.weights import WEIGHTS
@@ -85,13 +84,6 @@ class Healthy:
         """How far a thermostat's reading goes on past where it switches, or noise makes it; 0 where none is judged."""
         seen_K = (each.reading_K for each in self.problem.past_switch(self.fitted))
         return max([*seen_K, self.problem.noise_past_switch_K])
-
-    def step_L_h(self, interval_s: float) -> float:
-        """Return in which steps a flow is told, in samples so long: of a pulse, else of noise or rounding."""
-        record = self.problem.record
-        if record.pulses:
-            return record.pulse_L * 3600.0 / interval_s
-        return max(record.noise.get(FLOW, 0.0), record.flow_step_L_h)
 
     @property
     def tolerated_travel(self) -> float:
@@ -223,10 +215,6 @@ class AsBelieved(Healthy):
     @cached_property
     def past_switch_K(self) -> float:
         return self.problem.noise_past_switch_K
-
-    def step_L_h(self, interval_s: float) -> float:
-        """Return 0: nobody knows how the flow was told."""
-        return 0.0
 
     @property
     def tolerated_travel(self) -> float:

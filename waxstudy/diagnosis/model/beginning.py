@@ -46,7 +46,7 @@ def begun(
         return float(np.mean(ends["controller"][tells] - seen[tells]))
 
     for name, value in _numbers(Chain(chain, step_s)):
-        if missed(name, value - REACH) < 0.0 < missed(name, value + REACH):
+        if missed(name, value - REACH) * missed(name, value + REACH) < 0.0:
             found = brentq(lambda each, name=name: missed(name, each), value - REACH, value + REACH, xtol=CLOSE)
             return {"controller": {name: float(found)}}
     return {}

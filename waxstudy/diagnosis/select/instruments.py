@@ -72,6 +72,8 @@ class Instruments:
         A form may err all the time by as much as the healthy record leaves, of a flow by as much as that of an effect.
         Only what is beyond that shows that there is something; then all of it tells what.
         """
+        if not self.each:
+            return None
         missed = self._not_of_room(np.concatenate((fitted.whitened * self.weight, self.root @ fitted.departures)))
         price, found = WEIGHTS.price + float(np.log(len(self.each))), list[OffBy]()
         for channel, form, change in self.each:

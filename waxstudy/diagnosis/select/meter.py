@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import log
 
+import numpy as np
+
+from waxstudy.dataset.limits import ODD_PULSES, WHOLE_PULSE
 from waxstudy.diagnosis.calibration.healthy import Healthy
 from waxstudy.diagnosis.model.segments import Segment
 from waxstudy.diagnosis.observations.record import FLOW, Record
 from waxstudy.diagnosis.weights import WEIGHTS
+from waxstudy.plugin import FloatArray
 
 
 def coarser_steps(segment: Segment, record: Record, healthy: Healthy) -> float:
@@ -16,10 +20,21 @@ def coarser_steps(segment: Segment, record: Record, healthy: Healthy) -> float:
 
     How far a flow strays tells nothing of it: it is judged by means between pulses, and rounding counts as noise.
     """
-    if FLOW not in segment.judged:
+    if FLOW not in segment.judged or healthy.is_noise:
         return 0.0
-    now_L_h, usual_L_h = record.flow_step_L_h, healthy.step_L_h(record.interval_s)
-    return log(now_L_h / usual_L_h) / WEIGHTS.coarse_scatter if 0.0 < usual_L_h < now_L_h else 0.0
+    before = healthy.problem.record
+    # what a pulse would be written as in samples of the healthy record
+    now_L_h = record.pulse_L * 3600.0 / before.interval_s if record.pulses else record.flow_step_L_h
+    usual_L_h = max(before.noise[FLOW], before.flow_step_L_h) if before.has(FLOW) else 0.0
+    if not 0.0 < usual_L_h < now_L_h or (record.pulses and _is_whole(before.values[FLOW], now_L_h)):
+        return 0.0
+    return log(now_L_h / usual_L_h) / WEIGHTS.coarse_scatter
+
+
+def _is_whole(flow: FloatArray, step_L_h: float) -> bool:
+    """Whether a flow (n,) may have been counted in such steps too: nearly all of it is whole ones of them."""
+    steps = flow[flow > 0.0] / step_L_h
+    return float(np.mean(np.abs(steps - np.round(steps)) <= WHOLE_PULSE)) >= 1.0 - ODD_PULSES if len(steps) else False
 
 
 def change_of_meter(segment: Segment, record: Record, healthy: Healthy) -> Iterator[str]:
