@@ -198,7 +198,8 @@ def draw(every: Mapping[str, Score]) -> None:
                 panel.plot(goal["value"], row, linestyle="", **series(place))
                 if goal["wanted"] is not None:
                     panel.plot(goal["wanted"], row, marker="|", color=BLACK, markersize=14, markeredgewidth=1.6)
-                panel.plot(guess[name]["value"], row, marker="x", color=BLACK, linestyle="")
+                if guess[name]["value"] is not None:  # of few records a guess may have had none to answer
+                    panel.plot(guess[name]["value"], row, marker="x", color=BLACK, linestyle="")
             panel.set_xlim(-0.03, 1.03)
             panel.set_title(where, fontsize=9)
             name_rows(panel, SHOWN)
