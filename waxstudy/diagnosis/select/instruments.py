@@ -81,8 +81,12 @@ class Instruments:
             off = float(change @ missed) / power if power else 0.0
             told, by_days = self._gains(missed, missed - off * change)
             beyond = max(0.0, 1.0 - form / abs(off)) if off else 0.0
-            # what a meter has come to show more, it shows more than before
-            is_seen = channel != FLOW or abs((1.0 + off) / self.shown - 1.0) <= form
+            # a meter shows as much more than before; what a thermometer shows, a form alone does not leave
+            is_seen = (
+                abs((1.0 + off) / self.shown - 1.0) <= form
+                if channel == FLOW
+                else fitted.residual_of(channel).gap() > WEIGHTS.most_left * form
+            )
             if is_seen and by_days * beyond**2 > price + WEIGHTS.unknown_price:
                 found.append(OffBy(channel, off, told - price, 0.5 * power * off**2))
         return max(found, key=lambda each: each.told, default=None)

@@ -64,10 +64,10 @@ def posterior(found: Sequence[Weighed], soft: float | None = None, unseen: float
     gains = _gains(found, best)
     logs: dict[str, float] = {}
     for each, own, gain in zip(found, gains, _with_peers(found, gains), strict=True):
-        told = gain - max(0.0, each.always) - each.price
-        _add(logs, each.names, told, each.misfit)
-        if each.off_by:
-            _raise(logs, (*each.names, UNKNOWN), told + each.off_by.told - WEIGHTS.unknown_price)
+        _add(logs, each.names, gain - max(0.0, each.always) - each.price, each.misfit)
+        if each.off_by:  # counts by itself: how little days tell against nothing speaks for no instrument
+            told = _told(each, best) + each.off_by.told - max(0.0, each.always) - each.price
+            _raise(logs, (*each.names, UNKNOWN), told - WEIGHTS.unknown_price)
         if each.fitted.effects:
             _raise(logs, (UNKNOWN,), _mimicked(each, own))
         if each.always > 0.0:
