@@ -84,12 +84,10 @@ def test_of_several_columns_of_quality_each_judges_the_one_before(
 
 def test_a_status_and_a_quality_behind_each_reading_judge_that_reading(entry: Entry) -> None:
     frame = house()
-    parts = []
-    for name in frame.columns:
-        judged = pd.DataFrame({"Status": "ok", "Quality": "Good"}, index=frame.index)
-        if name == "outdoor_temperature":
-            judged.iloc[60:84, 1] = "Bad"
-        parts += [frame[name], judged]
+    good = pd.DataFrame({"Status": "ok", "Quality": "Good"}, index=frame.index)
+    bad = good.copy()
+    bad.iloc[60:84, 1] = "Bad"
+    parts = [part for name in frame for part in (frame[name], bad if name == "outdoor_temperature" else good)]
     done = imported(entry, pd.concat(parts, axis="columns", sort=False), *ROOM)
     assert done.code == 0, done.stderr
     found = read(Path("living"))

@@ -70,7 +70,8 @@ class Instruments:
         """Return the instrument that explains most of what a hypothesis misses; None where none does.
 
         A form may err all the time by as much as the healthy record leaves, of a flow by as much as that of an effect.
-        Only what is beyond that shows that there is something; then all of it tells what.
+        Only what is beyond that shows that there is something; then all of it tells what. A thermometer's channel must
+        be missed by more than the form may leave, and a meter must show as much more than before.
         """
         if not self.each:
             return None
@@ -81,15 +82,14 @@ class Instruments:
             off = float(change @ missed) / power if power else 0.0
             told, by_days = self._gains(missed, missed - off * change)
             beyond = max(0.0, 1.0 - form / abs(off)) if off else 0.0
-            # a meter shows as much more than before; what a thermometer shows, a form alone does not leave
-            is_seen = (
-                abs((1.0 + off) / self.shown - 1.0) <= form
-                if channel == FLOW
-                else fitted.residual_of(channel).gap() > WEIGHTS.most_left * form
-            )
-            if is_seen and by_days * beyond**2 > price + WEIGHTS.unknown_price:
+            if self._is_seen(channel, off, form, fitted) and by_days * beyond**2 > price + WEIGHTS.unknown_price:
                 found.append(OffBy(channel, off, told - price, 0.5 * power * off**2))
         return max(found, key=lambda each: each.told, default=None)
+
+    def _is_seen(self, channel: str, off: float, form: float, fitted: Hypothesis) -> bool:
+        if channel == FLOW:
+            return abs((1.0 + off) / self.shown - 1.0) <= form
+        return fitted.residual_of(channel).gap() > WEIGHTS.most_left * form
 
     def beside(self, alone: OffBy | None, gain: float, ease: float, spread: float, fitted: Hypothesis) -> OffBy | None:
         """Return the same beside an effect that gains so much, as far as that adds to what an instrument gains `alone`.

@@ -13,7 +13,7 @@ from waxstudy.diagnosis.result import When
 from waxstudy.diagnosis.weights import WEIGHTS
 from waxstudy.plugin.hours import DAY_H, clock
 
-MOST_TIMES = 3  # that are told by day and clock
+MOST_TIMES = 3  # chosen: that are told by day and clock, so that a line holds them
 
 
 def past_switch(problem: SegmentProblem, healthy: Healthy, fitted: Hypothesis) -> float:
